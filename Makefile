@@ -1,0 +1,120 @@
+# frictionCG: contact with Coulomb friction for FreeFEM.  `make help` lists the targets.
+
+SHELL     := /bin/bash
+CXX       ?= g++
+BUILD     := build
+CXXFLAGS  ?= -O3
+WARN      := -Wall -Wextra -Wshadow -Werror
+INCLUDE   := -isystem /usr/include/eigen3 -isystem /usr/include/suitesparse
+FF_HEADER := -isystem /usr/include/freefem++
+FLAGS      = -std=c++17 -fPIC $(CXXFLAGS) $(WARN) $(INCLUDE)
+LIBS      := -lcholmod -llapack -lblas
+
+PACKAGES  := freefem++ libfreefem++-dev libeigen3-dev libsuitesparse-dev libopenblas0-pthread \
+             libopenblas-dev libgtest-dev gnuplot-nox ghostscript g++
+
+CORE      := $(wildcard plugin/core/*.cpp)
+OBJECTS   := $(CORE:plugin/%.cpp=$(BUILD)/%.o)
+HEADERS   := $(wildcard plugin/core/*.h plugin/freefem/*.h)
+UNIT      := $(wildcard tests/unit/*.cpp)
+SCRIPTS   := $(wildcard tests/edp/*.edp)
+EXAMPLES  := $(wildcard examples/*.edp)
+OWN       := $(CORE) $(HEADERS) $(wildcard plugin/*.cpp tests/unit/*.cpp tests/unit/*.h \
+               tests/bench/*.cpp tests/bench/*.h)
+
+# Debian's freefem++.pref names a folder that does not exist; these two make up for it.
+export FF_LOADPATH    := $(CURDIR)/$(BUILD);/usr/lib/freefem++
+export FF_INCLUDEPATH := $(CURDIR)/edp;/usr/include/freefem++/idp
+FREEFEM   := FreeFem++-nw -nw -v 0
+PREFIX    ?= /usr
+
+.PHONY: all help setup demo check unit scripts examples bench format lint sanitize coverage \
+        install clean
+
+all: $(BUILD)/frictionCG.so ## build the plugin
+
+help: ## list the targets
+	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 18
+
+setup: ## install what is missing from Debian's packages
+	@missing=; for p in $(PACKAGES); do dpkg -s $$p >/dev/null 2>&1 || missing="$$missing $$p"; done; \
+	if [ -n "$$missing" ]; then \
+	  echo "installing:$$missing"; \
+	  sudo=; [ $$(id -u) = 0 ] || sudo=sudo; \
+	  $$sudo apt-get update -qq && \
+	  DEBIAN_FRONTEND=noninteractive $$sudo apt-get install -y -qq --no-install-recommends $$missing \
+	    >/dev/null || { echo "cannot install:$$missing"; exit 1; }; \
+	fi
+
+$(BUILD)/core/%.o: plugin/core/%.cpp $(HEADERS)
+	@mkdir -p $(@D)
+	$(CXX) $(FLAGS) -c $< -o $@
+
+# FreeFEM's own operator new confuses this one warning.
+$(BUILD)/frictionCG.o: plugin/frictionCG.cpp $(HEADERS)
+	@mkdir -p $(@D)
+	$(CXX) $(FLAGS) $(FF_HEADER) -Wno-mismatched-new-delete -c $< -o $@
+
+$(BUILD)/frictionCG.so: $(BUILD)/frictionCG.o $(OBJECTS)
+	$(CXX) -shared $(LDFLAGS) $^ -o $@ $(LIBS)
+
+demo: setup ## the block of the paper: displacement, contact forces, and their picture
+	@$(MAKE) --no-print-directory all >/dev/null
+	cd $(BUILD) && $(FREEFEM) ../examples/block.edp
+
+check: setup ## all tests
+	@$(MAKE) --no-print-directory all $(BUILD)/unit_tests
+	@bash tests/run $(BUILD)/unit_tests $(SCRIPTS) $(EXAMPLES)
+
+unit: all $(BUILD)/unit_tests ## unit tests of the core only
+	$(BUILD)/unit_tests
+
+scripts: all ## scripted tests in FreeFEM only
+	@bash tests/run $(SCRIPTS)
+
+examples: all ## every example, on coarse meshes
+	@bash tests/run $(EXAMPLES)
+
+$(BUILD)/unit_tests: $(UNIT:tests/%.cpp=$(BUILD)/%.o) $(OBJECTS)
+	$(CXX) $(LDFLAGS) $^ -o $@ -lgtest -lgtest_main -lpthread $(LIBS)
+
+$(BUILD)/unit/%.o: tests/unit/%.cpp $(HEADERS) $(wildcard tests/unit/*.h)
+	@mkdir -p $(@D)
+	$(CXX) $(FLAGS) -Iplugin -c $< -o $@
+
+format: ## clang-format on our own code
+	clang-format -i $(OWN)
+
+lint: ## clang-tidy, and the core free of FreeFEM and of output
+	@! grep -lE 'ff\+\+|freefem|<iostream>|printf' plugin/core/*.h plugin/core/*.cpp
+	clang-format --dry-run -Werror $(OWN)
+	clang-tidy --quiet $(CORE) -- -std=c++17 $(INCLUDE)
+
+sanitize: ## unit and scripted tests under ASan and UBSan
+	@$(MAKE) --no-print-directory BUILD=$(BUILD)/sanitize LDFLAGS="-fsanitize=address,undefined" \
+	  CXXFLAGS="-O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined" \
+	  $(BUILD)/sanitize/frictionCG.so $(BUILD)/sanitize/unit_tests
+	$(BUILD)/sanitize/unit_tests
+	FF_LOADPATH="$(CURDIR)/$(BUILD)/sanitize;/usr/lib/freefem++" \
+	LD_PRELOAD="$$($(CXX) -print-file-name=libasan.so) $$($(CXX) -print-file-name=libubsan.so)" \
+	ASAN_OPTIONS=detect_leaks=0:alloc_dealloc_mismatch=0 bash tests/run $(SCRIPTS)
+
+coverage: ## lines of plugin/core that no unit test reaches
+	@$(MAKE) --no-print-directory BUILD=$(BUILD)/coverage LDFLAGS=--coverage \
+	  CXXFLAGS="-O0 -g --coverage" $(BUILD)/coverage/unit_tests
+	@$(BUILD)/coverage/unit_tests >/dev/null
+	@cd $(BUILD)/coverage/core && gcov -n *.gcda 2>/dev/null | \
+	  awk '/^File .*plugin\/core/ {print; getline; print "   " $$0}'
+
+install: all ## the plugin and the .idp files where FreeFEM looks; then an example from there
+	install -d $(DESTDIR)$(PREFIX)/lib/freefem++ $(DESTDIR)$(PREFIX)/include/freefem++/idp
+	install -m 644 $(BUILD)/frictionCG.so $(DESTDIR)$(PREFIX)/lib/freefem++/
+	if [ -d $(DESTDIR)$(PREFIX)/lib/freefem++/mpi ]; then \
+	  install -m 644 $(BUILD)/frictionCG.so $(DESTDIR)$(PREFIX)/lib/freefem++/mpi/; fi
+	for f in edp/*.idp; do [ -e $$f ] && install -m 644 $$f \
+	  $(DESTDIR)$(PREFIX)/include/freefem++/idp/ || true; done
+	cd $(BUILD) && FF_LOADPATH="$(DESTDIR)$(PREFIX)/lib/freefem++" \
+	  FF_INCLUDEPATH="$(DESTDIR)$(PREFIX)/include/freefem++/idp" $(FREEFEM) ../examples/block.edp
+
+clean: ## remove what was built
+	rm -rf $(BUILD)

@@ -1,0 +1,32 @@
+#pragma once
+#include "contact_problem.h"
+
+namespace frictioncg {
+
+/// How far x is from the unregularized laws of contact and friction, whatever method found it.
+///
+///   r = F - Ax                                                       interior: r = 0
+///   normal:    min(A_NN (gap - x_N), r_N) = 0                        r_N >= 0 presses on the obstacle
+///   friction:  r_T - proj_{|.| <= g}(r_T + A_TT x_T) = 0             g = mu max(r_N, 0), or given
+///
+/// residual = norm of the three, each scaled by D^{-1/2}, over the norm of the load: dimensionless,
+/// invariant under a change of units and under rotation.
+struct Certificate {
+  Real residual = 0;
+  Real equilibrium = 0;  ///< its share from the interior dofs
+  Real normal = 0;       ///< its share from unilateral contact
+  Real friction = 0;     ///< its share from friction
+  Vector r;              ///< n, F - Ax: minus the force of the obstacle on the body [force]
+};
+
+enum class NodeState : Index { none = 0, separated = 1, slip = 2, stick = 3 };
+
+Certificate certify(const ContactProblem& problem, const Vector& x);
+
+/// Sliding limit of contact node i under the problem's law, r = F - Ax. [force]
+Real sliding_limit(const ContactProblem& problem, Index i, const Vector& r);
+
+/// Which branch of the laws each contact node is on (m), r = F - Ax.
+std::vector<NodeState> classify(const ContactProblem& problem, const Vector& x, const Vector& r);
+
+}  // namespace frictioncg

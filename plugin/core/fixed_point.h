@@ -1,0 +1,36 @@
+#pragma once
+#include "anderson.h"
+#include "solver.h"
+
+namespace frictioncg {
+
+/// Problem 1 (section 2), g = mu |F_N(u_g)|: minimizations at given g, each started from the last
+/// and no more precise than g is known; g accelerated. A given sliding limit takes one minimization.
+class FixedPoint {
+ public:
+  FixedPoint(const ContactProblem& problem, const Settings& settings, TrescaSolver& tresca);
+  Solution solve(const Vector& x0);
+
+ private:
+  void start(const Vector& x0);
+  Status pass();
+  bool update_sliding_limit();
+  bool sharpen_regularization();
+  Real displacement_scale() const;
+
+  const ContactProblem& problem_;
+  const Settings& settings_;
+  TrescaSolver& tresca_;
+  Iterate it_;
+  Vector g_;
+  Anderson anderson_;
+  Solution solution_;
+  Real relative_eps_;  ///< eps over the displacement scale, where eps is ours to choose
+  Real inner_ = 0;     ///< tolerance of the next minimization
+  Real mismatch_ = 0;  ///< |mu r_N - g|, in norm_D over the load
+  Real best_ = 0;      ///< least mismatch so far
+  Index since_best_ = 0;
+  bool damped_ = false;
+};
+
+}  // namespace frictioncg

@@ -1,0 +1,156 @@
+#include "line_search.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace frictioncg {
+
+namespace {
+constexpr Real infinity = std::numeric_limits<Real>::infinity();
+constexpr Real rigid = 1e-13;  ///< <Av,v>/<Dv,v> at which v counts as a rigid motion
+}  // namespace
+
+LineSearch::LineSearch(const ContactProblem& problem, Step step) : problem_(problem), step_(step) {
+  nodes_.reserve(problem.nodes());
+  breaks_.reserve(2 * problem.nodes());
+  for (Index i = 0; i < problem.nodes(); ++i)
+    if (problem.tangents(i) > 1) single_tangent_ = false;
+}
+
+void LineSearch::gather(const Vector& g, const Vector& x, const Vector& v) {
+  nodes_.clear();
+  for (Index i = 0; i < problem_.nodes(); ++i) {
+    const Index t = problem_.tangents(i);
+    if (t == 0 || g[i] == 0) continue;
+    const auto x_T = x.segment(problem_.first[i] + 1, t);
+    const auto v_T = v.segment(problem_.first[i] + 1, t);
+    const Real vv = v_T.squaredNorm();
+    if (vv > 0) nodes_.push_back({g[i], x_T.squaredNorm(), x_T.dot(v_T), vv});
+  }
+}
+
+Real LineSearch::friction_slope(const Phi& phi, Real rho) const {
+  Real sum = 0;
+  for (const Node& n : nodes_) {
+    const Real t = std::sqrt(std::max(0.0, n.xx + rho * (2 * n.xv + rho * n.vv)));
+    sum += n.g * phi.slope_over_t(t) * (n.xv + rho * n.vv);
+  }
+  return sum;
+}
+
+/// sum g <phi'' v, v> at x + rho v, of (14).
+Real LineSearch::friction_curvature(const Phi& phi, Real rho) const {
+  Real sum = 0;
+  for (const Node& n : nodes_) {
+    const Real tt = std::max(0.0, n.xx + rho * (2 * n.xv + rho * n.vv));
+    const Real t = std::sqrt(tt);
+    const Real along = n.xv + rho * n.vv;
+    const Real radial = tt > 0 ? std::min(along * along / tt, n.vv) : n.vv;
+    sum += n.g * (phi.curvature(t) * radial + phi.slope_over_t(t) * (n.vv - radial));
+  }
+  return sum;
+}
+
+Real LineSearch::slope(const Phi& phi, Real rho) const {
+  return rho * vAv_ - a_ + friction_slope(phi, rho);
+}
+
+Real LineSearch::operator()(const Phi& phi, const Vector& g, const Vector& x, const Vector& v,
+                            Real r_v, Curvature vAv, Real rho_max) {
+  gather(g, x, v);
+  vAv_ = vAv.A > rigid * vAv.D ? vAv.A : 0;
+  if (step_ == Step::newton) {
+    const Real curvature = vAv_ + friction_curvature(phi, 0);
+    return curvature > 0 ? std::min(r_v / curvature, rho_max) : rho_max;
+  }
+  if (nodes_.empty()) return vAv_ > 0 ? std::min(r_v / vAv_, rho_max) : rho_max;
+
+  a_ = r_v + friction_slope(phi, 0);
+  // friction only brakes: the root of J' lies below that of its quadratic part
+  Real high = std::min(rho_max, vAv_ > 0 ? r_v / vAv_ : infinity);
+  if (high == infinity) {
+    Real limit = 0;  // friction's share of J' at infinity
+    for (const Node& n : nodes_) limit += n.g * std::sqrt(n.vv);
+    if (limit <= a_ * (1 + 1e-12)) return infinity;
+    for (high = 1; slope(phi, high) < 0;) high *= 4;
+  }
+  if (step_ == Step::exact && phi.kind == Regularization::polynomial && single_tangent_)
+    return walk(phi, high);
+  if (slope(phi, high) <= 0) return high;
+  return step_ == Step::exact ? bracketed_newton(phi, high) : false_position(phi, high);
+}
+
+/// REG3 with one tangent: J' is piecewise linear and increasing, with two breakpoints a node.
+Real LineSearch::walk(const Phi& phi, Real rho_max) {
+  Real constant = -a_, curvature = vAv_;  // J' = constant + curvature rho up to the next break
+  breaks_.clear();
+  for (const Node& n : nodes_) {
+    const Real speed = std::sqrt(n.vv), x = n.xv / speed;  // x along v
+    const Real enter = (-phi.eps - x) / speed, leave = (phi.eps - x) / speed;
+    const Real limit = n.g * speed, steep = n.g * n.vv / phi.eps, offset = limit * x / phi.eps;
+    if (enter > 0) {
+      constant -= limit;
+      breaks_.push_back({enter, limit + offset, steep});
+      breaks_.push_back({leave, limit - offset, -steep});
+    } else if (leave > 0) {
+      constant += offset;
+      curvature += steep;
+      breaks_.push_back({leave, limit - offset, -steep});
+    } else {
+      constant += limit;
+    }
+  }
+  std::sort(breaks_.begin(), breaks_.end(),
+            [](const Break& a, const Break& b) { return a.rho < b.rho; });
+  Real rho = 0;
+  for (const Break& b : breaks_) {
+    if (b.rho >= rho_max || constant + curvature * b.rho >= 0) break;
+    rho = b.rho;
+    constant += b.slope;
+    curvature += b.curvature;
+  }
+  const Real root = curvature > 0 ? -constant / curvature : infinity;
+  return std::min(std::max(root, rho), rho_max);
+}
+
+/// J'(0) < 0 < J'(high): Newton steps, kept inside the bracket by bisection, to rounding.
+Real LineSearch::bracketed_newton(const Phi& phi, Real high) const {
+  Real low = 0, rho = high;
+  const Real small = 1e-14 * std::abs(slope(phi, 0));
+  for (int k = 0; k < 100; ++k) {
+    const Real s = slope(phi, rho);
+    if (std::abs(s) <= small || high - low <= 1e-15 * high) break;
+    (s < 0 ? low : high) = rho;
+    const Real curvature = vAv_ + friction_curvature(phi, rho);
+    const Real next = curvature > 0 ? rho - s / curvature : infinity;
+    rho = next > low && next < high ? next : 0.5 * (low + high);
+  }
+  return rho;
+}
+
+/// J'(0) < 0 < J'(high): the paper's choice, to 1e-4, halving the weight of an end that stays.
+Real LineSearch::false_position(const Phi& phi, Real high) const {
+  Real low = 0, slope_low = slope(phi, 0), slope_high = slope(phi, high), rho = high;
+  int side = 0;
+  for (int k = 0; k < 60 && high - low > 1e-4 * high; ++k) {
+    const Real next = (low * slope_high - high * slope_low) / (slope_high - slope_low);
+    const bool settled = std::abs(next - rho) <= 1e-4 * std::abs(next);
+    rho = next;
+    if (settled) break;
+    const Real s = slope(phi, rho);
+    if (s < 0) {
+      low = rho;
+      slope_low = s;
+      if (side == -1) slope_high /= 2;
+      side = -1;
+    } else {
+      high = rho;
+      slope_high = s;
+      if (side == 1) slope_low /= 2;
+      side = 1;
+    }
+  }
+  return rho;
+}
+
+}  // namespace frictioncg

@@ -1,0 +1,45 @@
+#pragma once
+#include "contact_problem.h"
+#include "preconditioner.h"
+#include "settings.h"
+
+namespace frictioncg {
+
+/// The coefficient rho of the descent x + rho v: J'(rho) = 0, eq. (13), J convex along v with
+///   J'(rho) = rho <Av,v> - <F-Ax,v> + sum_i g_i phi'(|x_T + rho v_T|) (x_T + rho v_T).v_T / |.|
+class LineSearch {
+ public:
+  LineSearch(const ContactProblem& problem, Step step);
+
+  /// rho in (0, rho_max] for the direction v with <r,v> > 0, r including friction; infinite where J
+  /// decreases for ever along a rigid motion.
+  Real operator()(const Phi& phi, const Vector& g, const Vector& x, const Vector& v, Real r_v,
+                  Curvature vAv, Real rho_max);
+
+ private:
+  struct Node {
+    Real g;       ///< sliding limit
+    Real xx, xv, vv;  ///< x_T.x_T, x_T.v_T, v_T.v_T
+  };
+  struct Break {
+    Real rho, slope, curvature;  ///< J' gains slope + curvature rho beyond rho
+  };
+
+  void gather(const Vector& g, const Vector& x, const Vector& v);
+  Real friction_slope(const Phi& phi, Real rho) const;
+  Real friction_curvature(const Phi& phi, Real rho) const;
+  Real slope(const Phi& phi, Real rho) const;
+  Real walk(const Phi& phi, Real rho_max);
+  Real bracketed_newton(const Phi& phi, Real high) const;
+  Real false_position(const Phi& phi, Real high) const;
+
+  const ContactProblem& problem_;
+  const Step step_;
+  bool single_tangent_ = true;  ///< no node has two tangents
+  std::vector<Node> nodes_;     ///< those that move tangentially and have g > 0
+  std::vector<Break> breaks_;
+  Real a_ = 0;    ///< <F - Ax, v>
+  Real vAv_ = 0;
+};
+
+}  // namespace frictioncg

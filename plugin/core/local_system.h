@@ -1,0 +1,99 @@
+#pragma once
+#include <array>
+
+#include "certificate.h"
+#include "contact_problem.h"
+
+namespace frictioncg {
+
+/// A matrix as a finite-element code holds it: triplets in any order, Dirichlet rows included.
+struct Triplets {
+  Index n = 0;
+  std::size_t size = 0;
+  const Index* i = nullptr;
+  const Index* j = nullptr;
+  const Real* a = nullptr;
+  Index base = 0;     ///< index of the first row: 0 or 1
+  bool half = false;  ///< only one triangle is stored
+};
+
+/// A node of the boundary that may touch. d = 2 or 3 components are used.
+struct ContactPoint {
+  std::array<Index, 3> dof{{-1, -1, -1}};  ///< of each component of the displacement
+  std::array<Real, 3> normal{{0, 0, 0}};   ///< unit, outward from the body
+  bool friction = false;                   ///< has a tangential law
+};
+
+/// From the assembled system to the contact problem in local frames, and back.
+///
+/// Dirichlet dofs are recognized by the values in A and eliminated: a huge diagonal (tgv = 1e30) or
+/// a row of the identity (tgv = -1, or -2 with homogeneous data). Each contact point gets a frame
+/// (n, t) or (n, t1, t2), orthonormal among the components that Dirichlet conditions leave free: the
+/// obstacle then sees the projection of its normal. A point without a free normal direction is no
+/// contact node. Where the frame is along the axes nothing is rotated.
+class LocalSystem {
+ public:
+  /// Copies A once, in O(nnz); A itself is not kept. Throws IllegalInput for what is not finite, not
+  /// symmetric, or has a diagonal <= 0.
+  LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points);
+
+  /// Sets the load b (n, with the data of Dirichlet dofs as A's storage wants it) and the state u_old
+  /// (n, or empty for 0) that the increment starts from; gap: one per contact point [length].
+  void set_load(const Vector& b, const Vector& u_old, const Vector& gap);
+
+  /// The law; friction: mu or g at each contact point, ignored where law is frictionless.
+  void set_law(Law law, const Vector& friction);
+
+  const ContactProblem& problem() const { return problem_; }
+  Index nodes() const { return problem_.nodes(); }
+  /// Contact point of contact node k.
+  Index point(Index k) const { return frames_[k].point; }
+  Index fixed_dofs() const { return static_cast<Index>(fixed_.size()); }
+  bool rotated() const { return rotated_; }
+
+  Vector to_local(const Vector& u) const;   ///< free dofs of u (n), in local frames
+  Vector to_global(const Vector& x) const;  ///< u_old + x on free dofs, the data on Dirichlet dofs
+  Vector force_to_global(const Vector& r) const;  ///< force of the obstacle on the body, -r, (n)
+
+ private:
+  /// Orthonormal frame of a contact node: u_c = sum_k Q[c][k] x_local[k] over the free components c.
+  struct Frame {
+    Index point = 0;                                   ///< contact point
+    Real share = 1;                                    ///< length of the projected normal
+    int size = 0;                                      ///< free components = directions
+    std::array<std::array<Real, 3>, 3> Q{};            ///< columns n, t1, t2
+    std::array<Index, 3> local{{-1, -1, -1}};          ///< local dof of each direction
+  };
+  struct Fixed {
+    Index dof;
+    Real diagonal;
+    bool alone;  ///< its couplings are not in the matrix
+  };
+  struct Coupling {
+    Index local, fixed;  ///< row of the problem, index into fixed_
+    Real a;
+  };
+  void find_fixed(const Triplets& A);
+  void add_frame(Index point);
+  void number(Index n);
+  void copy(const Triplets& A);
+  void merge_duplicates();
+  void check_symmetry() const;
+  template <class Visit>
+  void for_each_image(Index dof, Visit visit) const;
+
+  int d_;
+  std::vector<ContactPoint> points_;
+  ContactProblem problem_;
+  std::vector<Frame> frames_;       ///< m, one per contact node
+  std::vector<Index> image_;        ///< n: local dof, fixed_dof, or in_frame(node, component)
+  std::vector<Index> original_;     ///< local dof to a dof of its origin, for messages
+  std::vector<Fixed> fixed_;
+  std::vector<Coupling> couplings_;
+  bool half_ = false;       ///< A was stored by one triangle
+  bool unit_rows_ = false;  ///< A has Dirichlet rows of the identity whose columns remain
+  bool rotated_ = false;
+  Vector start_;            ///< n: u_old on free dofs, the data on Dirichlet dofs
+};
+
+}  // namespace frictioncg

@@ -1,0 +1,236 @@
+#include "preconditioner.h"
+
+#include <cmath>
+
+namespace frictioncg {
+
+Preconditioner::Preconditioner(const ContactProblem& problem)
+    : problem_(problem), interior_(problem.interior()), D_(problem.D) {}
+
+std::unique_ptr<Preconditioner> make_preconditioner(const ContactProblem& problem, Precon kind,
+                                                    Real omega) {
+  switch (kind) {
+    case Precon::ssor: return std::make_unique<SsorPreconditioner>(problem, false, omega);
+    case Precon::hessian_ssor: return std::make_unique<SsorPreconditioner>(problem, true, omega);
+    default: return std::make_unique<DiagonalPreconditioner>(problem, kind);
+  }
+}
+
+// ------------------------------------------------------------------------------------ diagonal
+
+DiagonalPreconditioner::DiagonalPreconditioner(const ContactProblem& problem, Precon kind)
+    : Preconditioner(problem),
+      on_hessian_(kind == Precon::hessian_diagonal),
+      C_(kind == Precon::none ? Vector::Ones(problem.dofs()) : Vector(D_)),
+      r_(Vector::Zero(problem.dofs())),
+      Av_(Vector::Zero(problem.dofs())),
+      dr_C_(problem.contact_dofs()) {}
+
+void DiagonalPreconditioner::start(const Vector& r) {
+  r_ = r;
+  interior_r_z_ = (r_.head(interior_).array().square() / C_.head(interior_).array()).sum();
+  interior_dr_z_ = 0;
+}
+
+void DiagonalPreconditioner::set_contact(const Vector& r_C, const ContactPart& part) {
+  r_z_ = interior_r_z_;
+  dr_z_ = interior_dr_z_;
+  for (Index c = 0; c < r_C.size(); ++c) {
+    const Index i = interior_ + c;
+    const Real before = r_[i];
+    r_[i] = part.free[c] ? r_C[c] : 0;
+    if (on_hessian_) C_[i] = D_[i] + part.hessian[c];
+    r_z_ += r_[i] * r_[i] / C_[i];
+    dr_z_ += (r_[i] - before) * r_[i] / C_[i];
+  }
+}
+
+void DiagonalPreconditioner::direction(Real gamma, Vector& v) {
+  v = r_.cwiseQuotient(C_) + gamma * v;
+}
+
+Curvature DiagonalPreconditioner::curvature(const Vector& v) {
+  Av_.noalias() = problem_.A * v;
+  return {Av_.dot(v), (D_.array() * v.array().square()).sum()};
+}
+
+void DiagonalPreconditioner::advance(Real rho, const Vector&) {
+  interior_r_z_ = interior_dr_z_ = 0;
+  for (Index i = 0; i < interior_; ++i) {
+    r_[i] -= rho * Av_[i];
+    const Real z = r_[i] / C_[i];
+    interior_r_z_ += r_[i] * z;
+    interior_dr_z_ -= rho * Av_[i] * z;
+  }
+}
+
+Real DiagonalPreconditioner::free_norm() const {
+  return std::sqrt((r_.array().square() / D_.array()).sum());
+}
+
+// ---------------------------------------------------------------------------------------- SSOR
+
+SsorPreconditioner::SsorPreconditioner(const ContactProblem& problem, bool on_hessian, Real omega)
+    : Preconditioner(problem),
+      on_hessian_(on_hessian),
+      omega_(omega),
+      kappa_((2 - omega) / omega),
+      diagonal_(problem.dofs()),
+      C_(D_),
+      free_(problem.contact_dofs(), 1),
+      y_(Vector::Zero(problem.dofs())),
+      s_(Vector::Zero(problem.dofs())),
+      e_(Vector::Zero(problem.dofs())),
+      r_C_(Vector::Zero(problem.contact_dofs())),
+      E_y_(Vector::Zero(problem.contact_dofs())),
+      dy_C_(Vector::Zero(problem.contact_dofs())),
+      work_(Vector::Zero(problem.contact_dofs())) {
+  const Index* row = problem.A.outerIndexPtr();
+  const Index* col = problem.A.innerIndexPtr();
+  for (Index i = 0; i < problem.dofs(); ++i)
+    diagonal_[i] = static_cast<Index>(std::lower_bound(col + row[i], col + row[i + 1], i) - col);
+}
+
+/// y_C = (C/omega + E)_CC^{-1} (rhs - lower_interior) on the free contact dofs; y_C into y's tail.
+void SsorPreconditioner::forward_contact(const Vector& lower_interior, const Vector& rhs,
+                                         Vector& y) const {
+  const Index* row = problem_.A.outerIndexPtr();
+  const Index* col = problem_.A.innerIndexPtr();
+  const Real* a = problem_.A.valuePtr();
+  const Index shift = interior_ - static_cast<Index>(problem_.dofs() - y.size());
+  for (Index c = 0; c < rhs.size(); ++c) {
+    const Index i = interior_ + c;
+    Real sum = 0;
+    if (free_[c]) {
+      sum = rhs[c] - lower_interior[c];
+      for (Index k = diagonal_[i] - 1; k >= row[i] && col[k] >= interior_; --k)
+        sum -= a[k] * y[col[k] - interior_ + shift];
+      sum *= omega_ / C_[i];
+    }
+    y[c + shift] = sum;
+  }
+}
+
+void SsorPreconditioner::start(const Vector& r) {
+  const Index* row = problem_.A.outerIndexPtr();
+  const Index* col = problem_.A.innerIndexPtr();
+  const Real* a = problem_.A.valuePtr();
+  interior_r_z_ = interior_dr_z_ = 0;
+  for (Index i = 0; i < interior_; ++i) {
+    Real sum = r[i];
+    for (Index k = row[i]; k < diagonal_[i]; ++k) sum -= a[k] * y_[col[k]];
+    y_[i] = sum * omega_ / C_[i];
+    interior_r_z_ += kappa_ * C_[i] * y_[i] * y_[i];
+  }
+}
+
+void SsorPreconditioner::set_contact(const Vector& r_C, const ContactPart& part) {
+  const Index* row = problem_.A.outerIndexPtr();
+  const Index* col = problem_.A.innerIndexPtr();
+  const Real* a = problem_.A.valuePtr();
+  free_ = part.free;
+  if (on_hessian_) C_.tail(r_C.size()) = D_.tail(r_C.size()) + part.hessian;
+
+  // E_CI y_I and, for Polak-Ribiere, the image of the change of r under the present (C/omega + E)^{-1}
+  Vector& lower = work_;
+  for (Index c = 0; c < r_C.size(); ++c) {
+    Real sum = 0;
+    const Index i = interior_ + c;
+    for (Index k = row[i]; k < diagonal_[i] && col[k] < interior_; ++k) sum += a[k] * y_[col[k]];
+    lower[c] = sum;
+    E_y_[c] = sum - E_y_[c];
+    r_C_[c] = r_C[c] - r_C_[c];
+  }
+  forward_contact(E_y_, r_C_, dy_C_);
+  forward_contact(lower, r_C, y_);
+  E_y_ = lower;
+  r_C_ = r_C;
+
+  r_z_ = interior_r_z_;
+  dr_z_ = interior_dr_z_;
+  for (Index c = 0; c < r_C.size(); ++c) {
+    const Index i = interior_ + c;
+    r_z_ += kappa_ * C_[i] * y_[i] * y_[i];
+    dr_z_ += kappa_ * C_[i] * dy_C_[c] * y_[i];
+  }
+}
+
+void SsorPreconditioner::direction(Real gamma, Vector& v) {
+  const Index* row = problem_.A.outerIndexPtr();
+  const Index* col = problem_.A.innerIndexPtr();
+  const Real* a = problem_.A.valuePtr();
+  // On the contact rows C may have changed since s was formed: s = (C/omega + E') v anew.
+  if (gamma != 0) {
+    for (Index i = interior_; i < problem_.dofs(); ++i) {
+      s_[i] = C_[i] / omega_ * v[i];
+      for (Index k = diagonal_[i] + 1; k < row[i + 1]; ++k) s_[i] += a[k] * v[col[k]];
+    }
+  }
+  for (Index i = problem_.dofs() - 1; i >= interior_; --i) {
+    if (!free_[i - interior_]) {
+      s_[i] = v[i] = 0;
+      continue;
+    }
+    s_[i] = kappa_ * C_[i] * y_[i] + (gamma != 0 ? gamma * s_[i] : 0);
+    Real sum = s_[i];
+    for (Index k = diagonal_[i] + 1; k < row[i + 1]; ++k) sum -= a[k] * v[col[k]];
+    v[i] = sum * omega_ / C_[i];
+  }
+  for (Index i = interior_ - 1; i >= 0; --i) {
+    Real sum = s_[i] = kappa_ * C_[i] * y_[i] + gamma * s_[i];
+    for (Index k = diagonal_[i] + 1; k < row[i + 1]; ++k) sum -= a[k] * v[col[k]];
+    v[i] = sum * omega_ / C_[i];
+  }
+}
+
+Curvature SsorPreconditioner::curvature(const Vector& v) {
+  const Index* row = problem_.A.outerIndexPtr();
+  const Index* col = problem_.A.innerIndexPtr();
+  const Real* a = problem_.A.valuePtr();
+  Real vAv = 0, vDv = 0;
+  for (Index i = 0; i < interior_; ++i) {
+    Real sum = s_[i] + (1 - 2 / omega_) * C_[i] * v[i];
+    for (Index k = row[i]; k < diagonal_[i]; ++k) sum -= a[k] * e_[col[k]];
+    e_[i] = sum * omega_ / C_[i];
+    vAv += (v[i] + e_[i]) * s_[i];
+    vDv += D_[i] * v[i] * v[i];
+  }
+  for (Index i = interior_; i < problem_.dofs(); ++i) {
+    e_[i] = 0;
+    if (!free_[i - interior_]) continue;
+    Real sum = s_[i] + (D_[i] - 2 / omega_ * C_[i]) * v[i];
+    for (Index k = row[i]; k < diagonal_[i]; ++k) sum -= a[k] * e_[col[k]];
+    e_[i] = sum * omega_ / C_[i];
+    vAv += (v[i] + e_[i]) * s_[i];
+    vDv += D_[i] * v[i] * v[i];
+  }
+  return {vAv, vDv};
+}
+
+void SsorPreconditioner::advance(Real rho, const Vector& v) {
+  interior_r_z_ = interior_dr_z_ = 0;
+  for (Index i = 0; i < interior_; ++i) {
+    const Real dy = -rho * (v[i] + e_[i]);
+    y_[i] += dy;
+    const Real w = kappa_ * C_[i] * y_[i];
+    interior_r_z_ += y_[i] * w;
+    interior_dr_z_ += dy * w;
+  }
+}
+
+Real SsorPreconditioner::free_norm() const {
+  const Index* row = problem_.A.outerIndexPtr();
+  const Index* col = problem_.A.innerIndexPtr();
+  const Real* a = problem_.A.valuePtr();
+  Real sum = 0;
+  for (Index i = 0; i < interior_; ++i) {
+    Real r = C_[i] / omega_ * y_[i];
+    for (Index k = row[i]; k < diagonal_[i]; ++k) r += a[k] * y_[col[k]];
+    sum += r * r / D_[i];
+  }
+  for (Index c = 0; c < r_C_.size(); ++c)
+    if (free_[c]) sum += r_C_[c] * r_C_[c] / D_[interior_ + c];
+  return std::sqrt(sum);
+}
+
+}  // namespace frictioncg

@@ -1,0 +1,113 @@
+#pragma once
+#include <memory>
+
+#include "settings.h"
+#include "contact_problem.h"
+
+namespace frictioncg {
+
+/// <Av, v> and <Dv, v>: their ratio tells a rigid motion from a deformation.
+struct Curvature {
+  Real A = 0, D = 0;
+};
+
+/// What the preconditioner sees of the contact dofs (sizes: contact_dofs()).
+struct ContactPart {
+  std::vector<char> free;  ///< 0 where the dof is held by the obstacle: masked everywhere
+  Vector hessian;          ///< g phi'' of (17), 0 at normals [force/length]
+};
+
+/// z = P r of eq. (15) on the free dofs, P = C^{-1}, together with the residual r it acts on.
+///
+/// The two go together because SSOR keeps y = (D/omega + E)^{-1} r in place of r (Eisenstat's trick):
+/// then one iteration, P r and A v together, passes over A once. The contact dofs come last in the
+/// numbering, so what changes there (the mask, the Hessian, friction) never touches the interior
+/// part of y, and costs only the contact rows.
+///
+/// The order of calls in one iteration:  direction, curvature, advance, set_contact.
+class Preconditioner {
+ public:
+  explicit Preconditioner(const ContactProblem& problem);
+  virtual ~Preconditioner() = default;
+
+  /// Starts from r = F - Ax - g phi'(x_T) (n), of which the interior is kept; then set_contact.
+  virtual void start(const Vector& r) = 0;
+
+  /// The contact rows of r, the mask or the Hessian have changed: r_C of size contact_dofs().
+  virtual void set_contact(const Vector& r_C, const ContactPart& part) = 0;
+
+  /// v = P r + gamma v
+  virtual void direction(Real gamma, Vector& v) = 0;
+
+  /// <Av, v>, and keeps Av for advance.
+  virtual Curvature curvature(const Vector& v) = 0;
+
+  /// r -= rho A v on the interior dofs; set_contact has to follow.
+  virtual void advance(Real rho, const Vector& v) = 0;
+
+  Real r_z() const { return r_z_; }    ///< <r, P r>
+  Real dr_z() const { return dr_z_; }  ///< <r - r_before_advance, P r>, eq. (12)
+  virtual Real r_v(const Vector& v) const = 0;  ///< <r, v>
+
+  /// Norm of r over the free dofs, in norm_D. May cost half a product.
+  virtual Real free_norm() const = 0;
+
+ protected:
+  const ContactProblem& problem_;
+  const Index interior_;
+  const Vector& D_;  ///< diag(A)
+  Real r_z_ = 0, dr_z_ = 0;
+};
+
+std::unique_ptr<Preconditioner> make_preconditioner(const ContactProblem& problem, Precon kind,
+                                                    Real omega);
+
+/// C = I, diag(A) or diag(J''): r itself is kept.
+class DiagonalPreconditioner final : public Preconditioner {
+ public:
+  DiagonalPreconditioner(const ContactProblem& problem, Precon kind);
+  void start(const Vector& r) override;
+  void set_contact(const Vector& r_C, const ContactPart& part) override;
+  void direction(Real gamma, Vector& v) override;
+  Curvature curvature(const Vector& v) override;
+  void advance(Real rho, const Vector& v) override;
+  Real r_v(const Vector& v) const override { return r_.dot(v); }
+  Real free_norm() const override;
+
+ private:
+  const bool on_hessian_;
+  Vector C_;     ///< the diagonal
+  Vector r_;     ///< zero where masked
+  Vector Av_;    ///< of the last direction
+  Vector dr_C_;  ///< change of r on the contact dofs
+  Real interior_r_z_ = 0, interior_dr_z_ = 0;
+};
+
+/// C = omega/(2-omega) (D/omega + E) D^{-1} (D/omega + E)', eq. (16), with D of A or of J''.
+class SsorPreconditioner final : public Preconditioner {
+ public:
+  SsorPreconditioner(const ContactProblem& problem, bool on_hessian, Real omega);
+  void start(const Vector& r) override;
+  void set_contact(const Vector& r_C, const ContactPart& part) override;
+  void direction(Real gamma, Vector& v) override;
+  Curvature curvature(const Vector& v) override;
+  void advance(Real rho, const Vector& v) override;
+  Real r_v(const Vector&) const override { return y_.dot(s_); }
+  Real free_norm() const override;
+
+ private:
+  void forward_contact(const Vector& lower_interior, const Vector& rhs, Vector& y) const;
+
+  const bool on_hessian_;
+  const Real omega_, kappa_;      ///< kappa = (2 - omega)/omega
+  std::vector<Index> diagonal_;   ///< n, position of a_ii in the row
+  Vector C_;                      ///< n, D of A or of J''
+  std::vector<char> free_;        ///< contact dofs
+  Vector y_;                      ///< (C/omega + E)^{-1} r, zero where masked
+  Vector s_;                      ///< (C/omega + E') v
+  Vector e_;                      ///< A v = (C/omega + E)(v + e)
+  Vector r_C_, E_y_, dy_C_, work_;  ///< contact dofs: r; E_CI y_I; change of y; right-hand side
+  Real interior_r_z_ = 0, interior_dr_z_ = 0;
+};
+
+}  // namespace frictioncg

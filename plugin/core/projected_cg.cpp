@@ -1,0 +1,228 @@
+#include "projected_cg.h"
+
+#include <cmath>
+#include <limits>
+
+namespace frictioncg {
+
+namespace {
+constexpr Real infinity = std::numeric_limits<Real>::infinity();
+constexpr Real indefinite = -1e-11;  ///< <Av,v>/<Dv,v> below which A is not positive semi-definite
+constexpr Index measure_every = 20;
+}  // namespace
+
+ProjectedCG::ProjectedCG(const ContactProblem& problem, const Settings& settings,
+                         Index max_iterations, Observer* observer)
+    : problem_(problem),
+      settings_(settings),
+      max_iterations_(max_iterations),
+      observer_(observer),
+      D_(problem.D),
+      P_(make_preconditioner(problem, settings.precon, settings.omega > 0 ? settings.omega : 1)),
+      line_search_(problem, settings.step),
+      part_{std::vector<char>(problem.contact_dofs(), 1), Vector::Zero(problem.contact_dofs())},
+      sticking_(problem.nodes(), 0),
+      v_(Vector::Zero(problem.dofs())),
+      Av_C_(problem.contact_dofs()),
+      r_C_(problem.contact_dofs()),
+      rf_C_(problem.contact_dofs()) {}
+
+Outcome ProjectedCG::minimize(Iterate& it, const Vector& g, Real eps, Tangents tangents,
+                              Real tolerance) {
+  const Phi phi{settings_.reg, eps};
+  const Index first_iteration = iterations_;
+  const auto end = [&](Status s) { return Outcome{s, iterations_ - first_iteration}; };
+  tangents_ = tangents;
+  partial_ = settings_.partial;
+  begin(it, g, phi);                                                    // r = F - Ax - g phi'
+  Verdict verdict = judge(it, g, phi, 0, tolerance);
+  verdict.restart = true;
+  Real r_z = P_->r_z();
+
+  while (!verdict.stop) {
+    if (iterations_ >= max_iterations_) return end(Status::max_iterations);
+    ++iterations_;
+    const Real gamma = verdict.restart || r_z <= 0 ? 0 : std::max(0.0, P_->dr_z() / r_z);
+    P_->direction(gamma, v_);                                           // v = P r + gamma v   (12)
+    if (gamma != 0 && P_->r_v(v_) <= 0) P_->direction(0, v_);
+    while (hold_inward(it, g, phi)) P_->direction(0, v_);
+    const Real r_v = P_->r_v(v_);
+    const Curvature vAv = P_->curvature(v_);
+    if (vAv.A < indefinite * vAv.D) return end(Status::not_positive_definite);
+
+    const Real rho_gap = step_to_gap(it);
+    const Real rho = line_search_(phi, g, it.x, v_, r_v, vAv, rho_gap);  // (13) or (14)
+    if (rho == infinity) return end(Status::no_equilibrium);
+    if (!std::isfinite(rho)) return end(Status::stagnated);
+
+    r_z = P_->r_z();
+    it.x += rho * v_;
+    P_->advance(rho, v_);                                               // r -= rho A v
+    contact_rows_times_v();
+    r_C_ -= rho * Av_C_;
+    bool restart = close_gaps(it, rho, rho_gap);
+    if (settings_.method != Method::gc3)                                // GC1, GC2: at once
+      restart |= release_tensile(it, tolerance) && settings_.method == Method::gc1;
+    restart |= update_friction(it, g, phi);
+    verdict = judge(it, g, phi, rho, tolerance);                        // GC3: after eps_1
+    verdict.restart |= restart;
+    if (observer_) observer_->iterate(iterations_, it.x);
+  }
+  return end(Status::converged);
+}
+
+void ProjectedCG::begin(Iterate& it, const Vector& g, const Phi& phi) {
+  for (Index i = 0; i < problem_.nodes(); ++i) {
+    const Index N = problem_.first[i];
+    it.x[N] = it.contact[i] ? problem_.gap[i] : std::min(it.x[N], problem_.gap[i]);
+    if (tangents_ == Tangents::stuck) it.x.segment(N + 1, problem_.tangents(i)).setZero();
+    if (it.x[N] == problem_.gap[i]) it.contact[i] = 1;
+  }
+  v_.noalias() = problem_.A * it.x;
+  v_ = problem_.F - v_;
+  r_C_ = v_.tail(problem_.contact_dofs());
+  P_->start(v_);
+  v_.setZero();
+  norm_ratio_ = 0;
+  since_measured_ = 0;
+  update_friction(it, g, phi);
+}
+
+/// Holds again the released nodes that P r would drive into the obstacle: they saw the residual of
+/// the others, not their own force. The next release waits for a smaller residual.
+bool ProjectedCG::hold_inward(Iterate& it, const Vector& g, const Phi& phi) {
+  bool held = false;
+  for (Index i = 0; i < problem_.nodes(); ++i) {
+    const Index N = problem_.first[i];
+    if (it.contact[i] || v_[N] <= 0 || it.x[N] < problem_.gap[i]) continue;
+    it.contact[i] = held = true;
+  }
+  if (!held) return false;
+  partial_ /= 10;
+  update_friction(it, g, phi);
+  return true;
+}
+
+/// Smallest rho at which a free contact node reaches its gap.
+Real ProjectedCG::step_to_gap(const Iterate& it) const {
+  Real rho = infinity;
+  for (Index i = 0; i < problem_.nodes(); ++i) {
+    const Index N = problem_.first[i];
+    if (!it.contact[i] && v_[N] > 0) rho = std::min(rho, (problem_.gap[i] - it.x[N]) / v_[N]);
+  }
+  return std::max(rho, 0.0);
+}
+
+bool ProjectedCG::close_gaps(Iterate& it, Real rho, Real rho_gap) {
+  if (rho < rho_gap) return false;
+  for (Index i = 0; i < problem_.nodes(); ++i) {
+    const Index N = problem_.first[i];
+    if (it.contact[i] || v_[N] <= 0) continue;
+    if (it.x[N] >= problem_.gap[i] - 1e-15 * std::abs(problem_.gap[i]) - 1e-15 * rho * v_[N]) {
+      it.x[N] = problem_.gap[i];
+      it.contact[i] = 1;
+    }
+  }
+  return true;
+}
+
+/// Opens the nodes in contact on which the obstacle would have to pull by more than rounding and the
+/// tolerance explain.
+bool ProjectedCG::release_tensile(Iterate& it, Real tolerance) {
+  const Real threshold = settings_.stop_on_step > 0 ? 0
+                                                    : 0.1 * tolerance * problem_.force_scale /
+                                                          std::sqrt(Real(problem_.nodes()));
+  bool released = false;
+  for (Index i = 0; i < problem_.nodes(); ++i) {
+    const Index c = problem_.first[i] - problem_.interior();
+    if (it.contact[i] && r_C_[c] < -threshold * std::sqrt(D_[problem_.first[i]])) {
+      it.contact[i] = 0;
+      released = true;
+    }
+  }
+  return released;
+}
+
+/// Norm of the tensile forces at nodes in contact: the violation of the dual condition.
+Real ProjectedCG::tension(const Iterate& it) const {
+  Real sum = 0;
+  for (Index i = 0; i < problem_.nodes(); ++i) {
+    const Index N = problem_.first[i];
+    const Real r = std::min(r_C_[N - problem_.interior()], 0.0);
+    if (it.contact[i]) sum += r * r / D_[N];
+  }
+  return std::sqrt(sum);
+}
+
+/// r and J'' on the contact dofs, after x or the contact set has changed. True where a node of REG3
+/// has crossed eps, so that J has another quadratic form from here on.
+bool ProjectedCG::update_friction(const Iterate& it, const Vector& g, const Phi& phi) {
+  bool crossed = false;
+  rf_C_ = r_C_;
+  for (Index i = 0; i < problem_.nodes(); ++i) {
+    const Index N = problem_.first[i], c = N - problem_.interior(), t = problem_.tangents(i);
+    part_.free[c] = !it.contact[i];
+    if (it.contact[i]) rf_C_[c] = 0;
+    if (t == 0) continue;
+    const bool held = tangents_ == Tangents::stuck;
+    const Real x_T = it.x.segment(N + 1, t).norm();
+    for (Index k = 1; k <= t; ++k) part_.free[c + k] = !held;
+    if (held) {
+      rf_C_.segment(c + 1, t).setZero();
+    } else if (g[i] > 0) {
+      rf_C_.segment(c + 1, t) -= g[i] * phi.slope_over_t(x_T) * it.x.segment(N + 1, t);
+      part_.hessian.segment(c + 1, t).setConstant(g[i] * phi.mean_curvature(x_T, t));
+      const char sticking = x_T <= phi.eps;
+      crossed = crossed || sticking != sticking_[i];
+      sticking_[i] = sticking;
+    } else {
+      part_.hessian.segment(c + 1, t).setZero();
+    }
+  }
+  P_->set_contact(rf_C_, part_);
+  return crossed && settings_.reg == Regularization::polynomial && settings_.step == Step::exact;
+}
+
+/// The stopping test; GC3 releases contacts here, after partial convergence.
+ProjectedCG::Verdict ProjectedCG::judge(Iterate& it, const Vector& g, const Phi& phi, Real rho,
+                                        Real tolerance) {
+  const bool gc3 = settings_.method == Method::gc3, by_step = settings_.stop_on_step > 0;
+  const Real eps_0 = by_step ? settings_.stop_on_step : tolerance * problem_.force_scale;
+  const Real eps_1 = gc3 ? partial_ * eps_0 : eps_0;
+  const Real measure = !by_step  ? free_norm_if_below(std::max(eps_0, eps_1))
+                       : rho > 0 ? rho * v_.norm() / it.x.norm()
+                                 : infinity;
+  Verdict verdict;
+  verdict.stop = measure <= eps_0 && (by_step || std::hypot(measure, tension(it)) <= eps_0);
+  if (verdict.stop && !by_step) return verdict;
+  if (gc3 && measure <= eps_1 && release_tensile(it, tolerance)) {
+    update_friction(it, g, phi);
+    verdict.stop = false;
+    verdict.restart = true;
+  }
+  return verdict;
+}
+
+/// |r| on the free dofs, or infinity where <r, Pr> says that it cannot be below the bound.
+Real ProjectedCG::free_norm_if_below(Real bound) {
+  const Real r_z = std::sqrt(std::max(P_->r_z(), 0.0));
+  if (norm_ratio_ * r_z > bound && ++since_measured_ < measure_every) return infinity;
+  const Real norm = P_->free_norm();
+  since_measured_ = 0;
+  norm_ratio_ = r_z > 0 ? norm / r_z : 0;
+  return norm;
+}
+
+void ProjectedCG::contact_rows_times_v() {
+  const Index* row = problem_.A.outerIndexPtr();
+  const Index* col = problem_.A.innerIndexPtr();
+  const Real* a = problem_.A.valuePtr();
+  for (Index c = 0; c < Av_C_.size(); ++c) {
+    Real sum = 0;
+    for (Index k = row[problem_.interior() + c]; k < row[problem_.interior() + c + 1]; ++k)
+      sum += a[k] * v_[col[k]];
+    Av_C_[c] = sum;
+  }
+}
+
+}  // namespace frictioncg

@@ -1,0 +1,53 @@
+#pragma once
+#include "regularization.h"
+
+namespace frictioncg {
+
+enum class Method {
+  gc1,  ///< release tensile nodes at each iteration and restart (Jeusette-Sonzogni)
+  gc2,  ///< release tensile nodes at each iteration, keep conjugating (Dilintas)
+  gc3,  ///< release tensile nodes after partial convergence (Raous-Barbarin)
+  sorp  ///< successive over-relaxation with projection, unregularized
+};
+
+enum class Precon { none, diagonal, ssor, hessian_diagonal, hessian_ssor };
+
+enum class Step {
+  exact,          ///< root of (13): finite walk for REG3 in 2D, else bracketed Newton to rounding
+  newton,         ///< (14), one Newton step
+  false_position  ///< (13) by false position to 1e-4
+};
+
+struct Settings {
+  Method method = Method::gc3;
+  Regularization reg = Regularization::polynomial;
+  Real regeps = 0;  ///< [length]; 0: from the scene, 1e-8 max|x| and less if tol asks for it
+  Precon precon = Precon::hessian_ssor;
+  Real omega = 0;  ///< relaxation of SSOR or SORP, in (0, 2); 0: 1 for SSOR, 1.8 for SORP
+  Step step = Step::exact;
+  Real tol = 1e-6;     ///< on the certificate, dimensionless
+  Index nbiter = 0;    ///< bound on all iterations of a call; 0: 10 sqrt(n) + 20 m + 10000
+  Real partial = 100;  ///< eps_1/eps_0 of section 3: GC3 tests for release at `partial` times tol
+  /// Only to repeat the paper's tables: stop at |dx| <= stop_on_step |x|. Proves nothing; 0: off.
+  Real stop_on_step = 0;
+};
+
+/// How a legal run ended. Illegal input is an exception.
+enum class Status {
+  converged = 0,
+  max_iterations = 1,
+  stagnated = 2,
+  no_equilibrium = 3,
+  not_positive_definite = 4,
+  fixed_point_diverged = 5,
+  regularized = 6  ///< the regularized problem is solved; regeps keeps the certificate above tol
+};
+
+/// Hears of the iterations; the core never prints.
+class Observer {
+ public:
+  virtual ~Observer() = default;
+  virtual void iterate(Index iteration, const Vector& x) = 0;
+};
+
+}  // namespace frictioncg

@@ -1,0 +1,19 @@
+#pragma once
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+#include <stdexcept>
+#include <vector>
+
+namespace frictioncg {
+
+using Real = double;
+using Index = int;
+using Vector = Eigen::VectorXd;
+using Matrix = Eigen::SparseMatrix<Real, Eigen::RowMajor, Index>;  ///< both halves, sorted rows
+
+/// The input breaks a rule of the interface; what() is one sentence for the user.
+struct IllegalInput : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+}  // namespace frictioncg

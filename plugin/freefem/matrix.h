@@ -1,0 +1,52 @@
+#pragma once
+#include "freefem.h"
+
+#include <sstream>
+
+#include "../core/local_system.h"
+
+namespace frictioncg {
+
+/// A view of the script's matrix. Its triplets are read as they lie: sorting them, as FreeFEM's own
+/// CSR(), CSC() and COO() do in place, would invalidate a factorization that the script holds.
+inline Triplets triplets(Matrice_Creuse<double>* A, long ndof) {
+  HashMatrix<int, double>* H = A ? A->pHM() : nullptr;
+  if (!H) throw IllegalInput("A is empty; assemble it first, as in matrix A = a(Vh, Vh)");
+  if (H->n != ndof || H->m != ndof) {
+    std::ostringstream s;
+    s << "A is " << H->n << " x " << H->m << " but Vh has " << ndof
+      << " degrees of freedom; assemble A on the present Vh";
+    throw IllegalInput(s.str());
+  }
+  Triplets t;
+  t.n = H->n;
+  t.size = H->nnz;
+  t.i = H->i;
+  t.j = H->j;
+  t.a = H->aij;
+  t.base = H->fortran;
+  t.half = H->half > 0;
+  return t;
+}
+
+/// A script's vector, checked: finite, and of the size of the space.
+inline Vector checked_vector(const KN_<double>& v, const char* name, long ndof) {
+  if (v.N() != ndof) {
+    std::ostringstream s;
+    s << name << " has " << v.N() << " entries but Vh has " << ndof
+      << " degrees of freedom; was the mesh changed after " << name << " was computed?";
+    throw IllegalInput(s.str());
+  }
+  Vector copy(v.N());
+  for (long i = 0; i < v.N(); ++i) {
+    copy[i] = v[i];
+    if (!std::isfinite(copy[i])) {
+      std::ostringstream s;
+      s << name << "[" << i << "] = " << v[i] << "; the entries of " << name << " must be finite";
+      throw IllegalInput(s.str());
+    }
+  }
+  return copy;
+}
+
+}  // namespace frictioncg

@@ -1,0 +1,101 @@
+#include <gtest/gtest.h>
+
+#include "core/line_search.h"
+#include "scene.h"
+
+using namespace frictioncg;
+using namespace frictioncg::test;
+
+namespace {
+
+struct Line {
+  ContactProblem p;
+  Vector g, x, v;
+  explicit Line(int d, unsigned seed) {
+    BlockOptions o;
+    o.d = d;
+    o.cells = d == 2 ? 6 : 2;
+    p = block(o).system().problem();
+    std::srand(seed);
+    g = Vector::Random(p.nodes()).cwiseAbs() * 50;
+    g[0] = 0;
+    x = Vector::Random(p.dofs()) * 1e-3;
+    v = Vector::Random(p.dofs()) * 1e-3;
+    const int start = p.first[1] + 1;
+    x.segment(start, p.tangents(1)) = -0.5 * v.segment(start, p.tangents(1));  // through the kink
+  }
+  Real J(const Phi& phi, Real rho) const {
+    const Vector y = x + rho * v;
+    Real sum = y.dot(0.5 * (p.A * y) - p.F);
+    for (Index i = 0; i < p.nodes(); ++i) sum += g[i] * phi.value(tangential_norm(p, i, y));
+    return sum;
+  }
+  Real slope(const Phi& phi, Real rho) const {
+    const Vector y = x + rho * v;
+    Real sum = v.dot(p.A * y - p.F);
+    for (Index i = 0; i < p.nodes(); ++i)
+      sum += g[i] * phi.slope_over_t(tangential_norm(p, i, y)) *
+             y.segment(p.first[i] + 1, p.tangents(i)).dot(v.segment(p.first[i] + 1, p.tangents(i)));
+    return sum;
+  }
+};
+
+}  // namespace
+
+TEST(LineSearch, ExactStepIsARootOfTheSlopeForEachRegularization) {
+  for (int d : {2, 3})
+    for (unsigned seed = 1; seed <= 20; ++seed)
+      for (Regularization kind : {Regularization::polynomial, Regularization::square_root,
+                                  Regularization::log_cosh})
+        for (Real eps : {1e-10, 1e-5, 1e-3}) {
+          Line line(d, seed);
+          const Phi phi{kind, eps};
+          Real r_v = -line.slope(phi, 0);
+          if (r_v < 0) line.v = -line.v, r_v = -r_v;
+          const Curvature vAv{line.v.dot(line.p.A * line.v), line.v.squaredNorm()};
+          LineSearch search(line.p, Step::exact);
+          const Real rho = search(phi, line.g, line.x, line.v, r_v, vAv, 1e300);
+          // the slope changes sign at rho, to the rounding of rho
+          EXPECT_LE(line.slope(phi, rho * (1 - 1e-9)), 1e-7 * r_v);
+          EXPECT_GE(line.slope(phi, rho * (1 + 1e-9)), -1e-7 * r_v);
+          EXPECT_LT(line.J(phi, rho), line.J(phi, 0));
+        }
+}
+
+TEST(LineSearch, FalsePositionComesWithinItsToleranceOfTheExactStep) {
+  Line line(2, 5);
+  const Phi phi{Regularization::polynomial, 1e-4};
+  Real r_v = -line.slope(phi, 0);
+  if (r_v < 0) line.v = -line.v, r_v = -r_v;
+  const Curvature vAv{line.v.dot(line.p.A * line.v), line.v.squaredNorm()};
+  LineSearch exact(line.p, Step::exact), approximate(line.p, Step::false_position);
+  const Real rho = exact(phi, line.g, line.x, line.v, r_v, vAv, 1e300);
+  EXPECT_NEAR(approximate(phi, line.g, line.x, line.v, r_v, vAv, 1e300), rho, 1e-3 * rho);
+}
+
+TEST(LineSearch, NewtonStepIsEquation14) {
+  Line line(2, 3);
+  const Phi phi{Regularization::square_root, 1e-3};
+  Real r_v = -line.slope(phi, 0);
+  if (r_v < 0) line.v = -line.v, r_v = -r_v;
+  const Real h = 1e-6;
+  const Real J2 = (line.slope(phi, h) - line.slope(phi, -h)) / (2 * h);
+  const Curvature vAv{line.v.dot(line.p.A * line.v), line.v.squaredNorm()};
+  LineSearch newton(line.p, Step::newton);
+  EXPECT_NEAR(newton(phi, line.g, line.x, line.v, r_v, vAv, 1e300), r_v / J2, 1e-6 * r_v / J2);
+}
+
+TEST(LineSearch, StopsAtTheGapAndSeesARigidMotionThatNothingBrakes) {
+  Line line(2, 3);
+  const Phi phi{Regularization::polynomial, 1e-8};
+  LineSearch search(line.p, Step::exact);
+  const Curvature vAv{line.v.dot(line.p.A * line.v), line.v.squaredNorm()};
+  EXPECT_EQ(search(phi, Vector::Zero(line.p.nodes()), line.x, line.v, 1, vAv, 1e-12), 1e-12);
+  line.v.setConstant(1e-3);
+  Real brake = 0;
+  for (Index i = 0; i < line.p.nodes(); ++i) brake += line.g[i] * 1e-3;
+  line.x.setZero();
+  const Curvature rigid{0, 1};
+  EXPECT_TRUE(std::isinf(search(phi, line.g, line.x, line.v, 1.01 * brake, rigid, INFINITY)));
+  EXPECT_TRUE(std::isfinite(search(phi, line.g, line.x, line.v, 0.99 * brake, rigid, INFINITY)));
+}

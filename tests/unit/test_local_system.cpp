@@ -1,0 +1,163 @@
+#include <gtest/gtest.h>
+
+#include "core/solver.h"
+#include "scene.h"
+
+using namespace frictioncg;
+using namespace frictioncg::test;
+
+namespace {
+
+Scene small(bool clamp, Real angle = 0) {
+  BlockOptions o;
+  o.cells = 3;
+  o.clamp_side = clamp;
+  o.angle = angle;
+  return block(o);
+}
+
+std::string refusal(const Scene& s) {
+  try {
+    s.system();
+  } catch (const IllegalInput& e) {
+    return e.what();
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST(LocalSystem, EnergyIsTheSameInLocalAndGlobalComponents) {
+  for (Real angle : {0.0, 0.3, 1.5707963267948966, 2.5}) {
+    const Scene s = small(false, angle);
+    const LocalSystem system = s.system();
+    const Vector u = Vector::Random(s.n);
+    Real global = 0;
+    for (std::size_t k = 0; k < s.a.size(); ++k) global += u[s.i[k]] * s.a[k] * u[s.j[k]];
+    const Vector x = system.to_local(u);
+    EXPECT_NEAR(x.dot(system.problem().A * x), global, 1e-11 * global);
+    EXPECT_NEAR((system.to_global(x) - u).norm(), 0, 1e-13);
+    EXPECT_NEAR(system.problem().F.dot(x), s.b.dot(u), 1e-12);
+  }
+}
+
+TEST(LocalSystem, RotatesOnlyWhereNormalsLeaveTheAxes) {
+  EXPECT_FALSE(small(false).system().rotated());
+  EXPECT_TRUE(small(false, 0.3).system().rotated());
+}
+
+TEST(LocalSystem, RowsAreSortedWithoutDuplicates) {
+  const LocalSystem system = small(false, 0.3).system();
+  const Matrix& A = system.problem().A;
+  for (Index i = 0; i < A.rows(); ++i)
+    for (Index k = A.outerIndexPtr()[i] + 1; k < A.outerIndexPtr()[i + 1]; ++k)
+      EXPECT_LT(A.innerIndexPtr()[k - 1], A.innerIndexPtr()[k]);
+}
+
+TEST(LocalSystem, HalfStorageAndUnsortedTripletsGiveTheSameMatrix) {
+  Scene s = small(true);
+  const Matrix A = s.system().problem().A;
+  std::vector<std::size_t> order(s.a.size());
+  for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
+  std::shuffle(order.begin(), order.end(), std::mt19937(7));
+  Scene lower = s;
+  lower.i.clear(), lower.j.clear(), lower.a.clear();
+  for (std::size_t k : order)
+    if (s.i[k] >= s.j[k]) {
+      lower.i.push_back(s.i[k] + 1);
+      lower.j.push_back(s.j[k] + 1);
+      lower.a.push_back(s.a[k]);
+    }
+  Triplets t = lower.triplets();
+  t.base = 1;
+  t.half = true;
+  LocalSystem system(t, 2, s.points);
+  EXPECT_EQ((system.problem().A - A).norm(), 0);
+}
+
+TEST(LocalSystem, DirichletDataComeFromHugeDiagonalsAndFromUnitRowsAlike) {
+  BlockOptions o;
+  o.clamp_side = true;
+  Scene huge = block(o);
+  o.tgv_minus_one = true;
+  Scene unit = block(o);
+  for (std::size_t k = 0; k < huge.a.size(); ++k)
+    if (huge.a[k] == 1e30) {
+      huge.b[huge.i[k]] = 1e30 * 0.25;
+      unit.b[huge.i[k]] = 0.25;
+    }
+  const LocalSystem from_huge = huge.system(), from_unit = unit.system();
+  EXPECT_EQ(from_huge.fixed_dofs(), 5);
+  EXPECT_EQ(from_unit.fixed_dofs(), 5);
+  EXPECT_EQ((from_huge.problem().A - from_unit.problem().A).norm(), 0);
+  EXPECT_NEAR((from_huge.problem().F - from_unit.problem().F).norm(), 0, 1e-12);
+  EXPECT_NEAR(from_huge.to_global(Vector::Zero(from_huge.problem().dofs())).maxCoeff(), 0.25, 1e-15);
+}
+
+TEST(LocalSystem, ZeroedColumnsWithDataAreRefused) {
+  BlockOptions o;
+  o.clamp_side = o.tgv_minus_one = true;
+  Scene s = block(o);
+  std::vector<char> unit(s.n, 0);
+  Index fixed = -1;
+  for (std::size_t k = 0; k < s.a.size(); ++k)
+    if (s.a[k] == 1 && s.i[k] == s.j[k]) unit[fixed = s.i[k]] = 1;
+  for (std::size_t k = 0; k < s.a.size(); ++k)
+    if (s.i[k] != s.j[k] && unit[s.j[k]]) s.a[k] = 0;
+  EXPECT_EQ(refusal(s), "");
+  s.b[fixed] = 0.1;
+  EXPECT_NE(refusal(s).find("tgv=-2"), std::string::npos);
+}
+
+TEST(LocalSystem, AsymmetryNaNAndZeroDiagonalsAreRefusedByName) {
+  Scene s = small(false);
+  const auto entry = [&](Index i, Index j) -> Real& {
+    for (std::size_t k = 0; k < s.a.size(); ++k)
+      if (s.i[k] == i && s.j[k] == j) return s.a[k];
+    throw std::logic_error("no such entry");
+  };
+  const Scene good = s;
+  entry(2, 0) += 1;
+  EXPECT_NE(refusal(s).find("must be symmetric"), std::string::npos);
+  s = good;
+  entry(2, 0) = std::nan("");
+  EXPECT_NE(refusal(s).find("A(2,0) = "), std::string::npos);
+  s = good;
+  entry(4, 4) = 0;
+  EXPECT_NE(refusal(s).find("A(4,4) = 0"), std::string::npos);
+  EXPECT_EQ(refusal(good), "");
+}
+
+TEST(LocalSystem, ANodeOnASymmetryPlaneKeepsOneDirection) {
+  const Scene s = small(true);
+  const LocalSystem system = s.system();
+  const ContactProblem& p = system.problem();
+  EXPECT_EQ(p.nodes(), 4);
+  EXPECT_EQ(p.tangents(0), 1);
+  EXPECT_EQ(p.tangents(3), 0);  // u_x = 0 there
+}
+
+TEST(LocalSystem, AFrictionlessNodeLeavesItsTangentToTheInterior) {
+  Scene s = small(false);
+  s.law = Law::frictionless;
+  for (ContactPoint& p : s.points) p.friction = false;
+  const LocalSystem system = s.system();
+  EXPECT_EQ(system.problem().contact_dofs(), system.nodes());
+}
+
+TEST(LocalSystem, AnObliqueNormalOnAHalfFixedNodeIsProjected) {
+  Scene s = small(true);
+  s.points[3].normal = {std::sqrt(0.5), -std::sqrt(0.5), 0};
+  s.gap.setConstant(0.1);
+  const LocalSystem system = s.system();
+  // only u_y is free: -u_y/sqrt(2) <= 0.1
+  EXPECT_NEAR(system.problem().gap[3], 0.1 * std::sqrt(2.0), 1e-14);
+}
+
+TEST(LocalSystem, TheForceOnTheBodyIsMinusTheResidualOnContactNodesOnly) {
+  const Scene s = small(false, 0.4);
+  const LocalSystem system = s.system();
+  const Vector r = Vector::Random(system.problem().dofs());
+  const Vector f = system.force_to_global(r);
+  EXPECT_NEAR(f.norm(), r.tail(system.problem().contact_dofs()).norm(), 1e-13);
+}

@@ -1,0 +1,60 @@
+#include <gtest/gtest.h>
+
+#include "core/regularization.h"
+
+using namespace frictioncg;
+
+namespace {
+const Regularization all[] = {Regularization::square_root, Regularization::log_cosh,
+                              Regularization::polynomial};
+const Real points[] = {0.1, 0.9, 1.1, 3, 40};  // in units of eps, both sides of it
+}  // namespace
+
+TEST(Regularization, SlopeMatchesACentredDifferenceOnBothSidesOfEps) {
+  for (Regularization kind : all)
+    for (Real eps : {1e-8, 1.0, 1e6})
+      for (Real t : points) {
+        const Phi phi{kind, eps};
+        const Real h = 1e-5 * eps;
+        const Real difference = (phi.value(t * eps + h) - phi.value(t * eps - h)) / (2 * h);
+        EXPECT_NEAR(phi.slope(t * eps), difference, 1e-8);
+      }
+}
+
+TEST(Regularization, CurvatureMatchesACentredDifferenceOfTheSlope) {
+  for (Regularization kind : all)
+    for (Real t : points) {
+      const Phi phi{kind, 2.0};
+      const Real h = 1e-5;
+      EXPECT_NEAR(phi.curvature(2 * t), (phi.slope(2 * t + h) - phi.slope(2 * t - h)) / (2 * h), 1e-8);
+    }
+}
+
+TEST(Regularization, StaysWithinItsBoundOfTheAbsoluteValue) {
+  const Real constant[] = {1, std::log(2.0), 0.5};
+  for (int k = 0; k < 3; ++k)
+    for (Real t = 0; t < 20; t += 0.01) {
+      const Phi phi{all[k], 1.0};
+      EXPECT_LE(std::abs(t - phi.value(t)), constant[k] + 1e-14);
+    }
+}
+
+TEST(Regularization, IsFiniteAtZeroAtEpsAndFarOut) {
+  for (Regularization kind : all)
+    for (Real t : {0.0, 1e-14, 1.0, 1e14}) {
+      const Phi phi{kind, 1e-8};
+      EXPECT_TRUE(std::isfinite(phi.value(t)));
+      EXPECT_TRUE(std::isfinite(phi.slope_over_t(t)));
+      EXPECT_TRUE(std::isfinite(phi.curvature(t)));
+      EXPECT_LE(phi.slope(t), 1 + 1e-14);
+    }
+}
+
+TEST(Regularization, StickPatchSlipsByTheClosedForm) {
+  // phi'(t) = s is where a node under the shear s g comes to rest
+  for (Real s : {0.1, 0.5, 0.9}) {
+    EXPECT_NEAR((Phi{Regularization::polynomial, 1.0}.slope(s)), s, 1e-14);
+    EXPECT_NEAR((Phi{Regularization::square_root, 1.0}.slope(s / std::sqrt(1 - s * s))), s, 1e-14);
+    EXPECT_NEAR((Phi{Regularization::log_cosh, 1.0}.slope(std::atanh(s))), s, 1e-14);
+  }
+}

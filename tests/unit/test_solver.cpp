@@ -1,0 +1,239 @@
+#include <gtest/gtest.h>
+
+#include "core/solver.h"
+#include "verifier.h"
+
+using namespace frictioncg;
+using namespace frictioncg::test;
+
+namespace {
+
+struct Answer {
+  Solution solution;
+  Vector u, force;
+  Verdict verdict;
+};
+
+Answer run(const Scene& s, const Settings& settings) {
+  const LocalSystem system = s.system();
+  Answer a;
+  a.solution = solve(system.problem(), settings);
+  a.u = system.to_global(a.solution.x);
+  a.force = system.force_to_global(a.solution.certificate.r);
+  a.verdict = verify(s, a.u, a.force);
+  return a;
+}
+
+Settings tight() {
+  Settings s;
+  s.tol = 1e-9;
+  return s;
+}
+
+}  // namespace
+
+TEST(Solver, EveryMethodPreconditionerAndRegularizationSatisfiesTheUnregularizedLaws) {
+  for (int d : {2, 3}) {
+    BlockOptions o;
+    o.d = d;
+    o.cells = d == 2 ? 8 : 3;
+    o.shear = 2.4;
+    const Scene s = block(o);
+    Settings settings;
+    settings.tol = 1e-7;
+    for (Method m : {Method::gc1, Method::gc2, Method::gc3, Method::sorp}) {
+      settings.method = m;
+      const Answer a = run(s, settings);
+      EXPECT_EQ(a.solution.status, Status::converged) << "method " << int(m) << " d " << d;
+      EXPECT_LT(a.verdict.worst(), 1e-5) << "method " << int(m) << " d " << d;
+    }
+    settings.method = Method::gc3;
+    for (Precon p : {Precon::hessian_diagonal, Precon::hessian_ssor})
+      for (Regularization r : {Regularization::polynomial, Regularization::square_root,
+                               Regularization::log_cosh})
+        for (Step step : {Step::exact, Step::false_position}) {
+          settings.precon = p;
+          settings.reg = r;
+          settings.step = step;
+          const Answer a = run(s, settings);
+          EXPECT_EQ(a.solution.status, Status::converged) << int(p) << int(r) << int(step) << d;
+          EXPECT_LT(a.verdict.worst(), 1e-5) << int(p) << int(r) << int(step) << d;
+        }
+  }
+}
+
+TEST(Solver, LawsHoldForEachLawWithAndWithoutDirichletSupport) {
+  for (int d : {2, 3})
+    for (bool clamp : {true, false})
+      for (Law law : {Law::coulomb, Law::tresca, Law::frictionless}) {
+        BlockOptions o;
+        o.d = d;
+        o.cells = d == 2 ? 6 : 3;
+        o.clamp_side = clamp;
+        o.law = law;
+        o.mu = law == Law::tresca ? 0.5 * std::pow(1.0 / o.cells, d - 1) * 8 : 0.4;
+        if (law == Law::frictionless && !clamp) continue;  // it would slide away
+        const Answer a = run(block(o), tight());
+        EXPECT_EQ(a.solution.status, Status::converged) << d << clamp << int(law);
+        EXPECT_LT(a.verdict.worst(), 1e-6) << d << clamp << int(law);
+      }
+}
+
+TEST(Solver, ReportedResidualIsTheCertificateOfTheReturnedField) {
+  const Scene s = block(BlockOptions());
+  const LocalSystem system = s.system();
+  const Solution a = solve(system.problem(), Settings());
+  EXPECT_EQ(a.certificate.residual, certify(system.problem(), a.x).residual);
+}
+
+TEST(Solver, RotatingTheSceneRotatesTheSolution) {
+  BlockOptions o;
+  o.cells = 6;
+  const Answer a = run(block(o), tight());
+  for (Real angle : {0.1, 0.7, 1.5707963267948966, 3.0}) {
+    o.angle = angle;
+    const Answer b = run(block(o), tight());
+    EXPECT_EQ(b.solution.status, Status::converged);
+    const Real scale = a.u.cwiseAbs().maxCoeff();
+    for (Index k = 0; k < a.u.size(); k += 2) {
+      EXPECT_NEAR(b.u[k], std::cos(angle) * a.u[k] - std::sin(angle) * a.u[k + 1], 1e-6 * scale);
+      EXPECT_NEAR(b.u[k + 1], std::sin(angle) * a.u[k] + std::cos(angle) * a.u[k + 1], 1e-6 * scale);
+    }
+  }
+}
+
+TEST(Solver, ChangingUnitsChangesNothingElse) {
+  BlockOptions o;
+  const Answer a = run(block(o), Settings());
+  Scene s = block(o);
+  for (Real& k : s.a) k *= 1e6 / 1e-3;
+  s.b *= 1e6;
+  const Answer b = run(s, Settings());
+  EXPECT_LT((b.u / 1e-3 - a.u).norm(), 1e-9 * a.u.norm());
+  EXPECT_EQ(a.solution.iterations, b.solution.iterations);
+}
+
+TEST(Solver, TheUniformStickPatchSlipsByExactlyTheRegularization) {
+  // pressure p, shear s mu p < mu p, no lateral strain: a linear field moved by eps s (REG3) and so on
+  BlockOptions o;
+  o.law = Law::tresca;
+  o.cells = 4;
+  o.pressure = 0;
+  o.shear = 0;
+  for (Real shear : {0.3, 0.8})
+    for (Regularization reg : {Regularization::polynomial, Regularization::square_root,
+                               Regularization::log_cosh}) {
+      Scene s = block(o);
+      const Real p = 10, mu = 0.5, tau = shear * mu * p, h = 0.25, q = 0.3 / 0.7 * p;
+      // tractions of the stress sigma_xx = -q, sigma_yy = -p, sigma_xy = tau on the top and the sides
+      for (int k = 0; k <= 4; ++k) {
+        const Real w = k == 0 || k == 4 ? h / 2 : h;
+        const auto node = [](int x, int y) { return 2 * (x + 5 * y); };
+        s.b[node(k, 4)] += tau * w;
+        s.b[node(k, 4) + 1] -= p * w;
+        s.b[node(4, k) + 1] += tau * w;
+        s.b[node(0, k) + 1] -= tau * w;
+        s.b[node(4, k)] -= q * w;
+        s.b[node(0, k)] += q * w;
+        s.friction[k] = mu * p * w;
+      }
+      Settings settings = tight();
+      settings.reg = reg;
+      settings.regeps = 1e-3;
+      settings.tol = 1e-12;
+      const LocalSystem system = s.system();
+      const Solution a = solve(system.problem(), settings);
+      EXPECT_EQ(a.status, Status::regularized);
+      const Real slip = reg == Regularization::polynomial    ? 1e-3 * shear
+                        : reg == Regularization::square_root ? 1e-3 * shear / std::sqrt(1 - shear * shear)
+                                                             : 1e-3 * std::atanh(shear);
+      const Vector u = system.to_global(a.x);
+      for (int k = 0; k <= 4; ++k) EXPECT_NEAR(u[2 * k], slip, 1e-9 * 1e-3) << int(reg);
+    }
+}
+
+TEST(Solver, LoadBeyondTheLimitHasNoEquilibrium) {
+  for (Law law : {Law::frictionless, Law::tresca, Law::coulomb}) {
+    BlockOptions o;
+    o.law = law;
+    o.mu = law == Law::tresca ? 0.7 : 0.3;  // 5 nodes carry 3.5; 10 pressed at 0.3 carry 3
+    o.shear = 3.6;
+    const Answer a = run(block(o), Settings());
+    EXPECT_EQ(a.solution.status, Status::no_equilibrium) << int(law);
+  }
+}
+
+TEST(Solver, AnIndefiniteMatrixIsNamed) {
+  Scene s = block(BlockOptions());
+  for (std::size_t k = 0; k < s.a.size(); ++k)
+    if (s.i[k] != s.j[k]) s.a[k] *= 1.5;
+  const Answer a = run(s, Settings());
+  EXPECT_EQ(a.solution.status, Status::not_positive_definite);
+}
+
+TEST(Solver, TooFewIterationsAreReportedAsSuch) {
+  Settings settings;
+  settings.nbiter = 3;
+  for (Method m : {Method::gc3, Method::sorp}) {
+    settings.method = m;
+    const Answer a = run(block(BlockOptions()), settings);
+    EXPECT_EQ(a.solution.status, Status::max_iterations);
+  }
+}
+
+TEST(Solver, StartingFromTheSolutionCostsNoIteration) {
+  const Scene s = block(BlockOptions());
+  const LocalSystem system = s.system();
+  Settings settings;
+  const Solution a = solve(system.problem(), settings);
+  settings.tol *= 3;
+  settings.regeps = a.eps;
+  const Solution b = solve(system.problem(), settings, a.x);
+  EXPECT_EQ(b.status, Status::converged);
+  EXPECT_LE(b.iterations, 2);
+}
+
+TEST(Solver, AnIncrementFromThePreviousStateKeepsItsFrictionForces) {
+  // the same load again: nothing moves, the forces stay
+  BlockOptions o;
+  o.shear = 2.5;
+  Scene s = block(o);
+  const Answer first = run(s, tight());
+  s.u_old = first.u;
+  const Answer second = run(s, tight());
+  EXPECT_EQ(second.solution.status, Status::converged);
+  EXPECT_LT((second.u - first.u).norm(), 1e-7 * first.u.norm());
+  // reversed shear: the verifier judges friction on the increment
+  for (Index k = 0; k < s.n; k += 2) s.b[k] = -0.5 * s.b[k];
+  const Answer third = run(s, tight());
+  EXPECT_EQ(third.solution.status, Status::converged);
+  EXPECT_LT(third.verdict.worst(), 1e-6);
+}
+
+TEST(Solver, AGivenLimitRunsNoFixedPointAndAFrictionlessSceneHasNoTangents) {
+  BlockOptions o;
+  o.law = Law::tresca;
+  o.mu = 2;
+  o.clamp_side = true;
+  EXPECT_EQ(run(block(o), Settings()).solution.passes, 0);
+  o.law = Law::frictionless;
+  const Scene s = block(o);
+  const LocalSystem system = s.system();
+  const Plan plan = make_plan(system.problem(), Settings());
+  EXPECT_EQ(plan.tangents, 0);
+  EXPECT_FALSE(plan.fixed_point);
+  EXPECT_FALSE(plan.regularization);
+  EXPECT_EQ(solve(system.problem(), Settings()).eps, 0);
+}
+
+TEST(Solver, AnInitialGapOpensOrCloses) {
+  for (Real gap : {-0.002, 0.002}) {
+    BlockOptions o;
+    o.clamp_side = true;
+    Scene s = block(o);
+    for (Index k = 0; k < s.gap.size(); ++k) s.gap[k] = gap * k;
+    const Answer a = run(s, tight());
+    EXPECT_EQ(a.solution.status, Status::converged);
+    EXPECT_LT(a.verdict.worst(), 1e-6);
+  }
+}
