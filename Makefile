@@ -5,7 +5,7 @@ CXX       ?= g++
 BUILD     := build
 CXXFLAGS  ?= -O3
 WARN      := -Wall -Wextra -Wshadow -Werror
-INCLUDE   := -isystem /usr/include/eigen3 -isystem /usr/include/suitesparse
+INCLUDE   := -DEIGEN_USE_BLAS -isystem /usr/include/eigen3 -isystem /usr/include/suitesparse
 FF_HEADER := -isystem /usr/include/freefem++
 FLAGS      = -std=c++17 -fPIC $(CXXFLAGS) $(WARN) $(INCLUDE)
 LIBS      := -lcholmod -llapack -lblas

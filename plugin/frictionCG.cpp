@@ -1,89 +1,19 @@
 // frictionCG: unilateral contact with Coulomb friction for FreeFEM, by the conjugate gradient of
-// Raous and Barbarin (1992).  Registers frictionalContactCG; the numerics are in core/.
+// Raous and Barbarin (1992).  Registers frictionalContactCG and contactproblem: arguments in, results
+// out, errors translated; the numerics are in core/.
 //
 // SPDX-License-Identifier: GPL-3.0-or-later
 
 #include "freefem/freefem.h"
 
-#include <chrono>
-#include <cmath>
-
-#include "core/solver.h"
-#include "freefem/contact_boundary.h"
-#include "freefem/matrix.h"
+#include "freefem/arguments.h"
+#include "freefem/scene.h"
 
 using namespace frictioncg;
 
 namespace {
 
-constexpr const char* operator_name = "frictionalContactCG";
-
-basicAC_F0::name_and_type parameters[] = {
-    {"mu", &typeid(double)},             // friction coefficient
-    {"gap", &typeid(double)},            // [length]
-    {"normal", &typeid(E_Array)},        //
-    {"slidinglimit", &typeid(double)},   // [force/area]
-    {"uold", &typeid(KN_<double>)},      // [length]
-    {"init", &typeid(KN_<double>)},      // [length]
-    {"method", &typeid(string*)},        //
-    {"reg", &typeid(string*)},           //
-    {"regeps", &typeid(double)},         // [length]
-    {"precon", &typeid(string*)},        //
-    {"omega", &typeid(double)},          //
-    {"step", &typeid(string*)},          //
-    {"tol", &typeid(double)},            //
-    {"nbiter", &typeid(long)},           //
-    {"verb", &typeid(long)},             //
-    {"status", &typeid(long*)},          // out
-    {"residual", &typeid(double*)},      // out
-    {"iterations", &typeid(long*)},      // out
-    {"force", &typeid(KN<double>*)},     // out [force]
-    {"state", &typeid(KN<long>*)},       // out
-    {"history", &typeid(KNM<double>*)},  // out
-};
-enum Parameter {
-  p_mu, p_gap, p_normal, p_slidinglimit, p_uold, p_init, p_method, p_reg, p_regeps, p_precon,
-  p_omega, p_step, p_tol, p_nbiter, p_verb, p_status, p_residual, p_iterations, p_force, p_state,
-  p_history, parameter_count
-};
-static_assert(sizeof(parameters) / sizeof(*parameters) == parameter_count, "one name each");
-
-/// A table of the values that a string parameter may take.
-template <class T>
-struct Choice {
-  const char* name;
-  T value;
-};
-constexpr Choice<Method> methods[] = {
-    {"GC1", Method::gc1}, {"GC2", Method::gc2}, {"GC3", Method::gc3}, {"SORP", Method::sorp}};
-constexpr Choice<Regularization> regularizations[] = {{"polynomial", Regularization::polynomial},
-                                                      {"sqrt", Regularization::square_root},
-                                                      {"tanh", Regularization::log_cosh}};
-constexpr Choice<Precon> preconditioners[] = {{"hessian-ssor", Precon::hessian_ssor},
-                                              {"hessian-diagonal", Precon::hessian_diagonal},
-                                              {"ssor", Precon::ssor},
-                                              {"diagonal", Precon::diagonal},
-                                              {"none", Precon::none}};
-constexpr Choice<Step> steps[] = {
-    {"exact", Step::exact}, {"newton", Step::newton}, {"falseposition", Step::false_position}};
-
-template <class T, std::size_t count>
-T choose(const char* parameter, const std::string& value, const Choice<T> (&choices)[count]) {
-  std::string known;
-  for (const Choice<T>& c : choices) {
-    if (value == c.name) return c.value;
-    known += std::string(known.empty() ? "\"" : ", \"") + c.name + "\"";
-  }
-  throw IllegalInput(std::string(parameter) + " = \"" + value + "\" is unknown; choose from " +
-                     known);
-}
-
-template <class T, std::size_t count>
-const char* name_of(T value, const Choice<T> (&choices)[count]) {
-  for (const Choice<T>& c : choices)
-    if (value == c.value) return c.name;
-  return "";
-}
+constexpr const char* constructor_name = "contactProblem";
 
 struct StatusText {
   const char* name;
@@ -109,11 +39,11 @@ StatusText describe(Status status) {
 /// Rows (seconds, iteration, certificate residual); its own cost is not counted.
 class History final : public Observer {
  public:
-  explicit History(const ContactProblem& problem) : problem_(problem), start_(now()) {}
+  explicit History(const ContactProblem& problem) : problem_(problem), start_(cpu_seconds()) {}
   void iterate(Index iteration, const Vector& x) override {
-    const double at = now();
+    const double at = cpu_seconds();
     rows_.push_back({at - start_, double(iteration), certify(problem_, x).residual});
-    start_ += now() - at;
+    start_ += cpu_seconds() - at;
   }
   void write(KNM<double>* out) const {
     out->resize(static_cast<long>(rows_.size()), 3);
@@ -122,285 +52,60 @@ class History final : public Observer {
   }
 
  private:
-  static double now() {
-    using namespace std::chrono;
-    return duration<double>(steady_clock::now().time_since_epoch()).count();
-  }
   const ContactProblem& problem_;
   double start_;
   std::vector<std::array<double, 3>> rows_;
 };
 
-/// The expressions of one call of the operator, for V = v_fes (2D) or v_fes3 (3D).
-template <class V, class LabelArgument>
-class Operator : public E_F0mps {
- public:
-  using Result = KN_<double>;  // what OneOperatorCode returns to the script
-  using pfes = typename V::pfes;
-  using Space = typename V::FESpace;
-  static constexpr int d = Dimension<Space>::d;
-
-  explicit Operator(const basicAC_F0& args) {
-    args.SetNameParam(parameter_count, parameters, named_);
-    A_ = to<Matrice_Creuse<double>*>(args[0]);
-    b_ = to<KN_<double>>(args[1]);
-    Vh_ = to<pfes*>(args[2]);
-    if constexpr (std::is_same_v<LabelArgument, E_Array>) {
-      const E_Array* list = dynamic_cast<const E_Array*>(args[3].LeftValue());
-      for (int k = 0; list && k < list->size(); ++k) labels_.push_back(to<long>((*list)[k]));
-    } else {
-      labels_.push_back(to<LabelArgument>(args[3]));
-    }
-    if (named_[p_normal]) {
-      const E_Array* n = dynamic_cast<const E_Array*>(named_[p_normal]);
-      if (!n || n->size() != d)
-        CompileError(d == 2 ? "frictionalContactCG: normal = [nx, ny] on a 2D mesh"
-                            : "frictionalContactCG: normal = [nx, ny, nz] on a 3D mesh");
-      for (int c = 0; c < d; ++c) normal_[c] = to<double>((*n)[c]);
-    }
-  }
-  static ArrayOfaType typeargs() {
-    return ArrayOfaType(atype<Matrice_Creuse<double>*>(), atype<KN_<double>>(), atype<pfes*>(),
-                        atype<LabelArgument>());
-  }
-  static E_F0* f(const basicAC_F0& args) { return new Operator(args); }
-
-  AnyType operator()(Stack stack) const override {
-    try {
-      return SetAny<KN_<double>>(run(stack));
-    } catch (const IllegalInput& e) {
-      ExecError(std::string(operator_name) + ": " + e.what());
-    } catch (const std::bad_alloc&) {
-      ExecError(std::string(operator_name) + ": not enough memory");
-    }
-    return Nothing;
-  }
-
- private:
-  template <class T>
-  T value(Stack stack, Parameter p, T otherwise) const {
-    return named_[p] ? GetAny<T>((*named_[p])(stack)) : otherwise;
-  }
-  template <class T, std::size_t count>
-  T chosen(Stack stack, Parameter p, const Choice<T> (&choices)[count], T otherwise) const {
-    return named_[p] ? choose(parameters[p].name, *GetAny<string*>((*named_[p])(stack)), choices)
-                     : otherwise;
-  }
-  template <class T>
-  T* output(Stack stack, Parameter p) const {
-    return named_[p] ? GetAny<T*>((*named_[p])(stack)) : nullptr;
-  }
-
-  std::vector<long> labels(Stack stack) const;
-  Settings settings(Stack stack) const;
-  Vector at_nodes(Stack stack, Parameter p, const Space& Vh, const std::vector<BoundaryNode>& nodes,
-                  const char* rule) const;
-  void set_normals(Stack stack, const Space& Vh, std::vector<BoundaryNode>& nodes) const;
-  KN_<double> run(Stack stack) const;
-  void report_plan(const LocalSystem& system, const Settings& s, const Plan& plan) const;
-
-  Expression named_[parameter_count];
-  Expression A_, b_, Vh_, normal_[3] = {nullptr, nullptr, nullptr};
-  std::vector<Expression> labels_;
-};
-
-template <class V, class L>
-std::vector<long> Operator<V, L>::labels(Stack stack) const {
-  std::vector<long> all;
-  if constexpr (std::is_same_v<L, KN_<long>>) {
-    const KN_<long> list = GetAny<KN_<long>>((*labels_[0])(stack));
-    for (long k = 0; k < list.N(); ++k) all.push_back(list[k]);
-  } else {
-    for (Expression e : labels_) all.push_back(GetAny<long>((*e)(stack)));
-  }
-  if (all.empty()) throw IllegalInput("labels is empty; name the boundary that may touch");
-  return all;
-}
-
-template <class V, class L>
-Settings Operator<V, L>::settings(Stack stack) const {
-  Settings s;
-  s.method = chosen(stack, p_method, methods, s.method);
-  s.reg = chosen(stack, p_reg, regularizations, s.reg);
-  s.precon = chosen(stack, p_precon, preconditioners, s.precon);
-  s.step = chosen(stack, p_step, steps, s.step);
-  s.regeps = value(stack, p_regeps, s.regeps);
-  s.omega = value(stack, p_omega, s.omega);
-  s.tol = value(stack, p_tol, s.tol);
-  s.nbiter = static_cast<Index>(value<long>(stack, p_nbiter, s.nbiter));
-  const auto require = [](bool holds, const char* name, double x, const char* rule) {
-    if (holds) return;
-    std::ostringstream m;
-    m << name << " = " << x << "; " << rule;
-    throw IllegalInput(m.str());
-  };
-  require(!named_[p_regeps] || (s.regeps > 0 && std::isfinite(s.regeps)), "regeps", s.regeps,
-          "the regularization is a length > 0; leave it out to scale it from the scene");
-  require(!named_[p_omega] || (s.omega > 0 && s.omega < 2), "omega", s.omega,
-          "a relaxation parameter lies between 0 and 2");
-  require(s.tol > 0 && s.tol < 1, "tol", s.tol, "the tolerance lies between 0 and 1");
-  require(!named_[p_nbiter] || s.nbiter > 0, "nbiter", s.nbiter,
-          "the bound on the iterations is >= 1");
-  if (s.method == Method::sorp)
-    for (Parameter p : {p_reg, p_regeps, p_precon, p_step})
-      if (named_[p])
-        throw IllegalInput(std::string(parameters[p].name) +
-                           " has no meaning with method=\"SORP\", which neither regularizes nor "
-                           "preconditions; leave it out");
-  return s;
-}
-
-/// A parameter of the laws, evaluated at each contact node.
-template <class V, class L>
-Vector Operator<V, L>::at_nodes(Stack stack, Parameter p, const Space& Vh,
-                                const std::vector<BoundaryNode>& nodes, const char* rule) const {
-  Vector result = Vector::Zero(static_cast<Index>(nodes.size()));
-  if (!named_[p]) return result;
-  MeshPoint* mp = MeshPointStack(stack);
-  const MeshPoint saved = *mp;
-  for (std::size_t k = 0; k < nodes.size(); ++k) {
-    Dimension<Space>::set_point(mp, Vh, nodes[k]);
-    result[k] = GetAny<double>((*named_[p])(stack));
-    if (!std::isfinite(result[k]) || (p != p_gap && result[k] < 0)) {
-      *mp = saved;
-      std::ostringstream m;
-      m << parameters[p].name << " = " << result[k] << " at " << place(nodes[k], d) << "; " << rule;
-      throw IllegalInput(m.str());
-    }
-  }
-  *mp = saved;
-  return result;
-}
-
-template <class V, class L>
-void Operator<V, L>::set_normals(Stack stack, const Space& Vh,
-                                 std::vector<BoundaryNode>& nodes) const {
-  if (!normal_[0]) return;
-  MeshPoint* mp = MeshPointStack(stack);
-  const MeshPoint saved = *mp;
-  for (BoundaryNode& node : nodes) {
-    Dimension<Space>::set_point(mp, Vh, node);
-    std::array<double, 3> n{};
-    double norm = 0;
-    for (int c = 0; c < d; ++c) {
-      n[c] = GetAny<double>((*normal_[c])(stack));
-      norm = std::hypot(norm, n[c]);
-    }
-    if (!(norm > 0) || !std::isfinite(norm)) {
-      *mp = saved;
-      throw IllegalInput("normal has no direction at " + place(node, d) +
-                         "; give the outward normal of the body, of any length > 0");
-    }
-    for (int c = 0; c < d; ++c) node.point.normal[c] = n[c] / norm;
-  }
-  *mp = saved;
-}
-
-template <class V, class L>
-KN_<double> Operator<V, L>::run(Stack stack) const {
-  pfes* pVh = GetAny<pfes*>((*Vh_)(stack));
-  const Space* Vh = pVh && *pVh ? static_cast<Space*>(**pVh) : nullptr;
-  if (!Vh) throw IllegalInput("Vh is not a finite-element space");
-  const long n = Vh->NbOfDF;
-  const Settings s = settings(stack);
-  if (named_[p_mu] && named_[p_slidinglimit])
+/// Reads the law and the gap of this call; what it does not name stays as the scene has it.
+void set_laws(Stack stack, const Arguments& args, Scene& scene) {
+  if (args.has(p_mu) && args.has(p_slidinglimit))
     throw IllegalInput(
         "mu and slidinglimit are both given; Coulomb friction takes mu, a given limit slidinglimit");
+  if (args.has(p_gap) || scene.gap.size() == 0) scene.gap = args.at_nodes(stack, p_gap, scene);
+  if (args.has(p_mu)) {
+    scene.mu = args.at_nodes(stack, p_mu, scene);
+    scene.law = Law::coulomb;
+  }
+  if (args.has(p_slidinglimit)) {
+    scene.limit = args.at_nodes(stack, p_slidinglimit, scene);
+    for (std::size_t k = 0; k < scene.nodes.size(); ++k) scene.limit[k] *= scene.nodes[k].weight;
+    scene.law = Law::tresca;
+  }
+}
 
-  std::vector<BoundaryNode> nodes = contact_nodes(*Vh, labels(stack));
-  const Triplets A = triplets(GetAny<Matrice_Creuse<double>*>((*A_)(stack)), n);
-  const Vector b = checked_vector(GetAny<KN_<double>>((*b_)(stack)), "b", n);
-  Vector u_old, u_init;
-  if (named_[p_uold])
-    u_old = checked_vector(GetAny<KN_<double>>((*named_[p_uold])(stack)), "uold", n);
-  if (named_[p_init])
-    u_init = checked_vector(GetAny<KN_<double>>((*named_[p_init])(stack)), "init", n);
-  set_normals(stack, *Vh, nodes);
-  const Vector gap = at_nodes(stack, p_gap, *Vh, nodes, "the gap is a finite length");
-  const Vector mu = at_nodes(stack, p_mu, *Vh, nodes, "a friction coefficient is >= 0");
-  Vector limit =
-      at_nodes(stack, p_slidinglimit, *Vh, nodes, "a sliding limit is a traction >= 0");
-  std::vector<ContactPoint> points;
-  for (std::size_t k = 0; k < nodes.size(); ++k) {
-    limit[k] *= nodes[k].weight;
-    nodes[k].point.friction = mu[k] > 0 || limit[k] > 0;
-    points.push_back(nodes[k].point);
-  }
-  LocalSystem system(A, d, std::move(points));
-  if (system.nodes() == 0)
-    throw IllegalInput(
-        "labels name no node that could touch: Dirichlet conditions hold the normal displacement of "
-        "all of them");
-  system.set_load(b, u_old, gap);
-  const bool coulomb = mu.maxCoeff() > 0, tresca = limit.maxCoeff() > 0;
-  system.set_law(coulomb  ? Law::coulomb
-                 : tresca ? Law::tresca
-                          : Law::frictionless,
-                 coulomb ? mu : limit);
-
-  const long verb = value<long>(stack, p_verb, std::min(verbosity, 1L));
-  if (verb > 0) report_plan(system, s, make_plan(system.problem(), s));
-  History history(system.problem());
-  KNM<double>* history_out = output<KNM<double>>(stack, p_history);
-  const Vector x0 =
-      u_init.size() == 0
-          ? Vector()
-          : system.to_local(u_old.size() == 0 ? u_init : Vector(u_init - u_old));
-  const Solution result =
-      solve(system.problem(), s, x0, history_out ? &history : nullptr);
-
-  const StatusText text = describe(result.status);
-  if (verb > 0) {
-    std::cout << " -- " << operator_name << ": " << text.name << ", residual "
-              << result.certificate.residual << ", " << result.iterations << " iterations";
-    if (result.passes > 0) std::cout << " in " << result.passes << " passes of the fixed point";
-    if (result.eps > 0) std::cout << ", regeps " << result.eps;
-    std::cout << std::endl;
-  }
-  long* status_out = output<long>(stack, p_status);
-  if (result.status != Status::converged && !status_out) {
-    std::ostringstream m;
-    m << "not converged (" << text.name << ") after " << result.iterations
-      << " iterations: residual " << result.certificate.residual << ", tol " << s.tol << "; "
-      << text.remedy << "; pass status=... to get the field all the same";
-    throw IllegalInput(m.str());
-  }
-  if (status_out) *status_out = static_cast<long>(result.status);
-  if (double* out = output<double>(stack, p_residual)) *out = result.certificate.residual;
-  if (long* out = output<long>(stack, p_iterations)) *out = result.iterations;
-  if (KN<double>* out = output<KN<double>>(stack, p_force)) {
-    const Vector force = system.force_to_global(result.certificate.r);
-    out->resize(n);
-    for (long i = 0; i < n; ++i) (*out)[i] = force[i];
-  }
-  if (KN<long>* out = output<KN<long>>(stack, p_state)) {
-    out->resize(n);
-    *out = 0L;
-    for (Index k = 0; k < system.nodes(); ++k)
-      for (int c = 0; c < d; ++c)
-        (*out)[nodes[system.point(k)].point.dof[c]] = static_cast<long>(result.state[k]);
-  }
-  if (history_out) history.write(history_out);
-
-  KN<double>* u = Add2StackOfPtr2Free(stack, new KN<double>(n));
-  const Vector field = system.to_global(result.x);
-  for (long i = 0; i < n; ++i) (*u)[i] = field[i];
-  return *u;
+/// Poses the problem: geometry, laws, and the matrix in local frames. A node gets tangential laws
+/// where `everywhere` or its own mu or limit asks for them.
+template <class V>
+std::shared_ptr<Scene> pose(Stack stack, const Arguments& args, Matrice_Creuse<double>* A,
+                            typename V::pfes* pVh, const std::vector<long>& labels,
+                            bool everywhere) {
+  std::shared_ptr<Scene> scene = make_scene<V>(pVh, labels);
+  const Triplets t = triplets(A, scene->ndof);
+  args.set_normals(stack, *scene);
+  set_laws(stack, args, *scene);
+  const bool friction = scene->law != Law::frictionless;
+  const Vector* strength = scene->law == Law::coulomb ? &scene->mu : &scene->limit;
+  bool any = false;
+  for (std::size_t k = 0; k < scene->nodes.size(); ++k)
+    any |= scene->nodes[k].point.friction = friction && (everywhere || (*strength)[k] > 0);
+  if (!any) scene->law = Law::frictionless;
+  scene->assemble(t, mesh_nodes(static_cast<const typename V::FESpace&>(
+                         *static_cast<typename V::FESpace*>(**pVh))));
+  return scene;
 }
 
 /// What the scene needs, and what it does not.
-template <class V, class L>
-void Operator<V, L>::report_plan(const LocalSystem& system, const Settings& s,
-                                 const Plan& plan) const {
-  std::cout << " -- " << operator_name << ": " << d << "D, " << plan.dofs << " dofs, " << plan.nodes
-            << " contact nodes, ";
+void report_plan(const Arguments& args, const Scene& scene, const Settings& s) {
+  const Plan plan = make_plan(scene.system->problem(), s);
+  std::cout << " -- " << operator_name << ": " << scene.d << "D, " << plan.dofs << " dofs, "
+            << plan.nodes << " contact nodes, ";
   switch (plan.law) {
     case Law::frictionless: std::cout << "no friction"; break;
     case Law::tresca: std::cout << "given sliding limit"; break;
     case Law::coulomb: std::cout << "Coulomb friction"; break;
   }
   std::cout << "; " << name_of(s.method, methods);
-  if (s.method != Method::sorp) std::cout << ", " << name_of(s.precon, preconditioners);
   if (plan.regularization) std::cout << ", " << name_of(s.reg, regularizations);
   std::cout << "; left out:";
   const char* separator = " ";
@@ -409,23 +114,288 @@ void Operator<V, L>::report_plan(const LocalSystem& system, const Settings& s,
     std::cout << separator << what;
     separator = ", ";
   };
-  left_out(!system.rotated(), "rotation");
+  left_out(!scene.system->rotated(), "rotation");
   left_out(!plan.fixed_point, "fixed point");
   left_out(plan.tangents == 0, "tangential laws");
   left_out(!plan.regularization, "regularization");
-  left_out(!named_[p_uold], "previous state");
-  left_out(!named_[p_history], "history");
+  left_out(!args.has(p_uold), "previous state");
+  left_out(!args.has(p_history), "history");
   std::cout << std::endl;
 }
 
-template <class V>
-void register_for() {
-  Global.Add(operator_name, "(", new OneOperatorCode<Operator<V, long>>());
-  Global.Add(operator_name, "(", new OneOperatorCode<Operator<V, KN_<long>>>());
-  Global.Add(operator_name, "(", new OneOperatorCode<Operator<V, E_Array>>());
+/// Fills the named outputs that the script asked for.
+void write_outputs(Stack stack, const Arguments& args, const Scene& scene, const Solution& solution) {
+  if (double* out = args.output<double>(stack, p_residual)) *out = solution.certificate.residual;
+  if (long* out = args.output<long>(stack, p_iterations)) *out = solution.iterations;
+  if (KN<double>* out = args.output<KN<double>>(stack, p_force)) {
+    const Vector force = scene.system->force_to_global(solution.certificate.r);
+    out->resize(scene.ndof);
+    for (long i = 0; i < scene.ndof; ++i) (*out)[i] = force[i];
+  }
+  if (KN<long>* out = args.output<KN<long>>(stack, p_state)) {
+    out->resize(scene.ndof);
+    *out = 0L;
+    for (Index k = 0; k < scene.system->nodes(); ++k)
+      for (int c = 0; c < scene.d; ++c)
+        (*out)[scene.nodes[scene.system->point(k)].point.dof[c]] =
+            static_cast<long>(solution.state[k]);
+  }
 }
 
-void init() {
+/// One increment: the load b, and what the arguments say, on a posed scene.
+KN_<double> solve_scene(Stack stack, const Arguments& args, Scene& scene, const KN_<double>& load) {
+  const double start = cpu_seconds();
+  const Settings s = args.settings(stack);
+  const Vector b = checked_vector(load, "b", scene.ndof);
+  Vector u_old, u_init;
+  if (args.has(p_uold))
+    u_old = checked_vector(args.value<KN_<double>>(stack, p_uold, KN_<double>(load)), "uold",
+                           scene.ndof);
+  if (args.has(p_init))
+    u_init = checked_vector(args.value<KN_<double>>(stack, p_init, KN_<double>(load)), "init",
+                            scene.ndof);
+  LocalSystem& system = *scene.system;
+  system.set_load(b, u_old, scene.gap);
+  system.set_law(scene.law, scene.law == Law::coulomb ? scene.mu : scene.limit);
+
+  const long verb = args.value<long>(stack, p_verb, std::min(verbosity, 1L));
+  if (verb > 0) report_plan(args, scene, s);
+  History history(system.problem());
+  KNM<double>* history_out = args.output<KNM<double>>(stack, p_history);
+  Vector x0;
+  if (u_init.size() > 0) x0 = system.to_local(u_old.size() == 0 ? u_init : Vector(u_init - u_old));
+  const Solution solution = scene.solver->solve(s, x0, history_out ? &history : nullptr);
+
+  const StatusText text = describe(solution.status);
+  if (verb > 0) {
+    std::cout << " -- " << operator_name << ": " << text.name << ", residual "
+              << solution.certificate.residual << ", " << solution.iterations << " iterations";
+    if (solution.passes > 0) std::cout << " in " << solution.passes << " passes of the fixed point";
+    if (solution.eps > 0) std::cout << ", regeps " << solution.eps;
+    std::cout << std::endl;
+  }
+  long* status_out = args.output<long>(stack, p_status);
+  if (solution.status != Status::converged && !status_out) {
+    std::ostringstream m;
+    m << "not converged (" << text.name << ") after " << solution.iterations
+      << " iterations: residual " << solution.certificate.residual << ", tol " << s.tol << "; "
+      << text.remedy << "; pass status=... to get the field all the same";
+    throw IllegalInput(m.str());
+  }
+  if (status_out) *status_out = static_cast<long>(solution.status);
+  write_outputs(stack, args, scene, solution);
+  if (history_out) history.write(history_out);
+
+  KN<double>* u = Add2StackOfPtr2Free(stack, new KN<double>(scene.ndof));
+  const Vector field = system.to_global(solution.x);
+  for (long i = 0; i < scene.ndof; ++i) (*u)[i] = field[i];
+  if (KN<double>* out = args.output<KN<double>>(stack, p_times)) {
+    const Times& t = solution.times;
+    out->resize(8);
+    const double phases[] = {scene.copy_seconds, t.order,         t.factor,      t.condense,
+                             t.contact, t.back_substitution, t.certificate,
+                             scene.copy_seconds + cpu_seconds() - start};
+    for (int k = 0; k < 8; ++k) (*out)[k] = phases[k];
+  }
+  return *u;
+}
+
+/// Translates the errors of a body into FreeFEM's, with their message.
+template <class Body>
+AnyType translated(const char* name, Body body) {
+  try {
+    return body();
+  } catch (const IllegalInput& e) {
+    ExecError(std::string(name) + ": " + e.what());
+  } catch (const std::bad_alloc&) {
+    ExecError(std::string(name) + ": not enough memory for this problem");
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& e) {
+    ExecError(std::string(name) + ": internal error: " + e.what());
+  }
+  return Nothing;
+}
+
+/// The labels argument: an int, an int[int], or [1, 2].
+template <class LabelArgument>
+class Labels {
+ public:
+  explicit Labels(const C_F0& argument) {
+    if constexpr (std::is_same_v<LabelArgument, E_Array>) {
+      const E_Array* list = dynamic_cast<const E_Array*>(argument.LeftValue());
+      for (int k = 0; list && k < list->size(); ++k) expressions_.push_back(to<long>((*list)[k]));
+    } else {
+      expressions_.push_back(to<LabelArgument>(argument));
+    }
+  }
+  std::vector<long> operator()(Stack stack) const {
+    std::vector<long> all;
+    if constexpr (std::is_same_v<LabelArgument, KN_<long>>) {
+      const KN_<long> list = GetAny<KN_<long>>((*expressions_[0])(stack));
+      for (long k = 0; k < list.N(); ++k) all.push_back(list[k]);
+    } else {
+      for (Expression e : expressions_) all.push_back(GetAny<long>((*e)(stack)));
+    }
+    if (all.empty()) throw IllegalInput("labels is empty; name the boundary that may touch");
+    return all;
+  }
+
+ private:
+  std::vector<Expression> expressions_;
+};
+
+/// u[] = frictionalContactCG(A, b, Vh, labels, ...), for V = v_fes (2D) or v_fes3 (3D).
+template <class V, class L>
+class SolveOnce : public E_F0mps {
+ public:
+  using Result = KN_<double>;
+  explicit SolveOnce(const basicAC_F0& args)
+      : arguments_(args, Dimension<typename V::FESpace>::d, true),
+        A_(to<Matrice_Creuse<double>*>(args[0])),
+        b_(to<KN_<double>>(args[1])),
+        Vh_(to<typename V::pfes*>(args[2])),
+        labels_(args[3]) {}
+  static ArrayOfaType typeargs() {
+    return ArrayOfaType(atype<Matrice_Creuse<double>*>(), atype<KN_<double>>(),
+                        atype<typename V::pfes*>(), atype<L>());
+  }
+  static E_F0* f(const basicAC_F0& args) { return new SolveOnce(args); }
+  AnyType operator()(Stack stack) const override {
+    return translated(operator_name, [&] {
+      const auto scene = pose<V>(stack, arguments_, GetAny<Matrice_Creuse<double>*>((*A_)(stack)),
+                                 GetAny<typename V::pfes*>((*Vh_)(stack)), labels_(stack), false);
+      return SetAny<KN_<double>>(
+          solve_scene(stack, arguments_, *scene, GetAny<KN_<double>>((*b_)(stack))));
+    });
+  }
+
+ private:
+  Arguments arguments_;
+  Expression A_, b_, Vh_;
+  Labels<L> labels_;
+};
+
+/// What a script's variable of type contactproblem holds.
+class ContactProblemVariable {
+ public:
+  void init() { scene_ = new std::shared_ptr<Scene>; }
+  void destroy() {
+    delete scene_;
+    scene_ = nullptr;
+  }
+  std::shared_ptr<Scene>& scene() { return *scene_; }
+
+ private:
+  std::shared_ptr<Scene>* scene_ = nullptr;  // FreeFEM copies the bytes of its variables
+};
+
+/// contactproblem C = contactProblem(A, Vh, labels, ...): FreeFEM's grammar takes no fespace in
+/// C(A, Vh, ...).
+template <class V, class L>
+class Construct : public E_F0mps {
+ public:
+  using Result = ContactProblemVariable*;
+  explicit Construct(const basicAC_F0& args)
+      : arguments_(args, Dimension<typename V::FESpace>::d, true),
+        A_(to<Matrice_Creuse<double>*>(args[0])),
+        Vh_(to<typename V::pfes*>(args[1])),
+        labels_(args[2]) {
+    for (int p = 0; p < parameter_count; ++p)
+      if (arguments_.has(Parameter(p)) && p != p_mu && p != p_gap && p != p_normal &&
+          p != p_slidinglimit)
+        CompileError(std::string(constructor_name) + ": " + parameters[p].name +
+                     " belongs to frictionalContactCG(C, b, ...)");
+  }
+  static ArrayOfaType typeargs() {
+    return ArrayOfaType(atype<Matrice_Creuse<double>*>(), atype<typename V::pfes*>(), atype<L>());
+  }
+  static E_F0* f(const basicAC_F0& args) { return new Construct(args); }
+  AnyType operator()(Stack stack) const override {
+    return translated(constructor_name, [&] {
+      auto* C = new ContactProblemVariable;
+      C->init();
+      Add2StackOfPtr2Free(stack, new Owner{C});
+      C->scene() = pose<V>(stack, arguments_, GetAny<Matrice_Creuse<double>*>((*A_)(stack)),
+                           GetAny<typename V::pfes*>((*Vh_)(stack)), labels_(stack), true);
+      return SetAny<ContactProblemVariable*>(C);
+    });
+  }
+
+ private:
+  /// Ends the temporary at the end of the statement; variables share its scene.
+  struct Owner {
+    ContactProblemVariable* C;
+    ~Owner() {
+      C->destroy();
+      delete C;
+    }
+  };
+  Arguments arguments_;
+  Expression A_, Vh_;
+  Labels<L> labels_;
+};
+
+ContactProblemVariable* first_assignment(ContactProblemVariable* C, ContactProblemVariable* from) {
+  C->init();
+  C->scene() = from->scene();
+  return C;
+}
+
+ContactProblemVariable* assignment(ContactProblemVariable* C, ContactProblemVariable* from) {
+  C->scene() = from->scene();
+  return C;
+}
+
+/// u[] = frictionalContactCG(C, b, ...)
+class SolveIncrement : public E_F0mps {
+ public:
+  using Result = KN_<double>;
+  explicit SolveIncrement(const basicAC_F0& args)
+      : arguments_(args, 0, false),
+        C_(to<ContactProblemVariable*>(args[0])),
+        b_(to<KN_<double>>(args[1])) {}
+  static ArrayOfaType typeargs() {
+    return ArrayOfaType(atype<ContactProblemVariable*>(), atype<KN_<double>>());
+  }
+  static E_F0* f(const basicAC_F0& args) { return new SolveIncrement(args); }
+  AnyType operator()(Stack stack) const override {
+    return translated(operator_name, [&] {
+      Scene* scene = GetAny<ContactProblemVariable*>((*C_)(stack))->scene().get();
+      if (!scene) throw IllegalInput("C is not set; write contactproblem C = contactProblem(A, Vh, labels, ...)");
+      if (scene->law == Law::frictionless && (arguments_.has(p_mu) || arguments_.has(p_slidinglimit)))
+        throw IllegalInput(
+            "C was made without friction; name mu or slidinglimit in contactProblem(...), too");
+      set_laws(stack, arguments_, *scene);
+      return SetAny<KN_<double>>(
+          solve_scene(stack, arguments_, *scene, GetAny<KN_<double>>((*b_)(stack))));
+    });
+  }
+
+ private:
+  Arguments arguments_;
+  Expression C_, b_;
+};
+
+template <class V, class L>
+void register_labels() {
+  Global.Add(operator_name, "(", new OneOperatorCode<SolveOnce<V, L>>());
+  Global.Add(constructor_name, "(", new OneOperatorCode<Construct<V, L>>());
+}
+
+template <class V>
+void register_dimension() {
+  register_labels<V, long>();
+  register_labels<V, KN_<long>>();
+  register_labels<V, E_Array>();
+}
+
+AnyType init_variable(Stack, const AnyType& x) {
+  GetAny<ContactProblemVariable*>(x)->init();
+  return x;
+}
+
+void load() {
   const double compiled = std::strtod(FREEFEM_VERSION, nullptr);
   if (std::abs(VersionNumber() - compiled) > 1e-6) {
     std::ostringstream m;
@@ -433,10 +403,16 @@ void init() {
       << VersionNumber() << "; rebuild it with `make`";
     throw ErrorLoad(m.str().c_str(), 1);
   }
-  register_for<v_fes>();
-  register_for<v_fes3>();
+  Dcl_Type<ContactProblemVariable*>(init_variable, ::Destroy<ContactProblemVariable>);
+  zzzfff->Add("contactproblem", atype<ContactProblemVariable*>());
+  using C = ContactProblemVariable*;
+  TheOperators->Add("<-", new OneOperator2<C, C, C>(first_assignment));
+  TheOperators->Add("=", new OneOperator2<C, C, C>(assignment));
+  register_dimension<v_fes>();
+  register_dimension<v_fes3>();
+  Global.Add(operator_name, "(", new OneOperatorCode<SolveIncrement>());
 }
 
 }  // namespace
 
-LOADFUNC(init)
+LOADFUNC(load)

@@ -62,8 +62,9 @@ std::vector<NodeState> classify(const ContactProblem& problem, const Vector& x, 
     const Index t = problem.tangents(i);
     if (r[N] <= D[N] * (problem.gap[i] - x[N]) || r[N] <= 0) {
       state[i] = NodeState::separated;
-    } else if (t == 0) {
-      state[i] = NodeState::slip;
+    } else if (t == 0) {  // Dirichlet conditions hold its tangents, or it has no friction
+      const bool friction = problem.law == Law::tresca || (problem.law == Law::coulomb && problem.mu[i] > 0);
+      state[i] = friction ? NodeState::stick : NodeState::slip;
     } else {
       const Real c_T = tangential_stiffness(problem, i, D);
       const Real y = (r.segment(N + 1, t) + c_T * x.segment(N + 1, t)).norm();

@@ -15,11 +15,13 @@ enum class Law { frictionless, tresca, coulomb };
 /// normal dof followed by its tangential dofs: two in 3D, one in 2D, none where there is no friction.
 /// Forces of the obstacle on the body: F_N = (Ax - F)_N <= 0 and F_T = (Ax - F)_T.
 struct ContactProblem {
+  int dimension = 2;         ///< 2 or 3
   Matrix A;                  ///< n x n, symmetric positive semi-definite [force/length]
   Vector D;                  ///< n, diag(A)
   Vector F;                  ///< n [force]
   std::vector<Index> first;  ///< m + 1; contact node i owns the dofs first[i] .. first[i+1]-1
   Vector gap;                ///< m [length]
+  std::vector<Index> mesh_node;  ///< n, or empty: dofs with one number share a mesh node (fill-in)
   Law law = Law::frictionless;
   Vector mu;             ///< m, >= 0, dimensionless; law coulomb
   Vector g;              ///< m, >= 0 [force]; law tresca

@@ -1,6 +1,7 @@
 #pragma once
 #include "anderson.h"
-#include "solver.h"
+#include "solution.h"
+#include "tresca.h"
 
 namespace frictioncg {
 

@@ -25,6 +25,7 @@ Index in_frame(std::size_t node, int component) {
 
 LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points)
     : d_(dimension), points_(std::move(points)), half_(A.half) {
+  problem_.dimension = dimension;
   find_fixed(A);
   number(A.n);
   copy(A);
@@ -158,6 +159,12 @@ void LocalSystem::for_each_image(Index dof, Visit visit) const {
     for (int q = 0; q < f.size; ++q)
       if (f.Q[k % 3][q] != 0) visit(f.local[q], f.Q[k % 3][q]);
   }
+}
+
+void LocalSystem::set_mesh_nodes(const std::vector<Index>& node_of_dof) {
+  problem_.mesh_node.resize(original_.size());
+  for (std::size_t p = 0; p < original_.size(); ++p)
+    problem_.mesh_node[p] = node_of_dof[original_[p]];
 }
 
 /// A in local frames by two bucket passes over the triplets' images, the second of which sorts the

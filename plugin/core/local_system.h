@@ -37,6 +37,9 @@ class LocalSystem {
   /// symmetric, or has a diagonal <= 0.
   LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points);
 
+  /// Which dofs share a node of the mesh (n): lets the factorization order nodes in place of dofs.
+  void set_mesh_nodes(const std::vector<Index>& node_of_dof);
+
   /// Sets the load b (n, with the data of Dirichlet dofs as A's storage wants it) and the state u_old
   /// (n, or empty for 0) that the increment starts from; gap: one per contact point [length].
   void set_load(const Vector& b, const Vector& u_old, const Vector& gap);

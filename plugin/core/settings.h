@@ -4,6 +4,8 @@
 namespace frictioncg {
 
 enum class Method {
+  automatic,  ///< condensed where it fits in memory, else gc3
+  condensed,  ///< the interior eliminated by one factorization
   gc1,  ///< release tensile nodes at each iteration and restart (Jeusette-Sonzogni)
   gc2,  ///< release tensile nodes at each iteration, keep conjugating (Dilintas)
   gc3,  ///< release tensile nodes after partial convergence (Raous-Barbarin)
@@ -19,13 +21,15 @@ enum class Step {
 };
 
 struct Settings {
-  Method method = Method::gc3;
+  Method method = Method::automatic;
+  bool polish = true;  ///< condensed: semismooth Newton on the unregularized laws
+  double memory = 8e9;  ///< [bytes] that the factor and the dense matrices may take
   Regularization reg = Regularization::polynomial;
   Real regeps = 0;  ///< [length]; 0: from the scene, 1e-8 max|x| and less if tol asks for it
   Precon precon = Precon::hessian_ssor;
   Real omega = 0;  ///< relaxation of SSOR or SORP, in (0, 2); 0: 1 for SSOR, 1.8 for SORP
   Step step = Step::exact;
-  Real tol = 1e-6;     ///< on the certificate, dimensionless
+  Real tol = 1e-8;     ///< on the certificate, dimensionless
   Index nbiter = 0;    ///< bound on all iterations of a call; 0: 10 sqrt(n) + 20 m + 10000
   Real partial = 100;  ///< eps_1/eps_0 of section 3: GC3 tests for release at `partial` times tol
   /// Only to repeat the paper's tables: stop at |dx| <= stop_on_step |x|. Proves nothing; 0: off.

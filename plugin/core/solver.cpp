@@ -3,6 +3,7 @@
 #include <cmath>
 #include <memory>
 
+#include "condensed.h"
 #include "fixed_point.h"
 #include "projected_cg.h"
 #include "sorp.h"
@@ -16,22 +17,54 @@ Plan make_plan(const ContactProblem& problem, const Settings& settings) {
   plan.tangents = problem.contact_dofs() - problem.nodes();
   plan.law = problem.law;
   plan.fixed_point = problem.law == Law::coulomb;
-  plan.regularization = problem.law != Law::frictionless && settings.method != Method::sorp;
+  plan.regularization = problem.law != Law::frictionless && settings.method != Method::sorp &&
+      (settings.method == Method::gc1 || settings.method == Method::gc2 ||
+       settings.method == Method::gc3 || !settings.polish);
   return plan;
 }
 
-Solution solve(const ContactProblem& problem, const Settings& settings, const Vector& x0,
-             Observer* observer) {
-  const Index bound =
-      settings.nbiter > 0
-          ? settings.nbiter
-          : 10000 + 20 * problem.nodes() + static_cast<Index>(20 * std::sqrt(problem.dofs()));
+Index default_iterations(const ContactProblem& problem) {
+  return 10000 + 20 * problem.nodes() + static_cast<Index>(20 * std::sqrt(problem.dofs()));
+}
+
+Solver::Solver(const ContactProblem& problem) : problem_(problem) {}
+Solver::~Solver() = default;
+
+Solution Solver::solve(const Settings& settings, const Vector& x0, Observer* observer) {
+  if (settings.method != Method::automatic && settings.method != Method::condensed)
+    return iterate(settings, x0, observer);
+  if (condense(settings)) {
+    const Solution s = condensed_->solve(settings, x0);
+    if (observer) observer->iterate(s.iterations, s.x);
+    return s;
+  }
+  Settings gc3 = settings;
+  gc3.method = Method::gc3;
+  return iterate(gc3, x0, observer);
+}
+
+bool Solver::condense(const Settings& settings) {
+  if (tried_) return factored_;
+  tried_ = true;
+  condensed_ = std::make_unique<CondensedSolver>(problem_);
+  factored_ = condensed_->factor(settings.memory) == Condensation::Outcome::done;
+  if (!factored_) condensed_.reset();
+  return factored_;
+}
+
+Solution Solver::iterate(const Settings& settings, const Vector& x0, Observer* observer) {
+  const Index bound = settings.nbiter > 0 ? settings.nbiter : default_iterations(problem_);
   std::unique_ptr<TrescaSolver> tresca;
   if (settings.method == Method::sorp)
-    tresca = std::make_unique<Sorp>(problem, settings, bound, observer);
+    tresca = std::make_unique<Sorp>(problem_, settings, bound, observer);
   else
-    tresca = std::make_unique<ProjectedCG>(problem, settings, bound, observer);
-  return FixedPoint(problem, settings, *tresca).solve(x0);
+    tresca = std::make_unique<ProjectedCG>(problem_, settings, bound, observer);
+  return FixedPoint(problem_, settings, *tresca).solve(x0);
+}
+
+Solution solve(const ContactProblem& problem, const Settings& settings, const Vector& x0,
+               Observer* observer) {
+  return Solver(problem).solve(settings, x0, observer);
 }
 
 }  // namespace frictioncg

@@ -1,7 +1,7 @@
 #pragma once
-#include "certificate.h"
-#include "settings.h"
-#include "tresca.h"
+#include <memory>
+
+#include "solution.h"
 
 namespace frictioncg {
 
@@ -15,19 +15,32 @@ struct Plan {
 
 Plan make_plan(const ContactProblem& problem, const Settings& settings);
 
-struct Solution {
-  Status status = Status::converged;
-  Vector x;                      ///< n, the increment in local frames [length]
-  Certificate certificate;       ///< of x
-  std::vector<NodeState> state;  ///< m
-  Index iterations = 0;          ///< of all minimizations
-  Index passes = 0;              ///< of the fixed point; 0 where there is none
-  Real eps = 0;                  ///< the regularization used [length]; 0: none
+class CondensedSolver;
+
+/// Solves one contact problem, again and again if its load, gap or law change: a factorization is
+/// made at the first call that wants it, and kept.
+class Solver {
+ public:
+  /// problem must outlive the solver; its A, D and layout must not change.
+  explicit Solver(const ContactProblem& problem);
+  ~Solver();
+
+  /// Solves by the method of the settings, and certifies the answer. x0 (n), or empty to start from
+  /// the scene.
+  Solution solve(const Settings& settings, const Vector& x0 = {}, Observer* observer = nullptr);
+
+ private:
+  bool condense(const Settings& settings);
+  Solution iterate(const Settings& settings, const Vector& x0, Observer* observer);
+
+  const ContactProblem& problem_;
+  std::unique_ptr<CondensedSolver> condensed_;
+  bool tried_ = false;  ///< the factorization was attempted
+  bool factored_ = false;
 };
 
-/// Solves the problem by the method of the settings, and certifies the answer. x0 (n), or empty to
-/// start from the scene.
+/// One problem, solved once.
 Solution solve(const ContactProblem& problem, const Settings& settings, const Vector& x0 = {},
-             Observer* observer = nullptr);
+               Observer* observer = nullptr);
 
 }  // namespace frictioncg

@@ -41,7 +41,7 @@ TEST(Solver, EveryMethodPreconditionerAndRegularizationSatisfiesTheUnregularized
     const Scene s = block(o);
     Settings settings;
     settings.tol = 1e-7;
-    for (Method m : {Method::gc1, Method::gc2, Method::gc3, Method::sorp}) {
+    for (Method m : {Method::condensed, Method::gc1, Method::gc2, Method::gc3, Method::sorp}) {
       settings.method = m;
       const Answer a = run(s, settings);
       EXPECT_EQ(a.solution.status, Status::converged) << "method " << int(m) << " d " << d;

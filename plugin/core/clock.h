@@ -1,0 +1,13 @@
+#pragma once
+#include <ctime>
+
+namespace frictioncg {
+
+/// CPU seconds of the process: what its phases cost, whatever else the machine does.
+inline double cpu_seconds() {
+  timespec t;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+}  // namespace frictioncg

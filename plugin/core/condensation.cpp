@@ -1,0 +1,268 @@
+#include "condensation.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "clock.h"
+
+namespace frictioncg {
+
+namespace {
+
+constexpr Real sigma = 0.5;
+
+/// Rows of A up to the diagonal: by columns, the upper triangle that CHOLMOD reads. The contact
+/// dofs, last, get the shift, and are chained by entries (zero if need be) next to the diagonal: so
+/// each is the parent of the one before in the elimination tree, and no postordering moves them.
+struct UpperTriangle {
+  std::vector<Index> column, row;
+  std::vector<Real> value;
+  cholmod_sparse view{};
+
+  explicit UpperTriangle(const ContactProblem& p) {
+    const Index n = p.dofs(), interior = p.interior();
+    const Index* begin = p.A.outerIndexPtr();
+    const Index* col = p.A.innerIndexPtr();
+    const Real* a = p.A.valuePtr();
+    column.reserve(n + 1);
+    row.reserve(p.A.nonZeros() / 2 + n);
+    value.reserve(p.A.nonZeros() / 2 + n);
+    column.push_back(0);
+    for (Index j = 0; j < n; ++j) {
+      for (Index k = begin[j]; k < begin[j + 1] && col[k] < j; ++k) {
+        row.push_back(col[k]);
+        value.push_back(a[k]);
+      }
+      if (j > interior && (row.size() == std::size_t(column[j]) || row.back() != j - 1)) {
+        row.push_back(j - 1);
+        value.push_back(0);
+      }
+      row.push_back(j);
+      value.push_back(j < interior ? p.D[j] : (1 + sigma) * p.D[j]);
+      column.push_back(static_cast<Index>(row.size()));
+    }
+    view.nrow = view.ncol = n;
+    view.nzmax = row.size();
+    view.p = column.data();
+    view.i = row.data();
+    view.x = value.data();
+    view.stype = 1;
+    view.itype = CHOLMOD_INT;
+    view.xtype = CHOLMOD_REAL;
+    view.dtype = CHOLMOD_DOUBLE;
+    view.sorted = view.packed = 1;
+  }
+};
+
+/// The graph of the mesh nodes: its upper triangle by columns, and the dofs of each node.
+struct NodeGraph {
+  std::vector<Index> column, row;
+  std::vector<Index> first_dof;  ///< nodes + 1, into dofs
+  std::vector<Index> dofs;
+  Index interior = 0;  ///< nodes with interior dofs; contact nodes follow
+  cholmod_sparse view{};
+
+  explicit NodeGraph(const ContactProblem& p) {
+    const Index n = p.dofs();
+    std::vector<Index> node_of(n);
+    number_nodes(p, node_of);
+    const Index nodes = static_cast<Index>(first_dof.size()) - 1;
+    const Index* begin = p.A.outerIndexPtr();
+    const Index* col = p.A.innerIndexPtr();
+    std::vector<Index> seen_by(nodes, -1);
+    column.reserve(nodes + 1);
+    column.push_back(0);
+    for (Index v = 0; v < nodes; ++v) {
+      for (Index k = first_dof[v]; k < first_dof[v + 1]; ++k)
+        for (Index e = begin[dofs[k]]; e < begin[dofs[k] + 1]; ++e) {
+          const Index w = node_of[col[e]];
+          if (w >= v || seen_by[w] == v) continue;
+          seen_by[w] = v;
+          row.push_back(w);
+        }
+      column.push_back(static_cast<Index>(row.size()));
+    }
+    view.nrow = view.ncol = nodes;
+    view.nzmax = row.size();
+    view.p = column.data();
+    view.i = row.data();
+    view.stype = 1;
+    view.itype = CHOLMOD_INT;
+    view.xtype = CHOLMOD_PATTERN;
+    view.dtype = CHOLMOD_DOUBLE;
+    view.packed = 1;
+  }
+
+  void restrict_to_interior() {
+    view.nrow = view.ncol = interior;
+    view.nzmax = column[interior];
+  }
+
+ private:
+  void number_nodes(const ContactProblem& p, std::vector<Index>& node_of) {
+    const Index n = p.dofs();
+    Index nodes = 0;
+    if (p.mesh_node.empty()) {
+      for (Index i = 0; i < p.interior(); ++i) node_of[i] = nodes++;
+    } else {
+      std::vector<Index> number(*std::max_element(p.mesh_node.begin(), p.mesh_node.end()) + 1, -1);
+      for (Index i = 0; i < p.interior(); ++i) {
+        Index& k = number[p.mesh_node[i]];
+        if (k < 0) k = nodes++;
+        node_of[i] = k;
+      }
+    }
+    interior = nodes;
+    for (Index c = 0; c < p.nodes(); ++c, ++nodes)
+      for (Index i = p.first[c]; i < p.first[c + 1]; ++i) node_of[i] = nodes;
+    first_dof.assign(nodes + 1, 0);
+    for (Index i = 0; i < n; ++i) ++first_dof[node_of[i] + 1];
+    for (Index v = 0; v < nodes; ++v) first_dof[v + 1] += first_dof[v];
+    dofs.resize(n);
+    std::vector<Index> at(first_dof.begin(), first_dof.end() - 1);
+    for (Index i = 0; i < n; ++i) dofs[at[node_of[i]]++] = i;
+  }
+};
+
+void check(bool ok, const cholmod_common& common) {
+  if (ok) return;
+  if (common.status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();
+  throw std::runtime_error("CHOLMOD failed with status " + std::to_string(common.status));
+}
+
+/// A permutation of the dofs with little fill-in, the contact dofs last and in their order.
+std::vector<Index> contact_last(const ContactProblem& p, Ordering ordering, cholmod_common& common) {
+  NodeGraph graph(p);
+  const Index nodes = static_cast<Index>(graph.first_dof.size()) - 1;
+  std::vector<Index> order(nodes);
+  int ok = 1;
+  if (graph.interior == 0) {
+    // all dofs are contact dofs
+  } else if (ordering == Ordering::camd) {
+    std::vector<Index> member(nodes, 0);
+    std::fill(member.begin() + graph.interior, member.end(), 1);
+    ok = cholmod_camd(&graph.view, nullptr, 0, member.data(), order.data(), &common);
+  } else {
+    graph.restrict_to_interior();
+    ok = ordering == Ordering::amd
+             ? cholmod_amd(&graph.view, nullptr, 0, order.data(), &common)
+             : cholmod_metis(&graph.view, nullptr, 0, 0, order.data(), &common);
+  }
+  check(ok, common);
+  std::vector<Index> dofs;
+  dofs.reserve(p.dofs());
+  for (Index v = 0; v < graph.interior; ++v)
+    for (Index k = graph.first_dof[order[v]]; k < graph.first_dof[order[v] + 1]; ++k)
+      dofs.push_back(graph.dofs[k]);
+  for (Index i = p.interior(); i < p.dofs(); ++i) dofs.push_back(i);
+  return dofs;
+}
+
+}  // namespace
+
+Condensation::Condensation() {
+  cholmod_start(&common_);
+  common_.print = 0;
+  common_.try_catch = 1;
+  common_.supernodal = CHOLMOD_SUPERNODAL;
+  common_.final_ll = 1;
+  common_.nmethods = 1;
+  common_.method[0].ordering = CHOLMOD_GIVEN;
+}
+
+Condensation::~Condensation() {
+  release();
+  cholmod_finish(&common_);
+}
+
+void Condensation::release() {
+  cholmod_free_factor(&L_, &common_);
+  cholmod_free_dense(&X_, &common_);
+  cholmod_free_dense(&Y_, &common_);
+  cholmod_free_dense(&E_, &common_);
+}
+
+double Condensation::factor_bytes() const {
+  return L_ ? double(sizeof(Real)) * double(L_->xsize) : 0;
+}
+
+Condensation::Outcome Condensation::factor(const ContactProblem& problem, double memory_bound,
+                                           Ordering ordering) {
+  release();
+  times_ = {};
+  n_ = problem.dofs();
+  interior_ = problem.interior();
+  const double contact = problem.contact_dofs();
+  const double dense = 3 * sizeof(Real) * contact * contact;
+  if (dense > memory_bound) return Outcome::too_large;
+
+  double start = cpu_seconds();
+  UpperTriangle A(problem);
+  // Measured on blocks (2D to 800 k dofs, 3D to 100 k), against CHOLMOD's best plain solve: minimum
+  // degree with constraints 0.7 in 2D but 1.6 in 3D, nested dissection 0.9 and 1.1; minimum degree
+  // of the interior alone fills more than either.
+  if (ordering == Ordering::automatic)
+    ordering = problem.dimension == 2 ? Ordering::camd : Ordering::metis;
+  const std::vector<Index> order = contact_last(problem, ordering, common_);
+  L_ = cholmod_analyze_p(&A.view, const_cast<Index*>(order.data()), nullptr, 0, &common_);
+  check(L_ != nullptr, common_);
+  for (Index i = interior_; i < n_; ++i)
+    if (static_cast<Index*>(L_->Perm)[i] != i)
+      throw std::logic_error("condensation: the contact dofs are not last in the factor");
+  times_.order = cpu_seconds() - start;
+  if (factor_bytes() + dense > memory_bound) return Outcome::too_large;
+
+  start = cpu_seconds();
+  const int ok = cholmod_factorize(&A.view, L_, &common_);
+  if (common_.status == CHOLMOD_NOT_POSDEF) return Outcome::not_positive_definite;
+  check(ok, common_);
+  times_.factor = cpu_seconds() - start;
+
+  start = cpu_seconds();
+  read_trailing_block();
+  S_ = L_CC_.triangularView<Eigen::Lower>() * L_CC_.transpose();
+  S_.diagonal() -= sigma * problem.D.tail(problem.contact_dofs());
+  times_.condense = cpu_seconds() - start;
+  return Outcome::done;
+}
+
+/// L_CC from the supernodes that end in the contact dofs.
+void Condensation::read_trailing_block() {
+  const Index contact = n_ - interior_;
+  L_CC_.setZero(contact, contact);
+  const Index* super = static_cast<Index*>(L_->super);
+  const Index* pi = static_cast<Index*>(L_->pi);
+  const Index* px = static_cast<Index*>(L_->px);
+  const Index* s = static_cast<Index*>(L_->s);
+  const Real* x = static_cast<Real*>(L_->x);
+  for (Index k = static_cast<Index>(L_->nsuper) - 1; k >= 0 && super[k + 1] > interior_; --k) {
+    const Index rows = pi[k + 1] - pi[k];
+    for (Index j = std::max(super[k], interior_); j < super[k + 1]; ++j)
+      for (Index q = j - super[k]; q < rows; ++q)
+        L_CC_(s[pi[k] + q] - interior_, j - interior_) = x[px[k] + q + (j - super[k]) * rows];
+  }
+}
+
+Vector Condensation::solve(int system, const Vector& rhs) {
+  cholmod_dense b{};
+  b.nrow = b.d = b.nzmax = n_;
+  b.ncol = 1;
+  b.x = const_cast<Real*>(rhs.data());
+  b.xtype = CHOLMOD_REAL;
+  b.dtype = CHOLMOD_DOUBLE;
+  check(cholmod_solve2(system, L_, &b, nullptr, &X_, nullptr, &Y_, &E_, &common_), common_);
+  return Eigen::Map<const Vector>(static_cast<Real*>(X_->x), n_);
+}
+
+Vector Condensation::reduce(const Vector& F) {
+  y_ = solve(CHOLMOD_L, solve(CHOLMOD_P, F));
+  return L_CC_.triangularView<Eigen::Lower>() * y_.tail(n_ - interior_);
+}
+
+Vector Condensation::expand(const Vector& x_C) {
+  Vector y = y_;
+  y.tail(n_ - interior_) = L_CC_.transpose().triangularView<Eigen::Upper>() * x_C;
+  return solve(CHOLMOD_Pt, solve(CHOLMOD_Lt, y));
+}
+
+}  // namespace frictioncg

@@ -1,0 +1,165 @@
+#include "condensed.h"
+
+#include <cmath>
+#include <limits>
+
+#include "clock.h"
+#include "fixed_point.h"
+#include "projected_cg.h"
+
+namespace frictioncg {
+
+namespace {
+
+constexpr Index newton_steps = 40;
+
+/// The condensed problem in the form the conjugate gradient takes: all dofs are contact dofs.
+ContactProblem on_contact_dofs(const CondensedProblem& condensed) {
+  ContactProblem p = {};
+  const ContactProblem& laws = condensed.laws;
+  p.dimension = laws.dimension;
+  p.A = condensed.S.sparseView(0, 0);
+  p.A.makeCompressed();
+  p.D = condensed.S.diagonal();
+  p.F = condensed.f;
+  for (Index first : laws.first) p.first.push_back(first - laws.interior());
+  p.gap = laws.gap;
+  p.law = laws.law;
+  p.mu = laws.mu;
+  p.g = laws.g;
+  p.force_scale = laws.force_scale;
+  return p;
+}
+
+}  // namespace
+
+/// Newton on the laws, inside iterative refinement of the equilibrium: the first pass has r = F.
+Solution CondensedSolver::solve(const Settings& settings, const Vector& x0) {
+  Solution s;
+  s.route = Route::condensed;
+  s.times.order = condensation_.times().order;
+  s.times.factor = condensation_.times().factor;
+  s.times.condense = condensation_.times().condense;
+  const Index contact = problem_.contact_dofs();
+  Vector x = Vector::Zero(problem_.dofs()), r = problem_.F;
+  bool warm = x0.size() > 0;
+  Vector x_C = warm ? Vector(x0.tail(contact)) : Vector(Vector::Zero(contact));
+  Vector done_C = Vector::Zero(contact);  // the part of x_C that x already carries
+  Real best = std::numeric_limits<Real>::infinity();
+  for (int refinement = 0; refinement < 4; ++refinement) {
+    double start = cpu_seconds();
+    CondensedProblem condensed{condensation_.S(), condensation_.reduce(r), problem_};
+    s.times.back_substitution += cpu_seconds() - start;
+    start = cpu_seconds();
+    if (refinement > 0) condensed.f.noalias() += condensation_.S() * done_C;
+    Attempt a;
+    if (settings.polish) a = polish(condensed, x_C, warm, s);
+    if (settings.polish && !a.solved) a = by_continuation(condensed, s);
+    if (!a.solved) a = by_fixed_point(condensed, settings, x_C, s);
+    s.times.contact += cpu_seconds() - start;
+
+    start = cpu_seconds();
+    x += condensation_.expand(a.x - done_C);
+    s.times.back_substitution += cpu_seconds() - start;
+    start = cpu_seconds();
+    x_C = done_C = a.x;
+    warm = true;
+    Certificate certificate = certify(problem_, x);
+    s.times.certificate += cpu_seconds() - start;
+    if (certificate.residual < best) {
+      s.x = x;
+      s.status = a.status;
+      s.certificate = certificate;
+    }
+    const bool better = certificate.residual < 0.3 * best;
+    best = std::min(best, certificate.residual);
+    r = certificate.r;
+    if (best <= settings.tol || !better || a.status != Status::converged || !x.allFinite()) break;
+  }
+  if (best <= settings.tol)
+    s.status = Status::converged;
+  else if (s.status == Status::converged)
+    s.status = Status::stagnated;
+  if (s.x.size() == 0) {
+    s.x = Vector::Zero(problem_.dofs());
+    s.certificate = certify(problem_, s.x);
+  }
+  s.state = classify(problem_, s.x, s.certificate.r);
+  return s;
+}
+
+CondensedSolver::Attempt CondensedSolver::polish(const CondensedProblem& condensed,
+                                                 const Vector& x_C, bool warm, Solution& s) {
+  SemismoothNewton newton(condensed);
+  if (warm)
+    newton.start_from(x_C, condensed.f - condensed.S * x_C);
+  else
+    newton.start_from_stick();
+  const auto outcome = newton.solve(newton_steps);
+  s.iterations += newton.steps();
+  return {newton.x(), outcome == SemismoothNewton::Outcome::converged, Status::converged};
+}
+
+/// mu from 0 up to its value, each solution the start of the next; the step adapts.
+CondensedSolver::Attempt CondensedSolver::by_continuation(const CondensedProblem& condensed,
+                                                          Solution& s) {
+  Attempt last;
+  if (problem_.law != Law::coulomb) return last;
+  ContactProblem laws;
+  laws.dimension = problem_.dimension;
+  laws.first = problem_.first;
+  laws.gap = problem_.gap;
+  laws.law = problem_.law;
+  laws.force_scale = problem_.force_scale;
+  const CondensedProblem scaled{condensed.S, condensed.f, laws};
+  Real reached = 0, step = 0.25;
+  Vector x;
+  while (reached < 1 && step > 1.0 / 512) {
+    const Real next = std::min(1.0, reached + step);
+    laws.mu = next * problem_.mu;
+    SemismoothNewton newton(scaled);
+    if (x.size() > 0)
+      newton.start_from(x, scaled.f - scaled.S * x);
+    else
+      newton.start_from_stick();
+    const auto outcome = newton.solve(newton_steps);
+    s.iterations += newton.steps();
+    if (outcome == SemismoothNewton::Outcome::converged) {
+      x = newton.x();
+      reached = next;
+      step *= 2;
+    } else {
+      step /= 2;
+    }
+  }
+  last.x = x;
+  last.solved = reached == 1;
+  return last;
+}
+
+/// The paper's method on S; where it converges, one more polish.
+CondensedSolver::Attempt CondensedSolver::by_fixed_point(const CondensedProblem& condensed,
+                                                         const Settings& settings,
+                                                         const Vector& x_C, Solution& s) {
+  const ContactProblem p = on_contact_dofs(condensed);
+  Settings inner = settings;
+  inner.method = Method::gc3;
+  if (settings.polish) inner.tol = std::max(settings.tol, 1e-6);
+  const Index bound = settings.nbiter > 0 ? settings.nbiter : default_iterations(p);
+  ProjectedCG cg(p, inner, bound, nullptr);
+  const Vector start = x_C.isZero(0) ? Vector() : x_C;
+  const Solution regularized = FixedPoint(p, inner, cg).solve(start);
+  s.iterations += regularized.iterations;
+  s.passes += regularized.passes;
+  s.eps = regularized.eps;
+  Attempt a{regularized.x, regularized.status == Status::converged, regularized.status};
+  if (!settings.polish || !a.x.allFinite()) return a;
+  Attempt polished = polish(condensed, a.x, true, s);
+  if (polished.solved) {
+    s.eps = 0;
+    return polished;
+  }
+  return a;
+}
+
+}  // namespace frictioncg

@@ -1,0 +1,41 @@
+#pragma once
+#include "condensation.h"
+#include "semismooth_newton.h"
+#include "solution.h"
+
+namespace frictioncg {
+
+/// The condensed route: the interior eliminated by one factorization, which is kept for further
+/// loads, gaps and laws; then contact and friction on the dense S alone.
+class CondensedSolver {
+ public:
+  /// problem must outlive the solver; its A, D and layout must not change, its F, gap, mu, g may.
+  explicit CondensedSolver(const ContactProblem& problem) : problem_(problem) {}
+
+  /// Factors A. Status::not_positive_definite where contact and supports leave it singular.
+  Condensation::Outcome factor(double memory_bound) {
+    return condensation_.factor(problem_, memory_bound);
+  }
+
+  /// settings.polish: semismooth Newton on the unregularized laws; else the regularized conjugate
+  /// gradient and the fixed point on S.
+  Solution solve(const Settings& settings, const Vector& x0);
+
+  const Condensation& condensation() const { return condensation_; }
+
+ private:
+  struct Attempt {
+    Vector x;
+    bool solved = false;
+    Status status = Status::converged;
+  };
+  Attempt polish(const CondensedProblem& condensed, const Vector& x_C, bool warm, Solution& s);
+  Attempt by_continuation(const CondensedProblem& condensed, Solution& s);
+  Attempt by_fixed_point(const CondensedProblem& condensed, const Settings& settings,
+                         const Vector& x_C, Solution& s);
+
+  const ContactProblem& problem_;
+  Condensation condensation_;
+};
+
+}  // namespace frictioncg

@@ -1,0 +1,172 @@
+#include "semismooth_newton.h"
+
+#include <cmath>
+#include <limits>
+#include <set>
+
+namespace frictioncg {
+
+SemismoothNewton::SemismoothNewton(const CondensedProblem& problem)
+    : problem_(problem),
+      c_(problem.laws.nodes()),
+      D_(problem.S.diagonal()),
+      branch_(problem.laws.nodes()),
+      x_(Vector::Zero(problem.f.size())) {
+  const Index m = problem.laws.nodes();
+  // c near the stiffness that S has for one wave along the contact, not for one node
+  const Real spread = 3 / (problem.laws.dimension == 2 ? Real(m) : std::sqrt(Real(m)));
+  for (Index i = 0; i < m; ++i) {
+    const Index t = problem.laws.tangents(i);
+    c_[i] = t == 0 ? 0 : spread * D_.segment(problem.normal(i) + 1, t).mean();
+  }
+  const Real largest = D_.maxCoeff();
+  D_ = D_.cwiseMax(largest * std::numeric_limits<Real>::epsilon());
+  unit_ = std::sqrt((problem.f.array().square() / D_.array()).sum());
+  for (Index i = 0; i < m; ++i) {
+    const Index N = problem.normal(i);
+    if (std::isfinite(problem.laws.gap[i]))
+      unit_ = std::max(unit_, std::sqrt(D_[N]) * std::abs(problem.laws.gap[i]) * 1e-3);
+  }
+  if (unit_ == 0) unit_ = 1;
+}
+
+void SemismoothNewton::start_from_stick() {
+  std::fill(branch_.begin(), branch_.end(), Branch());
+  for (Index i = 0; i < problem_.laws.nodes(); ++i)
+    branch_[i].closed = std::isfinite(problem_.laws.gap[i]);
+}
+
+void SemismoothNewton::start_from(const Vector& x, const Vector& r) {
+  x_ = x;
+  choose_branches(x, r);
+}
+
+SemismoothNewton::Outcome SemismoothNewton::solve(Index max_steps) {
+  std::set<std::size_t> seen{fingerprint()};
+  Real best = std::numeric_limits<Real>::infinity();
+  for (steps_ = 0; steps_ < max_steps;) {
+    ++steps_;
+    if (!step()) return Outcome::singular;
+    r_ = problem_.f;
+    r_.noalias() -= problem_.S * x_;
+    residual_ = law_residual(r_);
+    const std::size_t before = fingerprint();
+    choose_branches(x_, r_);
+    const std::size_t after = fingerprint();
+    if (after == before && residual_ <= 1e-12) return Outcome::converged;
+    if (after == before && residual_ > 0.5 * best && residual_ < 1e-9)
+      return Outcome::converged;  // rounding
+    best = std::min(best, residual_);
+    if (after != before && !seen.insert(after).second) return Outcome::cycled;
+  }
+  return Outcome::exhausted;
+}
+
+/// Branches of the laws at (x, r), r = f - Sx.
+void SemismoothNewton::choose_branches(const Vector& x, const Vector& r) {
+  const ContactProblem& laws = problem_.laws;
+  for (Index i = 0; i < laws.nodes(); ++i) {
+    Branch& b = branch_[i];
+    const Index N = problem_.normal(i), t = laws.tangents(i);
+    b.closed = r[N] + D_[N] * (x[N] - laws.gap[i]) > 0;
+    if (t == 0) continue;
+    b.g = laws.law == Law::tresca ? laws.g[i] : b.closed ? laws.mu[i] * std::max(r[N], 0.0) : 0;
+    const auto y = r.segment(N + 1, t) + c_[i] * x.segment(N + 1, t);
+    const Real norm = y.norm();
+    b.stick = norm <= b.g && (laws.law == Law::tresca || b.closed);
+    if (b.stick) continue;
+    b.d.setZero();
+    if (norm > 0) b.d.head(t) = y / norm;
+    b.w = t == 2 && norm > b.g ? b.g * c_[i] / (norm - b.g) : 0;
+  }
+}
+
+/// x := solution of the linear system of the present branches; false where it is singular.
+bool SemismoothNewton::step() {
+  const ContactProblem& laws = problem_.laws;
+  const DenseMatrix& S = problem_.S;
+  unknown_.clear();
+  x_.setZero();
+  for (Index i = 0; i < laws.nodes(); ++i) {
+    const Index N = problem_.normal(i);
+    if (branch_[i].closed)
+      x_[N] = laws.gap[i];
+    else
+      unknown_.push_back(N);
+    if (!branch_[i].stick)
+      for (Index k = 1; k <= laws.tangents(i); ++k) unknown_.push_back(N + k);
+  }
+  rhs_ = problem_.f;
+  if (!x_.isZero(0)) rhs_.noalias() -= S * x_;
+  const Index size = static_cast<Index>(unknown_.size());
+  if (size == 0) return true;
+  M_.resize(size, size);
+  for (Index q = 0; q < size; ++q)
+    for (Index p = 0; p < size; ++p) M_(p, q) = S(unknown_[p], unknown_[q]);
+  Vector b(size);
+  for (Index p = 0; p < size; ++p) b[p] = rhs_[unknown_[p]];
+
+  bool symmetric = true;
+  for (Index i = 0, p = 0; i < laws.nodes(); ++i) {
+    const Branch& n = branch_[i];
+    const Index N = problem_.normal(i), t = laws.tangents(i);
+    if (!n.closed) ++p;
+    if (n.stick || t == 0) continue;
+    const Real mu = coupled() && n.closed ? laws.mu[i] : 0;
+    for (Index k = 0; k < t; ++k) {
+      if (mu != 0) {  // r_T = mu r_N d + ...
+        const Real factor = mu * n.d[k];
+        for (Index q = 0; q < size; ++q) M_(p + k, q) -= factor * S(N, unknown_[q]);
+        b[p + k] -= factor * rhs_[N];
+        symmetric = false;
+      } else {
+        b[p + k] -= n.g * n.d[k];
+      }
+      for (Index l = 0; l < t; ++l) M_(p + k, p + l) += n.w * ((k == l) - n.d[k] * n.d[l]);
+    }
+    p += t;
+  }
+  Vector solution;
+  if (symmetric) {
+    Eigen::LLT<Eigen::Ref<DenseMatrix>> llt(M_);
+    if (llt.info() != Eigen::Success) return false;
+    solution = llt.solve(b);
+  } else {
+    Eigen::PartialPivLU<Eigen::Ref<DenseMatrix>> lu(M_);
+    solution = lu.solve(b);
+  }
+  if (!solution.allFinite()) return false;
+  for (Index p = 0; p < size; ++p) x_[unknown_[p]] = solution[p];
+  return true;
+}
+
+/// The residual of the laws on S, with c = diag(S): a small algorithmic c would flatter it.
+Real SemismoothNewton::law_residual(const Vector& r) const {
+  const ContactProblem& laws = problem_.laws;
+  Real sum = 0;
+  for (Index i = 0; i < laws.nodes(); ++i) {
+    const Index N = problem_.normal(i), t = laws.tangents(i);
+    const Real normal = std::min(D_[N] * (laws.gap[i] - x_[N]), r[N]);
+    sum += normal * normal / D_[N];
+    if (t == 0) continue;
+    const Real c = D_.segment(N + 1, t).mean();
+    const Real g = laws.law == Law::tresca ? laws.g[i] : laws.mu[i] * std::max(r[N], 0.0);
+    const Eigen::Matrix<Real, Eigen::Dynamic, 1, 0, 2, 1> y =
+        r.segment(N + 1, t) + c * x_.segment(N + 1, t);
+    const Real outside = y.norm() > g ? g / y.norm() : 1;
+    sum += (r.segment(N + 1, t) - outside * y).squaredNorm() / c;
+  }
+  return std::sqrt(sum) / unit_;
+}
+
+std::size_t SemismoothNewton::fingerprint() const {
+  std::size_t hash = 1469598103934665603u;
+  for (const Branch& b : branch_) {
+    // directions in 3D converge; only which branch, and in 2D the sense, can cycle
+    const std::size_t sense = problem_.laws.dimension == 2 && !b.stick ? 1 + (b.d[0] > 0) : 0;
+    hash = (hash ^ (b.closed + 2 * b.stick + 4 * sense)) * 1099511628211u;
+  }
+  return hash;
+}
+
+}  // namespace frictioncg

@@ -1,0 +1,64 @@
+#pragma once
+#include "certificate.h"
+#include "condensation.h"
+
+namespace frictioncg {
+
+/// A contact problem on the contact dofs alone, after elimination of the interior:
+///   r = f - S x, laws of contact and friction on (x, r) node by node.
+struct CondensedProblem {
+  const DenseMatrix& S;             ///< contact_dofs square
+  Vector f;                         ///< contact_dofs [force]
+  const ContactProblem& laws;       ///< gap, mu or g, and the layout of the nodes
+  Index offset() const { return laws.interior(); }
+  Index normal(Index i) const { return laws.first[i] - offset(); }
+};
+
+/// Semismooth Newton (primal-dual active set) on the unregularized coupled laws. With c > 0, r the
+/// force of the body on the obstacle, g = mu max(r_N, 0) or given, y = r_T + c x_T:
+///   normal:    r_N = max(0, r_N + S_NN (x_N - gap))
+///   friction:  r_T - g y / max(g, |y|) = 0
+/// One step solves the linear system of the present branches: open r_N = 0; closed x_N = gap; stick
+/// x_T = 0; slip r_T = g d + w (I - dd') x_T with d = y/|y|, w = g c/(|y| - g), g depending on x.
+class SemismoothNewton {
+ public:
+  enum class Outcome { converged, cycled, singular, exhausted };
+
+  explicit SemismoothNewton(const CondensedProblem& problem);
+
+  void start_from_stick();                               ///< every node closed, x_T = 0
+  void start_from(const Vector& x, const Vector& r);     ///< the branches that (x, r) is on
+
+  /// At most max_steps steps; converged where the branches repeat and the laws hold to rounding.
+  Outcome solve(Index max_steps);
+
+  const Vector& x() const { return x_; }
+  Index steps() const { return steps_; }
+  Real residual() const { return residual_; }  ///< of the laws on S, relative to f
+
+ private:
+  struct Branch {
+    bool closed = true, stick = true;
+    Real g = 0, w = 0;
+    Eigen::Vector2d d = Eigen::Vector2d::Zero();
+  };
+  void choose_branches(const Vector& x, const Vector& r);
+  bool step();
+  Real law_residual(const Vector& r) const;
+  std::size_t fingerprint() const;
+  bool coupled() const { return problem_.laws.law == Law::coulomb; }
+
+  const CondensedProblem& problem_;
+  Vector c_;  ///< m, one scalar per node, so that the tangential frame does not matter
+  Vector D_;  ///< diag(S)
+  Real unit_; ///< norm of f in D^{-1/2}
+  std::vector<Branch> branch_;
+  Vector x_, r_;
+  std::vector<Index> unknown_;
+  DenseMatrix M_;
+  Vector rhs_;
+  Index steps_ = 0;
+  Real residual_ = 0;
+};
+
+}  // namespace frictioncg

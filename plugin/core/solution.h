@@ -1,0 +1,33 @@
+#pragma once
+#include "certificate.h"
+#include "settings.h"
+
+namespace frictioncg {
+
+enum class Route {
+  iterative,  ///< a method of the paper on A
+  condensed   ///< one factorization, then the laws on the contact dofs
+};
+
+/// CPU seconds of the phases; zero where there is no such phase.
+struct Times {
+  double order = 0, factor = 0, condense = 0;  ///< of the factorization in use, even if it was kept
+  double contact = 0, back_substitution = 0, certificate = 0;
+};
+
+struct Solution {
+  Status status = Status::converged;
+  Route route = Route::iterative;
+  Vector x;                      ///< n, the increment in local frames [length]
+  Certificate certificate;       ///< of x
+  std::vector<NodeState> state;  ///< m
+  Index iterations = 0;          ///< of all minimizations
+  Index passes = 0;              ///< of the fixed point; 0 where there is none
+  Real eps = 0;                  ///< the regularization used [length]; 0: none
+  Times times;
+};
+
+/// Bound on the iterations of a call that names none.
+Index default_iterations(const ContactProblem& problem);
+
+}  // namespace frictioncg
