@@ -196,6 +196,7 @@ KN_<double> solve_scene(Stack stack, const Arguments& args, Scene& scene, const 
                              t.contact, t.back_substitution, t.certificate,
                              scene.copy_seconds + cpu_seconds() - start};
     for (int k = 0; k < 8; ++k) (*out)[k] = phases[k];
+    scene.copy_seconds = 0;  // further increments do not copy
   }
   return *u;
 }

@@ -13,13 +13,14 @@ constexpr Real sigma = 0.5;
 
 /// Rows of A up to the diagonal: by columns, the upper triangle that CHOLMOD reads. The contact
 /// dofs, last, get the shift, and are chained by entries (zero if need be) next to the diagonal: so
-/// each is the parent of the one before in the elimination tree, and no postordering moves them.
+/// each is the parent of the one before in the elimination tree. `roots` are interior dofs that shall
+/// be children of the first contact dof.
 struct UpperTriangle {
   std::vector<Index> column, row;
   std::vector<Real> value;
   cholmod_sparse view{};
 
-  explicit UpperTriangle(const ContactProblem& p) {
+  explicit UpperTriangle(const ContactProblem& p, const std::vector<Index>& roots = {}) {
     const Index n = p.dofs(), interior = p.interior();
     const Index* begin = p.A.outerIndexPtr();
     const Index* col = p.A.innerIndexPtr();
@@ -33,6 +34,7 @@ struct UpperTriangle {
         row.push_back(col[k]);
         value.push_back(a[k]);
       }
+      if (j == interior) insert(roots);
       if (j > interior && (row.size() == std::size_t(column[j]) || row.back() != j - 1)) {
         row.push_back(j - 1);
         value.push_back(0);
@@ -51,6 +53,18 @@ struct UpperTriangle {
     view.xtype = CHOLMOD_REAL;
     view.dtype = CHOLMOD_DOUBLE;
     view.sorted = view.packed = 1;
+  }
+
+ private:
+  /// Zero entries in these rows of the column under construction, which stays sorted.
+  void insert(const std::vector<Index>& rows) {
+    for (Index r : rows) {
+      const auto begin = row.begin() + column.back();
+      const auto at = std::lower_bound(begin, row.end(), r);
+      if (at != row.end() && *at == r) continue;
+      value.insert(value.begin() + (at - row.begin()), 0);
+      row.insert(at, r);
+    }
   }
 };
 
@@ -158,6 +172,30 @@ std::vector<Index> contact_last(const ContactProblem& p, Ordering ordering, chol
   return dofs;
 }
 
+/// In each connected part of the interior, the dof eliminated last: the root of its tree.
+std::vector<Index> last_of_each_body(const ContactProblem& p, const std::vector<Index>& order) {
+  const Index* row = p.A.outerIndexPtr();
+  const Index* col = p.A.innerIndexPtr();
+  std::vector<char> seen(p.interior(), 0);
+  std::vector<Index> roots, stack;
+  for (Index k = p.interior() - 1; k >= 0; --k) {
+    if (seen[order[k]]) continue;
+    roots.push_back(order[k]);
+    stack.assign(1, order[k]);
+    seen[order[k]] = 1;
+    while (!stack.empty()) {
+      const Index i = stack.back();
+      stack.pop_back();
+      for (Index e = row[i]; e < row[i + 1] && col[e] < p.interior(); ++e)
+        if (!seen[col[e]]) {
+          seen[col[e]] = 1;
+          stack.push_back(col[e]);
+        }
+    }
+  }
+  return roots;
+}
+
 }  // namespace
 
 Condensation::Condensation() {
@@ -204,11 +242,19 @@ Condensation::Outcome Condensation::factor(const ContactProblem& problem, double
   if (ordering == Ordering::automatic)
     ordering = problem.dimension == 2 ? Ordering::camd : Ordering::metis;
   const std::vector<Index> order = contact_last(problem, ordering, common_);
-  L_ = cholmod_analyze_p(&A.view, const_cast<Index*>(order.data()), nullptr, 0, &common_);
-  check(L_ != nullptr, common_);
-  for (Index i = interior_; i < n_; ++i)
-    if (static_cast<Index*>(L_->Perm)[i] != i)
+  const auto analyze = [&] {
+    L_ = cholmod_analyze_p(&A.view, const_cast<Index*>(order.data()), nullptr, 0, &common_);
+    check(L_ != nullptr, common_);
+  };
+  analyze();
+  if (!contact_is_last()) {
+    // Several bodies: a postordering may end one body, its contact included, before the next.
+    A = UpperTriangle(problem, last_of_each_body(problem, order));
+    cholmod_free_factor(&L_, &common_);
+    analyze();
+    if (!contact_is_last())
       throw std::logic_error("condensation: the contact dofs are not last in the factor");
+  }
   times_.order = cpu_seconds() - start;
   if (factor_bytes() + dense > memory_bound) return Outcome::too_large;
 
@@ -224,6 +270,12 @@ Condensation::Outcome Condensation::factor(const ContactProblem& problem, double
   S_.diagonal() -= sigma * problem.D.tail(problem.contact_dofs());
   times_.condense = cpu_seconds() - start;
   return Outcome::done;
+}
+
+bool Condensation::contact_is_last() const {
+  for (Index i = interior_; i < n_; ++i)
+    if (static_cast<const Index*>(L_->Perm)[i] != i) return false;
+  return true;
 }
 
 /// L_CC from the supernodes that end in the contact dofs.

@@ -54,6 +54,7 @@ class Condensation {
   const CondensationTimes& times() const { return times_; }
 
  private:
+  bool contact_is_last() const;
   void read_trailing_block();
   Vector solve(int system, const Vector& rhs);
   void release();

@@ -37,9 +37,6 @@ ContactProblem on_contact_dofs(const CondensedProblem& condensed) {
 Solution CondensedSolver::solve(const Settings& settings, const Vector& x0) {
   Solution s;
   s.route = Route::condensed;
-  s.times.order = condensation_.times().order;
-  s.times.factor = condensation_.times().factor;
-  s.times.condense = condensation_.times().condense;
   const Index contact = problem_.contact_dofs();
   Vector x = Vector::Zero(problem_.dofs()), r = problem_.F;
   bool warm = x0.size() > 0;

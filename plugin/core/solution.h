@@ -11,7 +11,7 @@ enum class Route {
 
 /// CPU seconds of the phases; zero where there is no such phase.
 struct Times {
-  double order = 0, factor = 0, condense = 0;  ///< of the factorization in use, even if it was kept
+  double order = 0, factor = 0, condense = 0;  ///< 0 where the factor was kept from before
   double contact = 0, back_substitution = 0, certificate = 0;
 };
 

@@ -33,8 +33,15 @@ Solver::~Solver() = default;
 Solution Solver::solve(const Settings& settings, const Vector& x0, Observer* observer) {
   if (settings.method != Method::automatic && settings.method != Method::condensed)
     return iterate(settings, x0, observer);
+  const bool kept = tried_;
   if (condense(settings)) {
-    const Solution s = condensed_->solve(settings, x0);
+    Solution s = condensed_->solve(settings, x0);
+    if (!kept) {
+      const CondensationTimes& t = condensed_->condensation().times();
+      s.times.order = t.order;
+      s.times.factor = t.factor;
+      s.times.condense = t.condense;
+    }
     if (observer) observer->iterate(s.iterations, s.x);
     return s;
   }

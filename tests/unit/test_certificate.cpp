@@ -14,7 +14,6 @@ Scene solved_scene(Vector& x) {
   o.shear = 2.5;
   const Scene s = block(o);
   Settings settings;
-  settings.tol = 1e-9;
   const Solution solution = solve(s.system().problem(), settings);
   EXPECT_EQ(solution.status, Status::converged);
   x = solution.x;

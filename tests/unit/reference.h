@@ -1,0 +1,102 @@
+#pragma once
+// An independent solver for small scenes: block Gauss-Seidel over the contact nodes on the dense
+// Schur complement, each node's laws solved exactly by cases. It shares no code with the plugin's.
+#include <Eigen/Dense>
+
+#include "core/contact_problem.h"
+
+namespace frictioncg::test {
+
+struct Reference {
+  Eigen::VectorXd x;
+  bool converged = false;
+};
+
+/// One node: finds x with x_N <= gap, r = f - Sx >= 0 complementary, |r_T| <= g along x_T.
+inline Eigen::VectorXd solve_node(const Eigen::MatrixXd& S, const Eigen::VectorXd& f, double gap,
+                                  double mu, double given, bool coulomb) {
+  const int d = int(f.size()), t = d - 1;
+  const auto limit = [&](double r_N) { return coulomb ? mu * std::max(r_N, 0.0) : given; };
+  Eigen::VectorXd best = Eigen::VectorXd::Zero(d);
+  for (bool closed : {false, true}) {
+    // unknowns: x_N if open, x_T = T(lambda) with S_TT + lambda I, lambda = g/|x_T| (infinite: stick)
+    const auto at = [&](double lambda) {
+      Eigen::MatrixXd K = S;
+      Eigen::VectorXd b = f;
+      for (int k = 1; k < d; ++k) K(k, k) += lambda;
+      if (closed) {
+        K.row(0).setZero();
+        K(0, 0) = 1;
+        b[0] = gap;
+      }
+      return Eigen::VectorXd(K.lu().solve(b));
+    };
+    const auto excess = [&](double lambda) {  // g - lambda |x_T|, increasing in lambda at its root
+      const Eigen::VectorXd x = at(lambda);
+      const double r_N = closed ? f[0] - S.row(0).dot(x) : 0;
+      return limit(r_N) - lambda * x.tail(t).norm();
+    };
+    Eigen::VectorXd x;
+    if (t == 0) {
+      x = at(0);
+    } else {
+      // stick first
+      x = Eigen::VectorXd::Zero(d);
+      x[0] = closed ? gap : f[0] / S(0, 0);
+      const Eigen::VectorXd r = f - S * x;
+      if (r.tail(t).norm() > limit(closed ? r[0] : 0)) {
+        const double scale = S.diagonal().maxCoeff();
+        double low = 0, high = scale;
+        if (limit(closed ? f[0] - S.row(0).dot(at(0)) : 0) > 0) {
+          while (excess(high) > 0 && high < 1e14 * scale) high *= 2;
+          for (int k = 0; k < 200; ++k) {
+            const double middle = 0.5 * (low + high);
+            (excess(middle) > 0 ? low : high) = middle;
+          }
+        } else {
+          high = 0;
+        }
+        x = at(high);
+      }
+    }
+    const double r_N = f[0] - S.row(0).dot(x);
+    best = x;
+    if (!closed && x[0] <= gap) return x;
+    if (closed && r_N >= 0) return x;
+  }
+  return best;
+}
+
+inline Reference reference_solution(const ContactProblem& p) {
+  const Eigen::MatrixXd A = p.A;
+  const int interior = p.interior(), n = p.dofs(), contact = n - interior;
+  const Eigen::LDLT<Eigen::MatrixXd> A_II(A.topLeftCorner(interior, interior));
+  const Eigen::MatrixXd A_IC = A.topRightCorner(interior, contact);
+  const Eigen::MatrixXd S =
+      A.bottomRightCorner(contact, contact) - A_IC.transpose() * A_II.solve(A_IC);
+  const Eigen::VectorXd f =
+      p.F.tail(contact) - A_IC.transpose() * A_II.solve(p.F.head(interior));
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(contact);
+  Reference result;
+  for (int sweep = 0; sweep < 20000 && !result.converged; ++sweep) {
+    double change = 0;
+    for (int i = 0; i < p.nodes(); ++i) {
+      const int N = p.first[i] - interior, size = p.first[i + 1] - p.first[i];
+      const Eigen::MatrixXd S_ii = S.block(N, N, size, size);
+      const Eigen::VectorXd f_i =
+          f.segment(N, size) - S.middleRows(N, size) * x + S_ii * x.segment(N, size);
+      const Eigen::VectorXd x_i =
+          solve_node(S_ii, f_i, p.gap[i], p.law == Law::coulomb ? p.mu[i] : 0,
+                     p.law == Law::tresca ? p.g[i] : 0, p.law == Law::coulomb);
+      change = std::max(change, (x_i - x.segment(N, size)).norm());
+      x.segment(N, size) = x_i;
+    }
+    result.converged = change <= 1e-14 * x.norm();
+  }
+  result.x.resize(n);
+  result.x.tail(contact) = x;
+  result.x.head(interior) = A_II.solve(p.F.head(interior) - A_IC * x);
+  return result;
+}
+
+}  // namespace frictioncg::test

@@ -1,0 +1,252 @@
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "core/condensed.h"
+#include "core/solver.h"
+#include "reference.h"
+#include "verifier.h"
+
+using namespace frictioncg;
+using namespace frictioncg::test;
+
+namespace {
+
+ContactProblem problem_of(const BlockOptions& o) { return block(o).system().problem(); }
+
+/// A scene drawn at random: mesh, normals, friction, gaps, loads; about half held by contact alone.
+Scene random_scene(unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<Real> uniform(0, 1);
+  BlockOptions o;
+  o.d = uniform(random) < 0.7 ? 2 : 3;
+  o.cells = o.d == 2 ? 2 + int(6 * uniform(random)) : 2 + int(2 * uniform(random));
+  o.clamp_side = uniform(random) < 0.5;
+  o.angle = o.clamp_side ? 0 : 6 * uniform(random);
+  o.distortion = 0.25 * uniform(random);
+  o.seed = seed;
+  o.nu = 0.45 * uniform(random);
+  o.pressure = 10 * uniform(random);
+  o.mu = uniform(random);
+  o.shear = o.pressure * o.mu * (1.6 * uniform(random) - 0.8);
+  if (o.clamp_side) o.shear *= 3;
+  Scene s = block(o);
+  for (Index k = 0; k < s.gap.size(); ++k) {
+    s.friction[k] = o.mu * (0.5 + 0.5 * uniform(random));
+    if (o.clamp_side) s.gap[k] = 2e-3 * (uniform(random) - 0.3);
+    const bool on_clamp = s.points[k].dof[0] == 2 * o.cells;  // keeps its normal among its free dofs
+    if (o.clamp_side && o.d == 2 && !on_clamp) {  // normals that differ from node to node
+      const Real tilt = 0.4 * (uniform(random) - 0.5);
+      s.points[k].normal = {std::sin(tilt), -std::cos(tilt), 0};
+    }
+  }
+  return s;
+}
+
+}  // namespace
+
+TEST(Condensation, SchurComplementReducedLoadAndFieldMatchDenseAlgebra) {
+  for (int d : {2, 3})
+    for (Ordering ordering : {Ordering::camd, Ordering::amd, Ordering::metis}) {
+      BlockOptions o;
+      o.d = d;
+      o.cells = d == 2 ? 7 : 3;
+      o.angle = 0.3;
+      const ContactProblem p = problem_of(o);
+      Condensation condensation;
+      ASSERT_EQ(condensation.factor(p, 1e9, ordering), Condensation::Outcome::done);
+      const Eigen::MatrixXd A = p.A;
+      const Index I = p.interior(), C = p.contact_dofs();
+      const Eigen::MatrixXd S = A.bottomRightCorner(C, C) -
+                                A.bottomLeftCorner(C, I) *
+                                    A.topLeftCorner(I, I).ldlt().solve(A.topRightCorner(I, C));
+      EXPECT_LT((condensation.S() - S).norm(), 1e-12 * S.norm());
+      const Vector f = p.F.tail(C) - A.bottomLeftCorner(C, I) *
+                                         A.topLeftCorner(I, I).ldlt().solve(p.F.head(I));
+      EXPECT_LT((condensation.reduce(p.F) - f).norm(), 1e-12 * f.norm());
+      const Vector x_C = Vector::Random(C);
+      const Vector x = condensation.expand(x_C);
+      EXPECT_LT((x.tail(C) - x_C).norm(), 1e-13 * x_C.norm());
+      EXPECT_LT((p.F - p.A * x).head(I).norm(), 1e-11 * (p.A * x).norm());
+    }
+}
+
+TEST(Condensation, SeparateBodiesKeepTheirContactDofsLast) {
+  // two blocks that share nothing: the contact block of the factor is not dense
+  const ContactProblem one = problem_of(BlockOptions());
+  const Index n = one.dofs(), I = one.interior(), C = one.contact_dofs();
+  const auto place = [&](Index i, int body) {
+    return i < I ? i + body * I : 2 * I + (i - I) + body * C;
+  };
+  std::vector<Eigen::Triplet<Real>> t;
+  for (int body : {0, 1})
+    for (Index i = 0; i < n; ++i)
+      for (Matrix::InnerIterator e(one.A, i); e; ++e)
+        t.emplace_back(place(i, body), place(Index(e.col()), body), e.value());
+  ContactProblem two = one;
+  two.A.resize(2 * n, 2 * n);
+  two.A.setFromTriplets(t.begin(), t.end());
+  two.D = two.A.diagonal();
+  two.F.resize(2 * n);
+  two.first.clear();
+  two.mesh_node.clear();
+  for (int body : {0, 1}) {
+    for (Index i = 0; i < n; ++i) two.F[place(i, body)] = one.F[i];
+    for (Index k = 0; k < one.nodes(); ++k) two.first.push_back(place(one.first[k], body));
+  }
+  two.first.push_back(2 * n);
+  two.gap = Vector::Zero(two.nodes());
+  two.mu = Vector::Constant(two.nodes(), 0.3);
+  two.force_scale = load_norm(two);
+  const Solution a = solve(one, Settings()), b = solve(two, Settings());
+  ASSERT_EQ(b.status, Status::converged);
+  EXPECT_EQ(b.route, Route::condensed);
+  for (Index i = 0; i < n; ++i) {
+    EXPECT_NEAR(b.x[place(i, 0)], a.x[i], 1e-10);
+    EXPECT_NEAR(b.x[place(i, 1)], a.x[i], 1e-10);
+  }
+}
+
+TEST(Condensation, RefusesWhatDoesNotFitAndTheSolverThenIterates) {
+  const ContactProblem p = problem_of(BlockOptions());
+  Condensation condensation;
+  EXPECT_EQ(condensation.factor(p, 1000), Condensation::Outcome::too_large);
+  Settings settings;
+  settings.memory = 1000;
+  const Solution s = solve(p, settings);
+  EXPECT_EQ(s.status, Status::converged);
+  EXPECT_EQ(s.route, Route::iterative);
+  EXPECT_LE(s.certificate.residual, settings.tol);
+}
+
+TEST(Condensed, AgreesWithTheReferenceOn200RandomScenes) {
+  const unsigned first_seed = 1000;
+  int compared = 0, other_solution = 0, unsolvable = 0;
+  for (unsigned k = 0; k < 200; ++k) {
+    const Scene s = random_scene(first_seed + k);
+    const LocalSystem system = s.system();
+    const ContactProblem& p = system.problem();
+    const Solution a = solve(p, Settings());
+    const Reference b = reference_solution(p);
+    if (a.status != Status::converged) {
+      // then the reference must not have an answer that the laws accept, either
+      EXPECT_FALSE(b.converged && certify(p, b.x).residual < 1e-8)
+          << "seed " << first_seed + k << " status " << int(a.status);
+      ++unsolvable;
+      continue;
+    }
+    const Verdict v = verify(s, system.to_global(a.x), system.force_to_global(a.certificate.r));
+    EXPECT_LT(v.worst(), 1e-8) << "seed " << first_seed + k;
+    if (!b.converged) continue;
+    if ((a.x - b.x).norm() <= 1e-9 * b.x.norm()) {
+      ++compared;
+    } else {
+      // Coulomb's law may have several solutions: both must be true ones
+      ++other_solution;
+      EXPECT_LT(certify(p, b.x).residual, 1e-9) << "seed " << first_seed + k;
+    }
+  }
+  EXPECT_GE(compared, 150);
+  EXPECT_LE(other_solution, 5);
+  EXPECT_LE(unsolvable, 20);
+  RecordProperty("compared", compared);
+  std::printf("200 random scenes: %d agree, %d another true solution, %d not solved by either\n",
+              compared, other_solution, unsolvable);
+}
+
+TEST(Condensed, AgreesWithTheConjugateGradientOnAToTheRegularizationsBound) {
+  for (int d : {2, 3}) {
+    BlockOptions o;
+    o.d = d;
+    o.cells = d == 2 ? 10 : 4;
+    o.clamp_side = true;
+    o.shear = 4;
+    const ContactProblem p = problem_of(o);
+    const Solution a = solve(p, Settings());
+    for (Real eps : {1e-4, 1e-6, 1e-8}) {
+      Settings settings;
+      settings.method = Method::gc3;
+      settings.tol = 1e-10;
+      settings.regeps = eps * a.x.lpNorm<Eigen::Infinity>();
+      const Vector e = solve(p, settings).x - a.x;
+      const Real error = std::sqrt(e.dot(p.A * e) / a.x.dot(p.A * a.x));
+      EXPECT_LT(error, 3 * eps) << d;
+    }
+  }
+}
+
+TEST(Condensed, PermutedNumberingGivesTheSameAnswer) {
+  BlockOptions o;
+  o.cells = 6;
+  Scene s = block(o);
+  const Vector u = [&] {
+    const LocalSystem system = s.system();
+    return system.to_global(solve(system.problem(), Settings()).x);
+  }();
+  std::vector<Index> place(s.n);
+  std::iota(place.begin(), place.end(), 0);
+  std::shuffle(place.begin(), place.end(), std::mt19937(3));
+  Scene t = s;
+  for (std::size_t k = 0; k < s.a.size(); ++k) {
+    t.i[k] = place[s.i[k]];
+    t.j[k] = place[s.j[k]];
+  }
+  for (Index i = 0; i < s.n; ++i) t.b[place[i]] = s.b[i];
+  for (ContactPoint& p : t.points)
+    for (int c = 0; c < 2; ++c) p.dof[c] = place[p.dof[c]];
+  std::shuffle(t.points.begin(), t.points.end(), std::mt19937(4));
+  const LocalSystem system = t.system();
+  const Vector v = system.to_global(solve(system.problem(), Settings()).x);
+  for (Index i = 0; i < s.n; ++i) EXPECT_NEAR(v[place[i]], u[i], 1e-11 * u.lpNorm<Eigen::Infinity>());
+}
+
+TEST(Condensed, AKeptFactorGivesWhatAFreshOneGives) {
+  BlockOptions o;
+  o.clamp_side = true;
+  Scene s = block(o);
+  LocalSystem kept = s.system();
+  Solver solver(kept.problem());
+  Settings settings;
+  EXPECT_GT(solver.solve(settings).times.factor, 0);
+  s.b *= 1.5;
+  s.friction *= 2;
+  s.gap.setConstant(1e-3);
+  kept.set_load(s.b, {}, s.gap);
+  kept.set_law(Law::coulomb, s.friction);
+  const Solution again = solver.solve(settings);
+  EXPECT_EQ(again.times.factor, 0);
+  const LocalSystem fresh = s.system();
+  EXPECT_LT((again.x - solve(fresh.problem(), settings).x).norm(), 1e-12 * again.x.norm());
+}
+
+TEST(Condensed, LargeFrictionIsSolvedOrNamed) {
+  for (int d : {2, 3})
+    for (Real mu : {1.0, 2.0, 3.0, 5.0, 10.0}) {
+      BlockOptions o;
+      o.d = d;
+      o.cells = d == 2 ? 24 : 5;
+      o.clamp_side = true;
+      o.mu = mu;
+      o.pressure = 50;
+      o.shear = 100;
+      const Scene s = block(o);
+      const LocalSystem system = s.system();
+      const Solution a = solve(system.problem(), Settings());
+      if (a.status == Status::converged) {
+        EXPECT_LT(a.certificate.residual, 1e-8);
+        EXPECT_LT(
+            verify(s, system.to_global(a.x), system.force_to_global(a.certificate.r)).worst(), 1e-8);
+      } else {
+        EXPECT_GT(mu, 5) << d;
+      }
+    }
+}
+
+TEST(Condensed, FrictionlessContactCondensesTheNormalsOnly) {
+  BlockOptions o;
+  o.law = Law::frictionless;
+  o.clamp_side = true;
+  const ContactProblem p = problem_of(o);
+  EXPECT_EQ(p.contact_dofs(), p.nodes());
+  EXPECT_LT(solve(p, Settings()).certificate.residual, 1e-12);
+}
