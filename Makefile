@@ -19,6 +19,7 @@ HEADERS   := $(wildcard plugin/core/*.h plugin/freefem/*.h)
 UNIT      := $(wildcard tests/unit/*.cpp)
 SCRIPTS   := $(wildcard tests/edp/*.edp)
 EXAMPLES  := $(wildcard examples/*.edp)
+BENCHES   := $(wildcard tests/bench/*.cpp)
 OWN       := $(CORE) $(HEADERS) $(wildcard plugin/*.cpp tests/unit/*.cpp tests/unit/*.h \
                tests/bench/*.cpp tests/bench/*.h)
 
@@ -81,6 +82,15 @@ $(BUILD)/unit_tests: $(UNIT:tests/%.cpp=$(BUILD)/%.o) $(OBJECTS)
 $(BUILD)/unit/%.o: tests/unit/%.cpp $(HEADERS) $(wildcard tests/unit/*.h)
 	@mkdir -p $(@D)
 	$(CXX) $(FLAGS) -Iplugin -c $< -o $@
+
+# The benchmarks run in FreeFEM, with one thread, in the same process as what they compare with.
+$(BUILD)/%.so: tests/bench/%.cpp $(OBJECTS) $(HEADERS)
+	$(CXX) $(FLAGS) $(FF_HEADER) -Wno-mismatched-new-delete -Wno-shadow -Wno-use-after-free -shared $< $(OBJECTS) -o $@ $(LIBS)
+
+bench: setup ## the paper's tables, and costs as ratios to one linear solve
+	@$(MAKE) --no-print-directory all $(BENCHES:tests/bench/%.cpp=$(BUILD)/%.so) >/dev/null
+	@for script in $(wildcard tests/bench/*.edp); do \
+	  (cd $(BUILD) && OPENBLAS_NUM_THREADS=1 $(FREEFEM) ../$$script) || exit 1; done
 
 format: ## clang-format on our own code
 	clang-format -i $(OWN)

@@ -54,7 +54,8 @@ Curvature DiagonalPreconditioner::curvature(const Vector& v) {
   return {Av_.dot(v), (D_.array() * v.array().square()).sum()};
 }
 
-void DiagonalPreconditioner::advance(Real rho, const Vector&) {
+void DiagonalPreconditioner::advance(Real rho, const Vector& v, Vector& x) {
+  x += rho * v;
   interior_r_z_ = interior_dr_z_ = 0;
   for (Index i = 0; i < interior_; ++i) {
     r_[i] -= rho * Av_[i];
@@ -77,6 +78,7 @@ SsorPreconditioner::SsorPreconditioner(const ContactProblem& problem, bool on_he
       kappa_((2 - omega) / omega),
       diagonal_(problem.dofs()),
       C_(D_),
+      inverse_(omega * D_.cwiseInverse()),
       free_(problem.contact_dofs(), 1),
       y_(Vector::Zero(problem.dofs())),
       s_(Vector::Zero(problem.dofs())),
@@ -105,7 +107,7 @@ void SsorPreconditioner::forward_contact(const Vector& lower_interior, const Vec
       sum = rhs[c] - lower_interior[c];
       for (Index k = diagonal_[i] - 1; k >= row[i] && col[k] >= interior_; --k)
         sum -= a[k] * y[col[k] - interior_ + shift];
-      sum *= omega_ / C_[i];
+      sum *= inverse_[i];
     }
     y[c + shift] = sum;
   }
@@ -119,7 +121,7 @@ void SsorPreconditioner::start(const Vector& r) {
   for (Index i = 0; i < interior_; ++i) {
     Real sum = r[i];
     for (Index k = row[i]; k < diagonal_[i]; ++k) sum -= a[k] * y_[col[k]];
-    y_[i] = sum * omega_ / C_[i];
+    y_[i] = sum * inverse_[i];
     interior_r_z_ += kappa_ * C_[i] * y_[i] * y_[i];
   }
 }
@@ -129,7 +131,10 @@ void SsorPreconditioner::set_contact(const Vector& r_C, const ContactPart& part)
   const Index* col = problem_.A.innerIndexPtr();
   const Real* a = problem_.A.valuePtr();
   free_ = part.free;
-  if (on_hessian_) C_.tail(r_C.size()) = D_.tail(r_C.size()) + part.hessian;
+  if (on_hessian_) {
+    C_.tail(r_C.size()) = D_.tail(r_C.size()) + part.hessian;
+    inverse_.tail(r_C.size()) = omega_ * C_.tail(r_C.size()).cwiseInverse();
+  }
 
   // E_CI y_I and, for Polak-Ribiere, the image of the change of r under the present (C/omega + E)^{-1}
   Vector& lower = work_;
@@ -155,67 +160,85 @@ void SsorPreconditioner::set_contact(const Vector& r_C, const ContactPart& part)
   }
 }
 
-void SsorPreconditioner::direction(Real gamma, Vector& v) {
+/// s := kappa C y + gamma s, then (C/omega + E') v = s from the last row up. Each row ends on the entry
+/// that was computed last, so that the rest of its sum does not wait for it.
+void SsorPreconditioner::direction(Real gamma, Vector& v_out) {
   const Index* row = problem_.A.outerIndexPtr();
   const Index* col = problem_.A.innerIndexPtr();
   const Real* a = problem_.A.valuePtr();
+  const Index* diagonal = diagonal_.data();
+  const Real *C = C_.data(), *y = y_.data(), *inverse = inverse_.data();
+  Real *s = s_.data(), *v = v_out.data();
   // On the contact rows C may have changed since s was formed: s = (C/omega + E') v anew.
   if (gamma != 0) {
     for (Index i = interior_; i < problem_.dofs(); ++i) {
-      s_[i] = C_[i] / omega_ * v[i];
-      for (Index k = diagonal_[i] + 1; k < row[i + 1]; ++k) s_[i] += a[k] * v[col[k]];
+      s[i] = C[i] / omega_ * v[i];
+      for (Index k = diagonal[i] + 1; k < row[i + 1]; ++k) s[i] += a[k] * v[col[k]];
     }
   }
   for (Index i = problem_.dofs() - 1; i >= interior_; --i) {
     if (!free_[i - interior_]) {
-      s_[i] = v[i] = 0;
+      s[i] = v[i] = 0;
       continue;
     }
-    s_[i] = kappa_ * C_[i] * y_[i] + (gamma != 0 ? gamma * s_[i] : 0);
-    Real sum = s_[i];
-    for (Index k = diagonal_[i] + 1; k < row[i + 1]; ++k) sum -= a[k] * v[col[k]];
-    v[i] = sum * omega_ / C_[i];
+    s[i] = kappa_ * C[i] * y[i] + (gamma != 0 ? gamma * s[i] : 0);
+    Real sum = s[i];
+    for (Index k = row[i + 1] - 1; k > diagonal[i]; --k) sum -= a[k] * v[col[k]];
+    v[i] = sum * inverse[i];
   }
   for (Index i = interior_ - 1; i >= 0; --i) {
-    Real sum = s_[i] = kappa_ * C_[i] * y_[i] + gamma * s_[i];
-    for (Index k = diagonal_[i] + 1; k < row[i + 1]; ++k) sum -= a[k] * v[col[k]];
-    v[i] = sum * omega_ / C_[i];
+    Real sum = kappa_ * C[i] * y[i] + gamma * s[i];
+    s[i] = sum;
+    for (Index k = row[i + 1] - 1; k > diagonal[i]; --k) sum -= a[k] * v[col[k]];
+    v[i] = sum * inverse[i];
   }
 }
 
-Curvature SsorPreconditioner::curvature(const Vector& v) {
+/// (C/omega + E) e = s + (D - 2C/omega) v, so that A v = (C/omega + E)(v + e), and <Av,v> = <v+e, s>.
+Curvature SsorPreconditioner::curvature(const Vector& v_in) {
   const Index* row = problem_.A.outerIndexPtr();
   const Index* col = problem_.A.innerIndexPtr();
   const Real* a = problem_.A.valuePtr();
+  const Index* diagonal = diagonal_.data();
+  const Real *C = C_.data(), *v = v_in.data(), *s = s_.data(), *inverse = inverse_.data();
+  Real* e = e_.data();
+  const Real shift = 1 - 2 / omega_;
   Real vAv = 0, vDv = 0;
   for (Index i = 0; i < interior_; ++i) {
-    Real sum = s_[i] + (1 - 2 / omega_) * C_[i] * v[i];
-    for (Index k = row[i]; k < diagonal_[i]; ++k) sum -= a[k] * e_[col[k]];
-    e_[i] = sum * omega_ / C_[i];
-    vAv += (v[i] + e_[i]) * s_[i];
-    vDv += D_[i] * v[i] * v[i];
+    const Real Cv = C[i] * v[i];
+    Real sum = s[i] + shift * Cv;
+    for (Index k = row[i]; k < diagonal[i]; ++k) sum -= a[k] * e[col[k]];
+    e[i] = sum * inverse[i];
+    vAv += (v[i] + e[i]) * s[i];
+    vDv += Cv * v[i];
   }
   for (Index i = interior_; i < problem_.dofs(); ++i) {
-    e_[i] = 0;
+    e[i] = 0;
     if (!free_[i - interior_]) continue;
-    Real sum = s_[i] + (D_[i] - 2 / omega_ * C_[i]) * v[i];
-    for (Index k = row[i]; k < diagonal_[i]; ++k) sum -= a[k] * e_[col[k]];
-    e_[i] = sum * omega_ / C_[i];
-    vAv += (v[i] + e_[i]) * s_[i];
+    Real sum = s[i] + (D_[i] - 2 / omega_ * C[i]) * v[i];
+    for (Index k = row[i]; k < diagonal[i]; ++k) sum -= a[k] * e[col[k]];
+    e[i] = sum * inverse[i];
+    vAv += (v[i] + e[i]) * s[i];
     vDv += D_[i] * v[i] * v[i];
   }
   return {vAv, vDv};
 }
 
-void SsorPreconditioner::advance(Real rho, const Vector& v) {
-  interior_r_z_ = interior_dr_z_ = 0;
+void SsorPreconditioner::advance(Real rho, const Vector& v_in, Vector& x_out) {
+  const Real *C = C_.data(), *v = v_in.data(), *e = e_.data();
+  Real *y = y_.data(), *x = x_out.data();
+  Real r_z = 0, dr_z = 0;
   for (Index i = 0; i < interior_; ++i) {
-    const Real dy = -rho * (v[i] + e_[i]);
-    y_[i] += dy;
-    const Real w = kappa_ * C_[i] * y_[i];
-    interior_r_z_ += y_[i] * w;
-    interior_dr_z_ += dy * w;
+    const Real dy = -rho * (v[i] + e[i]);
+    x[i] += rho * v[i];
+    y[i] += dy;
+    const Real w = C[i] * y[i];
+    r_z += y[i] * w;
+    dr_z += dy * w;
   }
+  x_out.tail(problem_.contact_dofs()) += rho * v_in.tail(problem_.contact_dofs());
+  interior_r_z_ = kappa_ * r_z;
+  interior_dr_z_ = kappa_ * dr_z;
 }
 
 Real SsorPreconditioner::free_norm() const {

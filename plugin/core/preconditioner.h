@@ -42,8 +42,8 @@ class Preconditioner {
   /// <Av, v>, and keeps Av for advance.
   virtual Curvature curvature(const Vector& v) = 0;
 
-  /// r -= rho A v on the interior dofs; set_contact has to follow.
-  virtual void advance(Real rho, const Vector& v) = 0;
+  /// x += rho v, and r -= rho A v on the interior dofs; set_contact has to follow.
+  virtual void advance(Real rho, const Vector& v, Vector& x) = 0;
 
   Real r_z() const { return r_z_; }    ///< <r, P r>
   Real dr_z() const { return dr_z_; }  ///< <r - r_before_advance, P r>, eq. (12)
@@ -70,7 +70,7 @@ class DiagonalPreconditioner final : public Preconditioner {
   void set_contact(const Vector& r_C, const ContactPart& part) override;
   void direction(Real gamma, Vector& v) override;
   Curvature curvature(const Vector& v) override;
-  void advance(Real rho, const Vector& v) override;
+  void advance(Real rho, const Vector& v, Vector& x) override;
   Real r_v(const Vector& v) const override { return r_.dot(v); }
   Real free_norm() const override;
 
@@ -91,7 +91,7 @@ class SsorPreconditioner final : public Preconditioner {
   void set_contact(const Vector& r_C, const ContactPart& part) override;
   void direction(Real gamma, Vector& v) override;
   Curvature curvature(const Vector& v) override;
-  void advance(Real rho, const Vector& v) override;
+  void advance(Real rho, const Vector& v, Vector& x) override;
   Real r_v(const Vector&) const override { return y_.dot(s_); }
   Real free_norm() const override;
 
@@ -102,6 +102,7 @@ class SsorPreconditioner final : public Preconditioner {
   const Real omega_, kappa_;      ///< kappa = (2 - omega)/omega
   std::vector<Index> diagonal_;   ///< n, position of a_ii in the row
   Vector C_;                      ///< n, D of A or of J''
+  Vector inverse_;                ///< n, omega/C
   std::vector<char> free_;        ///< contact dofs
   Vector y_;                      ///< (C/omega + E)^{-1} r, zero where masked
   Vector s_;                      ///< (C/omega + E') v

@@ -56,8 +56,7 @@ Outcome ProjectedCG::minimize(Iterate& it, const Vector& g, Real eps, Tangents t
     if (!std::isfinite(rho)) return end(Status::stagnated);
 
     r_z = P_->r_z();
-    it.x += rho * v_;
-    P_->advance(rho, v_);                                               // r -= rho A v
+    P_->advance(rho, v_, it.x);                                         // x += rho v, r -= rho A v
     contact_rows_times_v();
     r_C_ -= rho * Av_C_;
     bool restart = close_gaps(it, rho, rho_gap);

@@ -1,7 +1,6 @@
 #include "solver.h"
 
 #include <cmath>
-#include <memory>
 
 #include "condensed.h"
 #include "fixed_point.h"
@@ -25,6 +24,14 @@ Plan make_plan(const ContactProblem& problem, const Settings& settings) {
 
 Index default_iterations(const ContactProblem& problem) {
   return 10000 + 20 * problem.nodes() + static_cast<Index>(20 * std::sqrt(problem.dofs()));
+}
+
+std::unique_ptr<TrescaSolver> make_tresca_solver(const ContactProblem& problem,
+                                                 const Settings& settings, Index max_iterations,
+                                                 Observer* observer) {
+  if (settings.method == Method::sorp)
+    return std::make_unique<Sorp>(problem, settings, max_iterations, observer);
+  return std::make_unique<ProjectedCG>(problem, settings, max_iterations, observer);
 }
 
 Solver::Solver(const ContactProblem& problem) : problem_(problem) {}
@@ -61,11 +68,7 @@ bool Solver::condense(const Settings& settings) {
 
 Solution Solver::iterate(const Settings& settings, const Vector& x0, Observer* observer) {
   const Index bound = settings.nbiter > 0 ? settings.nbiter : default_iterations(problem_);
-  std::unique_ptr<TrescaSolver> tresca;
-  if (settings.method == Method::sorp)
-    tresca = std::make_unique<Sorp>(problem_, settings, bound, observer);
-  else
-    tresca = std::make_unique<ProjectedCG>(problem_, settings, bound, observer);
+  const auto tresca = make_tresca_solver(problem_, settings, bound, observer);
   return FixedPoint(problem_, settings, *tresca).solve(x0);
 }
 

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "solution.h"
+#include "tresca.h"
 
 namespace frictioncg {
 
@@ -14,6 +15,11 @@ struct Plan {
 };
 
 Plan make_plan(const ContactProblem& problem, const Settings& settings);
+
+/// The method of the settings for problem 2, at a given sliding limit.
+std::unique_ptr<TrescaSolver> make_tresca_solver(const ContactProblem& problem,
+                                                 const Settings& settings, Index max_iterations,
+                                                 Observer* observer);
 
 class CondensedSolver;
 

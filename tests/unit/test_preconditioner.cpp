@@ -90,7 +90,9 @@ TEST(Preconditioner, AnIterationKeepsResidualsAndProductsExactWhileTheHessianCha
       EXPECT_LT((v - expected).norm(), 1e-10 * expected.norm()) << int(kind);
       EXPECT_NEAR(P->r_v(v), r.dot(v), 1e-9 * r.norm() * v.norm());
       EXPECT_NEAR(P->curvature(v).A, v.dot(c.p.A * v), 1e-9 * P->curvature(v).D);
-      P->advance(rho, v);
+      Vector x = c.r;
+      P->advance(rho, v, x);
+      EXPECT_LT((x - c.r - rho * v).norm(), 1e-14 * c.r.norm());
       const Vector r_before = r;
       r -= rho * (c.p.A * v);
       part.hessian *= 1.5;

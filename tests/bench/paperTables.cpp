@@ -1,0 +1,227 @@
+// A FreeFEM plugin of the benchmarks: paperTables(A, b, Vh, label, mu=..., ...) repeats the tables 3 to 6
+// of Raous and Barbarin (1992) on the scene it is given, with the paper's own counts beside.
+#include "../../plugin/freefem/pose.h"
+
+#include <iomanip>
+
+using namespace frictioncg;
+
+namespace {
+
+struct Run {
+  std::string text;
+  double count = 0;  // 0: not reached
+};
+
+/// One row: iterations of a method at the given sliding limit, by the paper's stopping test, and what
+/// the answer is worth: the energy-norm error to the exact solution at the same g.
+class Tables {
+ public:
+  explicit Tables(const ContactProblem& coulomb) : problem_(coulomb) {
+    const Solution exact = solve(problem_, Settings());
+    if (exact.status != Status::converged) throw IllegalInput("the scene has no exact solution");
+    problem_.law = Law::tresca;
+    problem_.g.resize(problem_.nodes());
+    for (Index i = 0; i < problem_.nodes(); ++i)
+      problem_.g[i] = sliding_limit(coulomb, i, exact.certificate.r);
+    x_ = exact.x;
+    energy_ = x_.dot(problem_.A * x_);
+  }
+
+  /// eps [length]; stop on |dx| <= 0.5e-5 |x|, partial convergence at `partial`
+  Run run(Method method, Regularization reg, Precon precon, Step step, double eps, double partial,
+          double omega) const {
+    Settings s;
+    s.method = method;
+    s.reg = reg;
+    s.precon = precon;
+    s.step = step;
+    s.regeps = eps;
+    s.stop_on_step = 0.5e-5;
+    s.partial = partial / s.stop_on_step;
+    s.omega = omega;
+    s.nbiter = 20000;
+    s.tol = 1e-15;
+    Iterate it{Vector::Zero(problem_.dofs()), std::vector<char>(problem_.nodes(), 0)};
+    const auto solver = make_tresca_solver(problem_, s, s.nbiter, nullptr);
+    const Outcome o = solver->minimize(it, problem_.g, eps, Tangents::sliding, 0);
+    const Vector e = it.x - x_;
+    const double error = std::sqrt(std::abs(e.dot(problem_.A * e)) / energy_);
+    std::ostringstream text;
+    if (o.status == Status::converged && error > 1e-2) {
+      text << " stops wrong (" << std::setprecision(1) << std::scientific << error << ")";
+      return {text.str(), 0};
+    }
+    if (o.status == Status::converged) {
+      text << std::setw(6) << o.iterations << "  (" << std::setprecision(1) << std::scientific
+           << error << ")";
+      return {text.str(), double(o.iterations)};
+    }
+    text << " stalls  (" << std::setprecision(1) << std::scientific << error << ")";
+    return {text.str(), 0};
+  }
+
+  /// The omega of least iterations, of (0, 2) by steps of 0.02.
+  double best_omega(double eps) const {
+    double best = 1, least = 1e9;
+    for (double omega = 1; omega < 1.99; omega += 0.02) {
+      const Run r = run(Method::sorp, Regularization::polynomial, Precon::none, Step::exact, eps,
+                        1e-3, omega);
+      if (r.count > 0 && r.count < least) {
+        least = r.count;
+        best = omega;
+      }
+    }
+    return best;
+  }
+
+  const ContactProblem& problem() const { return problem_; }
+
+ private:
+  ContactProblem problem_;
+  Vector x_;
+  double energy_ = 0;
+};
+
+struct PaperCounts {
+  double gc[3][3];   // GC1..3 by REG1..3, 0 where not published
+  double sorp;       // at its omega
+  double precon[4];  // diag(A), SSOR(A), diag(J''), SSOR(J'')
+  double omega;
+  Regularization precon_reg;
+  double partial;
+};
+
+void print_ratio(double ours, double paper) {
+  if (ours > 0 && paper > 0)
+    std::cout << std::setw(9) << std::fixed << std::setprecision(2) << ours << std::setw(9) << paper;
+  else
+    std::cout << std::setw(9) << (ours > 0 ? std::to_string(ours).substr(0, 4) : "-") << std::setw(9)
+              << (paper > 0 ? std::to_string(paper).substr(0, 4) : "-");
+}
+
+void print_tables(const Tables& t, const PaperCounts& paper, double eps) {
+  const Regularization regs[] = {Regularization::square_root, Regularization::log_cosh,
+                                 Regularization::polynomial};
+  const Method methods_[] = {Method::gc1, Method::gc2, Method::gc3};
+  const char* names[] = {"GC1", "GC2", "GC3"};
+  for (Step step : {Step::newton, Step::exact}) {
+    std::cout << "\n  projections, SSOR(J''), step "
+              << (step == Step::newton ? "(14) as printed" : "exact, with the safeguards") << "\n"
+              << "    iterations (energy error); ratio to GC3 of the same regularization\n"
+              << "                                            paper      ours/GC3  paper/GC3\n";
+    double base[3] = {0, 0, 0};
+    std::vector<std::array<Run, 3>> rows(3);
+    for (int m = 2; m >= 0; --m)
+      for (int r = 0; r < 3; ++r) {
+        rows[m][r] = t.run(methods_[m], regs[r], Precon::hessian_ssor, step, eps, paper.partial, 1);
+        if (m == 2) base[r] = rows[m][r].count;
+      }
+    for (int m = 0; m < 3; ++m)
+      for (int r = 0; r < 3; ++r) {
+        std::cout << "    " << names[m] << " REG" << r + 1 << "  " << std::setw(23) << rows[m][r].text
+                  << "  " << std::setw(9);
+        if (paper.gc[m][r] > 0)
+          std::cout << std::fixed << std::setprecision(0) << paper.gc[m][r];
+        else
+          std::cout << "-";
+        print_ratio(base[r] > 0 ? rows[m][r].count / base[r] : 0,
+                    paper.gc[2][r] > 0 ? paper.gc[m][r] / paper.gc[2][r] : 0);
+        std::cout << "\n";
+      }
+  }
+
+  const double best = t.best_omega(eps);
+  const Run gc3 =
+      t.run(Method::gc3, Regularization::polynomial, Precon::hessian_ssor, Step::exact, eps, paper.partial, 1);
+  std::cout << "\n  SORP                                      paper      ours/GC3  paper/GC3\n";
+  for (double omega : {paper.omega, best}) {
+    const Run r = t.run(Method::sorp, Regularization::polynomial, Precon::none, Step::exact, eps,
+                        paper.partial, omega);
+    std::cout << "    omega " << std::fixed << std::setprecision(2) << omega << "   " << std::setw(23)
+              << r.text << "  " << std::setw(9);
+    if (omega == paper.omega)
+      std::cout << std::fixed << std::setprecision(0) << paper.sorp;
+    else
+      std::cout << "our best";
+    print_ratio(gc3.count > 0 ? r.count / gc3.count : 0,
+                omega == paper.omega && paper.gc[2][2] > 0 ? paper.sorp / paper.gc[2][2] : 0);
+    std::cout << "\n";
+  }
+
+  const Precon precons[] = {Precon::diagonal, Precon::ssor, Precon::hessian_diagonal,
+                            Precon::hessian_ssor};
+  const char* precon_names[] = {"diag(A)", "SSOR(A)", "diag(J'')", "SSOR(J'')"};
+  for (Step step : {Step::newton, Step::exact}) {
+    std::cout << "\n  preconditioners of GC3, step "
+              << (step == Step::newton ? "(14) as printed" : "exact, with the safeguards") << "\n"
+              << "                                            paper ours/SSOR(J'') paper/SSOR(J'')\n";
+    std::array<Run, 4> rows;
+    for (int p = 0; p < 4; ++p)
+      rows[p] = t.run(Method::gc3, paper.precon_reg, precons[p], step, eps, paper.partial, 1);
+    for (int p = 0; p < 4; ++p) {
+      std::cout << "    " << std::left << std::setw(11) << precon_names[p] << std::right
+                << std::setw(23) << rows[p].text << "  " << std::setw(9);
+      if (paper.precon[p] > 0)
+        std::cout << std::fixed << std::setprecision(0) << paper.precon[p];
+      else
+        std::cout << "-";
+      print_ratio(rows[3].count > 0 ? rows[p].count / rows[3].count : 0,
+                  paper.precon[p] / paper.precon[3]);
+      std::cout << "\n";
+    }
+  }
+  std::cout << std::defaultfloat;
+}
+
+/// paperTables(A, b, Vh, label, mu=..., which): which = 1, 2, 3 for the paper's scenes.
+class PaperTables : public E_F0mps {
+ public:
+  using Result = long;
+  explicit PaperTables(const basicAC_F0& args)
+      : arguments_(args, 2, true),
+        A_(to<Matrice_Creuse<double>*>(args[0])),
+        b_(to<KN_<double>>(args[1])),
+        Vh_(to<pfes*>(args[2])),
+        label_(to<long>(args[3])),
+        which_(to<long>(args[4])) {}
+  static ArrayOfaType typeargs() {
+    return ArrayOfaType(atype<Matrice_Creuse<double>*>(), atype<KN_<double>>(), atype<pfes*>(),
+                        atype<long>(), atype<long>());
+  }
+  static E_F0* f(const basicAC_F0& args) { return new PaperTables(args); }
+  AnyType operator()(Stack stack) const override {
+    return translated("paperTables", [&] {
+      const auto scene =
+          pose<v_fes>(stack, arguments_, GetAny<Matrice_Creuse<double>*>((*A_)(stack)),
+                      GetAny<pfes*>((*Vh_)(stack)), {GetAny<long>((*label_)(stack))}, true);
+      scene->system->set_load(checked_vector(GetAny<KN_<double>>((*b_)(stack)), "b", scene->ndof),
+                              {}, scene->gap);
+      scene->system->set_law(scene->law, scene->mu);
+      const Tables tables(scene->system->problem());
+      const PaperCounts counts[] = {
+          {{{102, 71, 93}, {98, 93, 90}, {50, 49, 47}}, 225, {115, 49, 113, 47}, 1.58,
+           Regularization::square_root, 1e-3},
+          {{{289, 227, 257}, {0, 0, 0}, {241, 223, 220}}, 776, {0, 0, 0, 241}, 1.96,
+           Regularization::square_root, 0.5e-3},
+          {{{0, 0, 0}, {0, 0, 0}, {0, 277, 0}}, 3646, {676, 305, 584, 277}, 1.86,
+           Regularization::log_cosh, 0.5e-3}};
+      const long which = GetAny<long>((*which_)(stack));
+      std::cout << "  " << tables.problem().dofs() << " dofs, " << tables.problem().nodes()
+                << " contact nodes, eps 1e-8 mm, |dx| <= 0.5e-5 |x|\n";
+      print_tables(tables, counts[which - 1], 1e-8);
+      const long rows = tables.problem().nodes();
+      return SetAny<long>(rows);
+    });
+  }
+
+ private:
+  Arguments arguments_;
+  Expression A_, b_, Vh_, label_, which_;
+};
+
+void load() { Global.Add("paperTables", "(", new OneOperatorCode<PaperTables>()); }
+
+}  // namespace
+
+LOADFUNC(load)
