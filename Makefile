@@ -60,11 +60,11 @@ $(BUILD)/frictionCG.so: $(BUILD)/frictionCG.o $(OBJECTS)
 	$(CXX) -shared $(LDFLAGS) $^ -o $@ $(LIBS)
 
 demo: setup ## the block of the paper: displacement, contact forces, and their picture
-	@$(MAKE) --no-print-directory all >/dev/null
+	@$(MAKE) --no-print-directory -j$$(nproc) all >/dev/null
 	cd $(BUILD) && $(FREEFEM) ../examples/block.edp
 
 check: setup ## all tests
-	@$(MAKE) --no-print-directory all $(BUILD)/unit_tests
+	@$(MAKE) --no-print-directory -j$$(nproc) all $(BUILD)/unit_tests >/dev/null
 	@bash tests/run $(BUILD)/unit_tests $(SCRIPTS) $(EXAMPLES)
 
 unit: all $(BUILD)/unit_tests ## unit tests of the core only
@@ -88,7 +88,7 @@ $(BUILD)/%.so: tests/bench/%.cpp $(OBJECTS) $(HEADERS)
 	$(CXX) $(FLAGS) $(FF_HEADER) -Wno-mismatched-new-delete -Wno-shadow -Wno-use-after-free -shared $< $(OBJECTS) -o $@ $(LIBS)
 
 bench: setup ## the paper's tables, and costs as ratios to one linear solve
-	@$(MAKE) --no-print-directory all $(BENCHES:tests/bench/%.cpp=$(BUILD)/%.so) >/dev/null
+	@$(MAKE) --no-print-directory -j$$(nproc) all $(BENCHES:tests/bench/%.cpp=$(BUILD)/%.so) >/dev/null
 	@for script in $(wildcard tests/bench/*.edp); do \
 	  (cd $(BUILD) && OPENBLAS_NUM_THREADS=1 $(FREEFEM) ../$$script) || exit 1; done
 

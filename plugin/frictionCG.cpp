@@ -1,6 +1,6 @@
 // frictionCG: unilateral contact with Coulomb friction for FreeFEM, by the conjugate gradient of
-// Raous and Barbarin (1992).  Registers frictionalContactCG and contactproblem: arguments in, results
-// out, errors translated; the numerics are in core/.
+// Raous and Barbarin (1992).  Registers frictionalContactCG and contactproblem: arguments in,
+// results out, errors translated; the numerics are in core/.
 //
 // SPDX-License-Identifier: GPL-3.0-or-later
 
@@ -21,9 +21,12 @@ struct StatusText {
 };
 StatusText describe(Status status) {
   switch (status) {
-    case Status::converged: return {"converged", ""};
-    case Status::max_iterations: return {"max_iterations", "raise nbiter, or try another precon"};
-    case Status::stagnated: return {"stagnated", "tol is below what this matrix allows; raise tol"};
+    case Status::converged:
+      return {"converged", ""};
+    case Status::max_iterations:
+      return {"max_iterations", "raise nbiter, or try another precon"};
+    case Status::stagnated:
+      return {"stagnated", "tol is below what this matrix allows; raise tol"};
     case Status::no_equilibrium:
       return {"no_equilibrium", "contact and friction cannot hold this load; check the supports"};
     case Status::not_positive_definite:
@@ -63,9 +66,15 @@ void report_plan(const Arguments& args, const Scene& scene, const Settings& s) {
   std::cout << " -- " << operator_name << ": " << scene.d << "D, " << plan.dofs << " dofs, "
             << plan.nodes << " contact nodes, ";
   switch (plan.law) {
-    case Law::frictionless: std::cout << "no friction"; break;
-    case Law::tresca: std::cout << "given sliding limit"; break;
-    case Law::coulomb: std::cout << "Coulomb friction"; break;
+    case Law::frictionless:
+      std::cout << "no friction";
+      break;
+    case Law::tresca:
+      std::cout << "given sliding limit";
+      break;
+    case Law::coulomb:
+      std::cout << "Coulomb friction";
+      break;
   }
   std::cout << "; " << name_of(s.method, methods);
   if (plan.regularization) std::cout << ", " << name_of(s.reg, regularizations);
@@ -86,7 +95,8 @@ void report_plan(const Arguments& args, const Scene& scene, const Settings& s) {
 }
 
 /// Fills the named outputs that the script asked for.
-void write_outputs(Stack stack, const Arguments& args, const Scene& scene, const Solution& solution) {
+void write_outputs(Stack stack, const Arguments& args, const Scene& scene,
+                   const Solution& solution) {
   if (double* out = args.output<double>(stack, p_residual)) *out = solution.certificate.residual;
   if (long* out = args.output<long>(stack, p_iterations)) *out = solution.iterations;
   if (KN<double>* out = args.output<KN<double>>(stack, p_force)) {
@@ -154,12 +164,13 @@ KN_<double> solve_scene(Stack stack, const Arguments& args, Scene& scene, const 
   if (KN<double>* out = args.output<KN<double>>(stack, p_times)) {
     const Times& t = solution.times;
     out->resize(8);
-    const double phases[] = {scene.copy_seconds, t.order,         t.factor,      t.condense,
-                             t.contact, t.back_substitution, t.certificate,
-                             scene.copy_seconds + cpu_seconds() - start};
+    const double phases[] = {scene.copy_seconds, t.order,
+                             t.factor,           t.condense,
+                             t.contact,          t.back_substitution,
+                             t.certificate,      scene.copy_seconds + cpu_seconds() - start};
     for (int k = 0; k < 8; ++k) (*out)[k] = phases[k];
-    scene.copy_seconds = 0;  // further increments do not copy
   }
+  scene.copy_seconds = 0;  // further increments do not copy
   return *u;
 }
 
@@ -280,8 +291,11 @@ class SolveIncrement : public E_F0mps {
   AnyType operator()(Stack stack) const override {
     return translated(operator_name, [&] {
       Scene* scene = GetAny<ContactProblemVariable*>((*C_)(stack))->scene().get();
-      if (!scene) throw IllegalInput("C is not set; write contactproblem C = contactProblem(A, Vh, labels, ...)");
-      if (scene->law == Law::frictionless && (arguments_.has(p_mu) || arguments_.has(p_slidinglimit)))
+      if (!scene)
+        throw IllegalInput(
+            "C is not set; write contactproblem C = contactProblem(A, Vh, labels, ...)");
+      if (scene->law == Law::frictionless &&
+          (arguments_.has(p_mu) || arguments_.has(p_slidinglimit)))
         throw IllegalInput(
             "C was made without friction; name mu or slidinglimit in contactProblem(...), too");
       set_laws(stack, arguments_, *scene);

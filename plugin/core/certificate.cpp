@@ -6,9 +6,12 @@ namespace frictioncg {
 
 Real sliding_limit(const ContactProblem& problem, Index i, const Vector& r) {
   switch (problem.law) {
-    case Law::frictionless: return 0;
-    case Law::tresca: return problem.g[i];
-    case Law::coulomb: return problem.mu[i] * std::max(r[problem.first[i]], 0.0);
+    case Law::frictionless:
+      return 0;
+    case Law::tresca:
+      return problem.g[i];
+    case Law::coulomb:
+      return problem.mu[i] * std::max(r[problem.first[i]], 0.0);
   }
   return 0;
 }
@@ -63,7 +66,8 @@ std::vector<NodeState> classify(const ContactProblem& problem, const Vector& x, 
     if (r[N] <= D[N] * (problem.gap[i] - x[N]) || r[N] <= 0) {
       state[i] = NodeState::separated;
     } else if (t == 0) {  // Dirichlet conditions hold its tangents, or it has no friction
-      const bool friction = problem.law == Law::tresca || (problem.law == Law::coulomb && problem.mu[i] > 0);
+      const bool friction =
+          problem.law == Law::tresca || (problem.law == Law::coulomb && problem.mu[i] > 0);
       state[i] = friction ? NodeState::stick : NodeState::slip;
     } else {
       const Real c_T = tangential_stiffness(problem, i, D);

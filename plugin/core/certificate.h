@@ -6,8 +6,9 @@ namespace frictioncg {
 /// How far x is from the unregularized laws of contact and friction, whatever method found it.
 ///
 ///   r = F - Ax                                                       interior: r = 0
-///   normal:    min(A_NN (gap - x_N), r_N) = 0                        r_N >= 0 presses on the obstacle
-///   friction:  r_T - proj_{|.| <= g}(r_T + A_TT x_T) = 0             g = mu max(r_N, 0), or given
+///   normal:    min(A_NN (gap - x_N), r_N) = 0                        r_N >= 0 presses on the
+///   obstacle friction:  r_T - proj_{|.| <= g}(r_T + A_TT x_T) = 0             g = mu max(r_N, 0),
+///   or given
 ///
 /// residual = norm of the three, each scaled by D^{-1/2}, over the norm of the load: dimensionless,
 /// invariant under a change of units and under rotation.

@@ -13,8 +13,8 @@ constexpr Real sigma = 0.5;
 
 /// Rows of A up to the diagonal: by columns, the upper triangle that CHOLMOD reads. The contact
 /// dofs, last, get the shift, and are chained by entries (zero if need be) next to the diagonal: so
-/// each is the parent of the one before in the elimination tree. `roots` are interior dofs that shall
-/// be children of the first contact dof.
+/// each is the parent of the one before in the elimination tree. `roots` are interior dofs that
+/// shall be children of the first contact dof.
 struct UpperTriangle {
   std::vector<Index> column, row;
   std::vector<Real> value;
@@ -145,7 +145,8 @@ void check(bool ok, const cholmod_common& common) {
 }
 
 /// A permutation of the dofs with little fill-in, the contact dofs last and in their order.
-std::vector<Index> contact_last(const ContactProblem& p, Ordering ordering, cholmod_common& common) {
+std::vector<Index> contact_last(const ContactProblem& p, Ordering ordering,
+                                cholmod_common& common) {
   NodeGraph graph(p);
   const Index nodes = static_cast<Index>(graph.first_dof.size()) - 1;
   std::vector<Index> order(nodes);

@@ -10,12 +10,13 @@ namespace frictioncg {
 using DenseMatrix = Eigen::MatrixXd;
 
 /// How the interior is ordered before the contact dofs, which always come last. All three work on
-/// the graph of the mesh nodes, whose d dofs stay together: d^2 times fewer edges than between dofs.
+/// the graph of the mesh nodes, whose d dofs stay together: d^2 times fewer edges than between
+/// dofs.
 enum class Ordering {
   automatic,
-  camd,   ///< minimum degree with the contact dofs as the last class
-  amd,    ///< minimum degree of the interior, contact dofs appended
-  metis   ///< nested dissection of the interior, contact dofs appended
+  camd,  ///< minimum degree with the contact dofs as the last class
+  amd,   ///< minimum degree of the interior, contact dofs appended
+  metis  ///< nested dissection of the interior, contact dofs appended
 };
 
 /// CPU seconds of each phase.

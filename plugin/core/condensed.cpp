@@ -50,7 +50,7 @@ Solution CondensedSolver::solve(const Settings& settings, const Vector& x0) {
     start = cpu_seconds();
     if (refinement > 0) condensed.f.noalias() += condensation_.S() * done_C;
     Attempt a;
-    if (settings.polish) a = polish(condensed, x_C, warm, s);
+    if (settings.polish) a = polish(condensed, warm ? &x_C : nullptr, s);
     if (settings.polish && !a.solved) a = by_continuation(condensed, s);
     if (!a.solved) a = by_fixed_point(condensed, settings, x_C, s);
     s.times.contact += cpu_seconds() - start;
@@ -85,16 +85,26 @@ Solution CondensedSolver::solve(const Settings& settings, const Vector& x0) {
   return s;
 }
 
+/// Newton from the branches of x_C, or of the last answer; where neither is there, or it fails,
+/// from stick.
 CondensedSolver::Attempt CondensedSolver::polish(const CondensedProblem& condensed,
-                                                 const Vector& x_C, bool warm, Solution& s) {
+                                                 const Vector* x_C, Solution& s) {
   SemismoothNewton newton(condensed);
-  if (warm)
-    newton.start_from(x_C, condensed.f - condensed.S * x_C);
-  else
+  const auto attempt = [&] {
+    const bool solved = newton.solve(newton_steps) == SemismoothNewton::Outcome::converged;
+    s.iterations += newton.steps();
+    if (solved) last_ = newton.branches();
+    return solved;
+  };
+  bool solved = false;
+  if (x_C) newton.start_from(*x_C, condensed.f - condensed.S * *x_C);
+  if (!x_C && !last_.empty()) newton.start_from(last_);
+  if (x_C || !last_.empty()) solved = attempt();
+  if (!solved) {
     newton.start_from_stick();
-  const auto outcome = newton.solve(newton_steps);
-  s.iterations += newton.steps();
-  return {newton.x(), outcome == SemismoothNewton::Outcome::converged, Status::converged};
+    solved = attempt();
+  }
+  return {newton.x(), solved, Status::converged};
 }
 
 /// mu from 0 up to its value, each solution the start of the next; the step adapts.
@@ -151,7 +161,7 @@ CondensedSolver::Attempt CondensedSolver::by_fixed_point(const CondensedProblem&
   s.eps = regularized.eps;
   Attempt a{regularized.x, regularized.status == Status::converged, regularized.status};
   if (!settings.polish || !a.x.allFinite()) return a;
-  Attempt polished = polish(condensed, a.x, true, s);
+  Attempt polished = polish(condensed, &a.x, s);
   if (polished.solved) {
     s.eps = 0;
     return polished;

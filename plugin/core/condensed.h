@@ -29,13 +29,14 @@ class CondensedSolver {
     bool solved = false;
     Status status = Status::converged;
   };
-  Attempt polish(const CondensedProblem& condensed, const Vector& x_C, bool warm, Solution& s);
+  Attempt polish(const CondensedProblem& condensed, const Vector* x_C, Solution& s);
   Attempt by_continuation(const CondensedProblem& condensed, Solution& s);
   Attempt by_fixed_point(const CondensedProblem& condensed, const Settings& settings,
                          const Vector& x_C, Solution& s);
 
   const ContactProblem& problem_;
   Condensation condensation_;
+  std::vector<SemismoothNewton::Branch> last_;  ///< of the last answer: where an increment starts
 };
 
 }  // namespace frictioncg

@@ -10,17 +10,17 @@ enum class Law { frictionless, tresca, coulomb };
 ///   min 1/2 x'Ax - F'x + sum_i g_i |x_T,i|   over   x_N,i <= gap_i
 ///   g given (tresca), or g_i = mu_i |F_N,i(x)| (coulomb), or g = 0 (frictionless)
 ///
-/// x is the increment u^k - u^{k-1}; gap is what u^{k-1} leaves of the gap; F is what u^{k-1} leaves
-/// of the load. The interior dofs come first, then the contact nodes one by one, each with its
-/// normal dof followed by its tangential dofs: two in 3D, one in 2D, none where there is no friction.
-/// Forces of the obstacle on the body: F_N = (Ax - F)_N <= 0 and F_T = (Ax - F)_T.
+/// x is the increment u^k - u^{k-1}; gap is what u^{k-1} leaves of the gap; F is what u^{k-1}
+/// leaves of the load. The interior dofs come first, then the contact nodes one by one, each with
+/// its normal dof followed by its tangential dofs: two in 3D, one in 2D, none where there is no
+/// friction. Forces of the obstacle on the body: F_N = (Ax - F)_N <= 0 and F_T = (Ax - F)_T.
 struct ContactProblem {
-  int dimension = 2;         ///< 2 or 3
-  Matrix A;                  ///< n x n, symmetric positive semi-definite [force/length]
-  Vector D;                  ///< n, diag(A)
-  Vector F;                  ///< n [force]
-  std::vector<Index> first;  ///< m + 1; contact node i owns the dofs first[i] .. first[i+1]-1
-  Vector gap;                ///< m [length]
+  int dimension = 2;             ///< 2 or 3
+  Matrix A;                      ///< n x n, symmetric positive semi-definite [force/length]
+  Vector D;                      ///< n, diag(A)
+  Vector F;                      ///< n [force]
+  std::vector<Index> first;      ///< m + 1; contact node i owns the dofs first[i] .. first[i+1]-1
+  Vector gap;                    ///< m [length]
   std::vector<Index> mesh_node;  ///< n, or empty: dofs with one number share a mesh node (fill-in)
   Law law = Law::frictionless;
   Vector mu;             ///< m, >= 0, dimensionless; law coulomb
@@ -38,8 +38,8 @@ struct ContactProblem {
 /// under a change of units up to a factor that |F| shares.
 Real norm_D(const ContactProblem& problem, const Vector& r);
 
-/// The unit of the residuals: the norm of the load, or, without a load, of the force that closes the
-/// initial penetration; 1 where there is neither.
+/// The unit of the residuals: the norm of the load, or, without a load, of the force that closes
+/// the initial penetration; 1 where there is neither.
 Real load_norm(const ContactProblem& problem);
 
 /// J of (5) at the sliding limits g (m). [force * length]

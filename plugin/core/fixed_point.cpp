@@ -52,8 +52,8 @@ Solution FixedPoint::solve(const Vector& x0) {
   return solution_;
 }
 
-/// The first g comes from sticking contact: it exists wherever contact alone holds the body, and its
-/// displacement is the unit of eps.
+/// The first g comes from sticking contact: it exists wherever contact alone holds the body, and
+/// its displacement is the unit of eps.
 void FixedPoint::start(const Vector& x0) {
   if (x0.size() > 0) {
     it_.x = x0;
@@ -115,8 +115,8 @@ bool FixedPoint::update_sliding_limit() {
   return true;
 }
 
-/// Where everything else is settled, what keeps the certificate above tol is eps. False where eps is
-/// the user's, or has come to rounding.
+/// Where everything else is settled, what keeps the certificate above tol is eps. False where eps
+/// is the user's, or has come to rounding.
 bool FixedPoint::sharpen_regularization() {
   if (solution_.eps == 0) {
     solution_.status = Status::stagnated;

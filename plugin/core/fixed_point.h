@@ -6,7 +6,8 @@
 namespace frictioncg {
 
 /// Problem 1 (section 2), g = mu |F_N(u_g)|: minimizations at given g, each started from the last
-/// and no more precise than g is known; g accelerated. A given sliding limit takes one minimization.
+/// and no more precise than g is known; g accelerated. A given sliding limit takes one
+/// minimization.
 class FixedPoint {
  public:
   FixedPoint(const ContactProblem& problem, const Settings& settings, TrescaSolver& tresca);

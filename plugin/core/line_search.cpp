@@ -12,7 +12,7 @@ constexpr Real rigid = 1e-13;  ///< <Av,v>/<Dv,v> at which v counts as a rigid m
 
 LineSearch::LineSearch(const ContactProblem& problem, Step step) : problem_(problem), step_(step) {
   nodes_.reserve(problem.nodes());
-  breaks_.reserve(2 * problem.nodes());
+  breaks_.reserve(2 * nodes_.capacity());
   for (Index i = 0; i < problem.nodes(); ++i)
     if (problem.tangents(i) > 1) single_tangent_ = false;
 }

@@ -18,7 +18,7 @@ class LineSearch {
 
  private:
   struct Node {
-    Real g;       ///< sliding limit
+    Real g;           ///< sliding limit
     Real xx, xv, vv;  ///< x_T.x_T, x_T.v_T, v_T.v_T
   };
   struct Break {
@@ -38,7 +38,7 @@ class LineSearch {
   bool single_tangent_ = true;  ///< no node has two tangents
   std::vector<Node> nodes_;     ///< those that move tangentially and have g > 0
   std::vector<Break> breaks_;
-  Real a_ = 0;    ///< <F - Ax, v>
+  Real a_ = 0;  ///< <F - Ax, v>
   Real vAv_ = 0;
 };
 

@@ -10,10 +10,10 @@ namespace frictioncg {
 
 namespace {
 
-constexpr Real huge_ratio = 1e10;     ///< diagonal over off-diagonals from which a row is Dirichlet
-constexpr Real asymmetry = 1e-9;      ///< |a_ij - a_ji| over sqrt(a_ii a_jj) that is refused
-constexpr Real aligned = 1e-14;       ///< components of a normal below this are taken as 0
-constexpr Real blocked = 1e-6;        ///< projected normals shorter than this are no contact
+constexpr Real huge_ratio = 1e10;  ///< diagonal over off-diagonals from which a row is Dirichlet
+constexpr Real asymmetry = 1e-9;   ///< |a_ij - a_ji| over sqrt(a_ii a_jj) that is refused
+constexpr Real aligned = 1e-14;    ///< components of a normal below this are taken as 0
+constexpr Real blocked = 1e-6;     ///< projected normals shorter than this are no contact
 constexpr Index fixed_dof = -1;
 Index in_frame(std::size_t node, int component) {
   return -2 - static_cast<Index>(3 * node) - component;
@@ -118,8 +118,7 @@ void LocalSystem::add_frame(Index point) {
     for (int c = 0; c < d_; ++c) f.Q[c][k] = t[c] / length;
   }
   for (int c = 0; c < d_; ++c)
-    for (int k = 0; k < f.size; ++k)
-      rotated_ |= f.Q[c][k] != 0 && std::abs(f.Q[c][k]) != 1;
+    for (int k = 0; k < f.size; ++k) rotated_ |= f.Q[c][k] != 0 && std::abs(f.Q[c][k]) != 1;
   frames_.push_back(f);
 }
 
@@ -199,6 +198,7 @@ void LocalSystem::copy(const Triplets& A) {
     ++column[q + 1];
     ++size;
   });
+  if (size == 0) throw IllegalInput("Dirichlet conditions hold every degree of freedom of A");
   if (size > static_cast<std::size_t>(std::numeric_limits<Index>::max()))
     throw IllegalInput("A has more than 2^31 - 1 entries; this build indexes them by 32 bits");
   for (Index p = 0; p < n; ++p) {

@@ -28,20 +28,20 @@ struct ContactPoint {
 ///
 /// Dirichlet dofs are recognized by the values in A and eliminated: a huge diagonal (tgv = 1e30) or
 /// a row of the identity (tgv = -1, or -2 with homogeneous data). Each contact point gets a frame
-/// (n, t) or (n, t1, t2), orthonormal among the components that Dirichlet conditions leave free: the
-/// obstacle then sees the projection of its normal. A point without a free normal direction is no
-/// contact node. Where the frame is along the axes nothing is rotated.
+/// (n, t) or (n, t1, t2), orthonormal among the components that Dirichlet conditions leave free:
+/// the obstacle then sees the projection of its normal. A point without a free normal direction is
+/// no contact node. Where the frame is along the axes nothing is rotated.
 class LocalSystem {
  public:
-  /// Copies A once, in O(nnz); A itself is not kept. Throws IllegalInput for what is not finite, not
-  /// symmetric, or has a diagonal <= 0.
+  /// Copies A once, in O(nnz); A itself is not kept. Throws IllegalInput for what is not finite,
+  /// not symmetric, or has a diagonal <= 0.
   LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points);
 
   /// Which dofs share a node of the mesh (n): lets the factorization order nodes in place of dofs.
   void set_mesh_nodes(const std::vector<Index>& node_of_dof);
 
-  /// Sets the load b (n, with the data of Dirichlet dofs as A's storage wants it) and the state u_old
-  /// (n, or empty for 0) that the increment starts from; gap: one per contact point [length].
+  /// Sets the load b (n, with the data of Dirichlet dofs as A's storage wants it) and the state
+  /// u_old (n, or empty for 0) that the increment starts from; gap: one per contact point [length].
   void set_load(const Vector& b, const Vector& u_old, const Vector& gap);
 
   /// The law; friction: mu or g at each contact point, ignored where law is frictionless.
@@ -59,13 +59,14 @@ class LocalSystem {
   Vector force_to_global(const Vector& r) const;  ///< force of the obstacle on the body, -r, (n)
 
  private:
-  /// Orthonormal frame of a contact node: u_c = sum_k Q[c][k] x_local[k] over the free components c.
+  /// Orthonormal frame of a contact node: u_c = sum_k Q[c][k] x_local[k] over the free components
+  /// c.
   struct Frame {
-    Index point = 0;                                   ///< contact point
-    Real share = 1;                                    ///< length of the projected normal
-    int size = 0;                                      ///< free components = directions
-    std::array<std::array<Real, 3>, 3> Q{};            ///< columns n, t1, t2
-    std::array<Index, 3> local{{-1, -1, -1}};          ///< local dof of each direction
+    Index point = 0;                           ///< contact point
+    Real share = 1;                            ///< length of the projected normal
+    int size = 0;                              ///< free components = directions
+    std::array<std::array<Real, 3>, 3> Q{};    ///< columns n, t1, t2
+    std::array<Index, 3> local{{-1, -1, -1}};  ///< local dof of each direction
   };
   struct Fixed {
     Index dof;
@@ -88,15 +89,15 @@ class LocalSystem {
   int d_;
   std::vector<ContactPoint> points_;
   ContactProblem problem_;
-  std::vector<Frame> frames_;       ///< m, one per contact node
-  std::vector<Index> image_;        ///< n: local dof, fixed_dof, or in_frame(node, component)
-  std::vector<Index> original_;     ///< local dof to a dof of its origin, for messages
+  std::vector<Frame> frames_;    ///< m, one per contact node
+  std::vector<Index> image_;     ///< n: local dof, fixed_dof, or in_frame(node, component)
+  std::vector<Index> original_;  ///< local dof to a dof of its origin, for messages
   std::vector<Fixed> fixed_;
   std::vector<Coupling> couplings_;
   bool half_ = false;       ///< A was stored by one triangle
   bool unit_rows_ = false;  ///< A has Dirichlet rows of the identity whose columns remain
   bool rotated_ = false;
-  Vector start_;            ///< n: u_old on free dofs, the data on Dirichlet dofs
+  Vector start_;  ///< n: u_old on free dofs, the data on Dirichlet dofs
 };
 
 }  // namespace frictioncg

@@ -10,9 +10,12 @@ Preconditioner::Preconditioner(const ContactProblem& problem)
 std::unique_ptr<Preconditioner> make_preconditioner(const ContactProblem& problem, Precon kind,
                                                     Real omega) {
   switch (kind) {
-    case Precon::ssor: return std::make_unique<SsorPreconditioner>(problem, false, omega);
-    case Precon::hessian_ssor: return std::make_unique<SsorPreconditioner>(problem, true, omega);
-    default: return std::make_unique<DiagonalPreconditioner>(problem, kind);
+    case Precon::ssor:
+      return std::make_unique<SsorPreconditioner>(problem, false, omega);
+    case Precon::hessian_ssor:
+      return std::make_unique<SsorPreconditioner>(problem, true, omega);
+    default:
+      return std::make_unique<DiagonalPreconditioner>(problem, kind);
   }
 }
 
@@ -136,7 +139,8 @@ void SsorPreconditioner::set_contact(const Vector& r_C, const ContactPart& part)
     inverse_.tail(r_C.size()) = omega_ * C_.tail(r_C.size()).cwiseInverse();
   }
 
-  // E_CI y_I and, for Polak-Ribiere, the image of the change of r under the present (C/omega + E)^{-1}
+  // E_CI y_I and, for Polak-Ribiere, the image of the change of r under the present (C/omega +
+  // E)^{-1}
   Vector& lower = work_;
   for (Index c = 0; c < r_C.size(); ++c) {
     Real sum = 0;
@@ -160,8 +164,8 @@ void SsorPreconditioner::set_contact(const Vector& r_C, const ContactPart& part)
   }
 }
 
-/// s := kappa C y + gamma s, then (C/omega + E') v = s from the last row up. Each row ends on the entry
-/// that was computed last, so that the rest of its sum does not wait for it.
+/// s := kappa C y + gamma s, then (C/omega + E') v = s from the last row up. Each row ends on the
+/// entry that was computed last, so that the rest of its sum does not wait for it.
 void SsorPreconditioner::direction(Real gamma, Vector& v_out) {
   const Index* row = problem_.A.outerIndexPtr();
   const Index* col = problem_.A.innerIndexPtr();
@@ -194,7 +198,8 @@ void SsorPreconditioner::direction(Real gamma, Vector& v_out) {
   }
 }
 
-/// (C/omega + E) e = s + (D - 2C/omega) v, so that A v = (C/omega + E)(v + e), and <Av,v> = <v+e, s>.
+/// (C/omega + E) e = s + (D - 2C/omega) v, so that A v = (C/omega + E)(v + e), and <Av,v> = <v+e,
+/// s>.
 Curvature SsorPreconditioner::curvature(const Vector& v_in) {
   const Index* row = problem_.A.outerIndexPtr();
   const Index* col = problem_.A.innerIndexPtr();

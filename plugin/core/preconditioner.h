@@ -19,10 +19,10 @@ struct ContactPart {
 
 /// z = P r of eq. (15) on the free dofs, P = C^{-1}, together with the residual r it acts on.
 ///
-/// The two go together because SSOR keeps y = (D/omega + E)^{-1} r in place of r (Eisenstat's trick):
-/// then one iteration, P r and A v together, passes over A once. The contact dofs come last in the
-/// numbering, so what changes there (the mask, the Hessian, friction) never touches the interior
-/// part of y, and costs only the contact rows.
+/// The two go together because SSOR keeps y = (D/omega + E)^{-1} r in place of r (Eisenstat's
+/// trick): then one iteration, P r and A v together, passes over A once. The contact dofs come last
+/// in the numbering, so what changes there (the mask, the Hessian, friction) never touches the
+/// interior part of y, and costs only the contact rows.
 ///
 /// The order of calls in one iteration:  direction, curvature, advance, set_contact.
 class Preconditioner {
@@ -45,8 +45,8 @@ class Preconditioner {
   /// x += rho v, and r -= rho A v on the interior dofs; set_contact has to follow.
   virtual void advance(Real rho, const Vector& v, Vector& x) = 0;
 
-  Real r_z() const { return r_z_; }    ///< <r, P r>
-  Real dr_z() const { return dr_z_; }  ///< <r - r_before_advance, P r>, eq. (12)
+  Real r_z() const { return r_z_; }             ///< <r, P r>
+  Real dr_z() const { return dr_z_; }           ///< <r - r_before_advance, P r>, eq. (12)
   virtual Real r_v(const Vector& v) const = 0;  ///< <r, v>
 
   /// Norm of r over the free dofs, in norm_D. May cost half a product.
@@ -99,14 +99,14 @@ class SsorPreconditioner final : public Preconditioner {
   void forward_contact(const Vector& lower_interior, const Vector& rhs, Vector& y) const;
 
   const bool on_hessian_;
-  const Real omega_, kappa_;      ///< kappa = (2 - omega)/omega
-  std::vector<Index> diagonal_;   ///< n, position of a_ii in the row
-  Vector C_;                      ///< n, D of A or of J''
-  Vector inverse_;                ///< n, omega/C
-  std::vector<char> free_;        ///< contact dofs
-  Vector y_;                      ///< (C/omega + E)^{-1} r, zero where masked
-  Vector s_;                      ///< (C/omega + E') v
-  Vector e_;                      ///< A v = (C/omega + E)(v + e)
+  const Real omega_, kappa_;        ///< kappa = (2 - omega)/omega
+  std::vector<Index> diagonal_;     ///< n, position of a_ii in the row
+  Vector C_;                        ///< n, D of A or of J''
+  Vector inverse_;                  ///< n, omega/C
+  std::vector<char> free_;          ///< contact dofs
+  Vector y_;                        ///< (C/omega + E)^{-1} r, zero where masked
+  Vector s_;                        ///< (C/omega + E') v
+  Vector e_;                        ///< A v = (C/omega + E)(v + e)
   Vector r_C_, E_y_, dy_C_, work_;  ///< contact dofs: r; E_CI y_I; change of y; right-hand side
   Real interior_r_z_ = 0, interior_dr_z_ = 0;
 };

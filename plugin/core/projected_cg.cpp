@@ -34,7 +34,7 @@ Outcome ProjectedCG::minimize(Iterate& it, const Vector& g, Real eps, Tangents t
   const auto end = [&](Status s) { return Outcome{s, iterations_ - first_iteration}; };
   tangents_ = tangents;
   partial_ = settings_.partial;
-  begin(it, g, phi);                                                    // r = F - Ax - g phi'
+  begin(it, g, phi);  // r = F - Ax - g phi'
   Verdict verdict = judge(it, g, phi, 0, tolerance);
   verdict.restart = true;
   Real r_z = P_->r_z();
@@ -43,7 +43,7 @@ Outcome ProjectedCG::minimize(Iterate& it, const Vector& g, Real eps, Tangents t
     if (iterations_ >= max_iterations_) return end(Status::max_iterations);
     ++iterations_;
     const Real gamma = verdict.restart || r_z <= 0 ? 0 : std::max(0.0, P_->dr_z() / r_z);
-    P_->direction(gamma, v_);                                           // v = P r + gamma v   (12)
+    P_->direction(gamma, v_);  // v = P r + gamma v   (12)
     if (gamma != 0 && P_->r_v(v_) <= 0) P_->direction(0, v_);
     while (hold_inward(it, g, phi)) P_->direction(0, v_);
     const Real r_v = P_->r_v(v_);
@@ -56,14 +56,14 @@ Outcome ProjectedCG::minimize(Iterate& it, const Vector& g, Real eps, Tangents t
     if (!std::isfinite(rho)) return end(Status::stagnated);
 
     r_z = P_->r_z();
-    P_->advance(rho, v_, it.x);                                         // x += rho v, r -= rho A v
+    P_->advance(rho, v_, it.x);  // x += rho v, r -= rho A v
     contact_rows_times_v();
     r_C_ -= rho * Av_C_;
     bool restart = close_gaps(it, rho, rho_gap);
-    if (settings_.method != Method::gc3)                                // GC1, GC2: at once
+    if (settings_.method != Method::gc3)  // GC1, GC2: at once
       restart |= release_tensile(it, tolerance) && settings_.method == Method::gc1;
     restart |= update_friction(it, g, phi);
-    verdict = judge(it, g, phi, rho, tolerance);                        // GC3: after eps_1
+    verdict = judge(it, g, phi, rho, tolerance);  // GC3: after eps_1
     verdict.restart |= restart;
     if (observer_) observer_->iterate(iterations_, it.x);
   }
@@ -125,8 +125,8 @@ bool ProjectedCG::close_gaps(Iterate& it, Real rho, Real rho_gap) {
   return true;
 }
 
-/// Opens the nodes in contact on which the obstacle would have to pull by more than rounding and the
-/// tolerance explain.
+/// Opens the nodes in contact on which the obstacle would have to pull by more than rounding and
+/// the tolerance explain.
 bool ProjectedCG::release_tensile(Iterate& it, Real tolerance) {
   const Real threshold = settings_.stop_on_step > 0 ? 0
                                                     : 0.1 * tolerance * problem_.force_scale /

@@ -39,12 +39,12 @@ class ProjectedCG final : public TrescaSolver {
   LineSearch line_search_;
   Tangents tangents_ = Tangents::sliding;
   ContactPart part_;
-  std::vector<char> sticking_;  ///< m, |x_T| <= eps: the node's piece of REG3
+  std::vector<char> sticking_;    ///< m, |x_T| <= eps: the node's piece of REG3
   Vector v_, Av_C_, r_C_, rf_C_;  ///< r_C without friction, rf_C with it, zero where held
   Real partial_ = 0;              ///< eps_1/eps_0 at present
   Real norm_ratio_ = 1;           ///< last measured |r_free| over <r, Pr>^(1/2)
   Index since_measured_ = 0;
-  Index iterations_ = 0;          ///< over all minimizations
+  Index iterations_ = 0;  ///< over all minimizations
 };
 
 }  // namespace frictioncg

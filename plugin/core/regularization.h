@@ -17,8 +17,9 @@ struct Phi {
 
   Real value(Real t) const {
     switch (kind) {
-      case Regularization::square_root: return std::hypot(t, eps);  // REG1, eq. (7)
-      case Regularization::log_cosh:                                // REG2, eq. (8)
+      case Regularization::square_root:
+        return std::hypot(t, eps);    // REG1, eq. (7)
+      case Regularization::log_cosh:  // REG2, eq. (8)
         return t + eps * std::log1p(std::exp(-2 * t / eps)) - eps * std::log(2.0);
       case Regularization::polynomial:  // REG3, eq. (9)
         return t <= eps ? t * (t / eps) / 2 : t - eps / 2;
@@ -28,9 +29,12 @@ struct Phi {
 
   Real slope_over_t(Real t) const {
     switch (kind) {
-      case Regularization::square_root: return 1 / std::hypot(t, eps);
-      case Regularization::log_cosh: return t < 1e-4 * eps ? 1 / eps : std::tanh(t / eps) / t;
-      case Regularization::polynomial: return 1 / std::max(t, eps);
+      case Regularization::square_root:
+        return 1 / std::hypot(t, eps);
+      case Regularization::log_cosh:
+        return t < 1e-4 * eps ? 1 / eps : std::tanh(t / eps) / t;
+      case Regularization::polynomial:
+        return 1 / std::max(t, eps);
     }
     return 0;
   }
@@ -47,12 +51,14 @@ struct Phi {
         const Real e = std::exp(-2 * t / eps);  // 1/cosh^2 without overflow
         return 4 * e / ((1 + e) * (1 + e)) / eps;
       }
-      case Regularization::polynomial: return t <= eps ? 1 / eps : 0;
+      case Regularization::polynomial:
+        return t <= eps ? 1 / eps : 0;
     }
     return 0;
   }
 
-  /// phi''(x_T) averaged over the tangential directions: the diagonal of (17), the same in each frame.
+  /// phi''(x_T) averaged over the tangential directions: the diagonal of (17), the same in each
+  /// frame.
   Real mean_curvature(Real t, Index tangents) const {
     return (curvature(t) + (tangents - 1) * slope_over_t(t)) / tangents;
   }

@@ -7,9 +7,9 @@ namespace frictioncg {
 /// A contact problem on the contact dofs alone, after elimination of the interior:
 ///   r = f - S x, laws of contact and friction on (x, r) node by node.
 struct CondensedProblem {
-  const DenseMatrix& S;             ///< contact_dofs square
-  Vector f;                         ///< contact_dofs [force]
-  const ContactProblem& laws;       ///< gap, mu or g, and the layout of the nodes
+  const DenseMatrix& S;        ///< contact_dofs square
+  Vector f;                    ///< contact_dofs [force]
+  const ContactProblem& laws;  ///< gap, mu or g, and the layout of the nodes
   Index offset() const { return laws.interior(); }
   Index normal(Index i) const { return laws.first[i] - offset(); }
 };
@@ -24,24 +24,29 @@ class SemismoothNewton {
  public:
   enum class Outcome { converged, cycled, singular, exhausted };
 
-  explicit SemismoothNewton(const CondensedProblem& problem);
-
-  void start_from_stick();                               ///< every node closed, x_T = 0
-  void start_from(const Vector& x, const Vector& r);     ///< the branches that (x, r) is on
-
-  /// At most max_steps steps; converged where the branches repeat and the laws hold to rounding.
-  Outcome solve(Index max_steps);
-
-  const Vector& x() const { return x_; }
-  Index steps() const { return steps_; }
-  Real residual() const { return residual_; }  ///< of the laws on S, relative to f
-
- private:
+  /// The branch of the laws that a node is on.
   struct Branch {
     bool closed = true, stick = true;
     Real g = 0, w = 0;
     Eigen::Vector2d d = Eigen::Vector2d::Zero();
   };
+
+  explicit SemismoothNewton(const CondensedProblem& problem);
+
+  void start_from_stick();                            ///< every node closed, x_T = 0
+  void start_from(const Vector& x, const Vector& r);  ///< the branches that (x, r) is on
+
+  void start_from(const std::vector<Branch>& branches) { branch_ = branches; }
+
+  /// At most max_steps steps; converged where the branches repeat and the laws hold to rounding.
+  Outcome solve(Index max_steps);
+
+  const Vector& x() const { return x_; }
+  const std::vector<Branch>& branches() const { return branch_; }
+  Index steps() const { return steps_; }
+  Real residual() const { return residual_; }  ///< of the laws on S, relative to f
+
+ private:
   void choose_branches(const Vector& x, const Vector& r);
   bool step();
   Real law_residual(const Vector& r) const;
@@ -49,9 +54,9 @@ class SemismoothNewton {
   bool coupled() const { return problem_.laws.law == Law::coulomb; }
 
   const CondensedProblem& problem_;
-  Vector c_;  ///< m, one scalar per node, so that the tangential frame does not matter
-  Vector D_;  ///< diag(S)
-  Real unit_; ///< norm of f in D^{-1/2}
+  Vector c_;   ///< m, one scalar per node, so that the tangential frame does not matter
+  Vector D_;   ///< diag(S)
+  Real unit_;  ///< norm of f in D^{-1/2}
   std::vector<Branch> branch_;
   Vector x_, r_;
   std::vector<Index> unknown_;

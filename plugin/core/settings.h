@@ -6,10 +6,10 @@ namespace frictioncg {
 enum class Method {
   automatic,  ///< condensed where it fits in memory, else gc3
   condensed,  ///< the interior eliminated by one factorization
-  gc1,  ///< release tensile nodes at each iteration and restart (Jeusette-Sonzogni)
-  gc2,  ///< release tensile nodes at each iteration, keep conjugating (Dilintas)
-  gc3,  ///< release tensile nodes after partial convergence (Raous-Barbarin)
-  sorp  ///< successive over-relaxation with projection, unregularized
+  gc1,        ///< release tensile nodes at each iteration and restart (Jeusette-Sonzogni)
+  gc2,        ///< release tensile nodes at each iteration, keep conjugating (Dilintas)
+  gc3,        ///< release tensile nodes after partial convergence (Raous-Barbarin)
+  sorp        ///< successive over-relaxation with projection, unregularized
 };
 
 enum class Precon { none, diagonal, ssor, hessian_diagonal, hessian_ssor };
@@ -22,7 +22,7 @@ enum class Step {
 
 struct Settings {
   Method method = Method::automatic;
-  bool polish = true;  ///< condensed: semismooth Newton on the unregularized laws
+  bool polish = true;   ///< condensed: semismooth Newton on the unregularized laws
   double memory = 8e9;  ///< [bytes] that the factor and the dense matrices may take
   Regularization reg = Regularization::polynomial;
   Real regeps = 0;  ///< [length]; 0: from the scene, 1e-8 max|x| and less if tol asks for it

@@ -17,8 +17,8 @@ Plan make_plan(const ContactProblem& problem, const Settings& settings) {
   plan.law = problem.law;
   plan.fixed_point = problem.law == Law::coulomb;
   plan.regularization = problem.law != Law::frictionless && settings.method != Method::sorp &&
-      (settings.method == Method::gc1 || settings.method == Method::gc2 ||
-       settings.method == Method::gc3 || !settings.polish);
+                        (settings.method == Method::gc1 || settings.method == Method::gc2 ||
+                         settings.method == Method::gc3 || !settings.polish);
   return plan;
 }
 

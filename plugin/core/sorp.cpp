@@ -102,8 +102,8 @@ void Sorp::relax_tangents(Vector& x, Index node, Real g) {
 Real Sorp::violation(const Vector& x, const Vector& g, Tangents tangents) {
   r_.noalias() = problem_.A * x;
   r_ = problem_.F - r_;
-  Real sum = (r_.head(problem_.interior()).array().square() /
-              D_.head(problem_.interior()).array()).sum();
+  Real sum =
+      (r_.head(problem_.interior()).array().square() / D_.head(problem_.interior()).array()).sum();
   for (Index i = 0; i < problem_.nodes(); ++i) {
     const Index N = problem_.first[i], t = problem_.tangents(i);
     const Real normal = std::min(D_[N] * (problem_.gap[i] - x[N]), r_[N]);

@@ -26,8 +26,8 @@ class TrescaSolver {
  public:
   virtual ~TrescaSolver() = default;
 
-  /// g: m [force]; eps [length]. Ends when what is left of the optimality conditions of J (J_eps) is
-  /// below tolerance |F|, in norm_D.
+  /// g: m [force]; eps [length]. Ends when what is left of the optimality conditions of J (J_eps)
+  /// is below tolerance |F|, in norm_D.
   virtual Outcome minimize(Iterate& it, const Vector& g, Real eps, Tangents tangents,
                            Real tolerance) = 0;
   virtual bool regularized() const { return true; }

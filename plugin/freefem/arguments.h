@@ -10,9 +10,31 @@ namespace frictioncg {
 constexpr const char* operator_name = "frictionalContactCG";
 
 enum Parameter {
-  p_mu, p_gap, p_normal, p_slidinglimit, p_uold, p_init, p_method, p_polish, p_reg, p_regeps,
-  p_precon, p_omega, p_step, p_tol, p_nbiter, p_memory, p_verb, p_status, p_residual, p_iterations,
-  p_force, p_state, p_history, p_times, parameter_count
+  p_mu,
+  p_gap,
+  p_normal,
+  p_slidinglimit,
+  p_uold,
+  p_init,
+  p_method,
+  p_polish,
+  p_reg,
+  p_regeps,
+  p_precon,
+  p_omega,
+  p_step,
+  p_tol,
+  p_nbiter,
+  p_memory,
+  p_verb,
+  p_status,
+  p_residual,
+  p_iterations,
+  p_force,
+  p_state,
+  p_history,
+  p_times,
+  parameter_count
 };
 
 inline basicAC_F0::name_and_type parameters[] = {

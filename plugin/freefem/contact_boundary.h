@@ -123,17 +123,17 @@ struct Dimension<Fem2D::FESpace3> {
   static Fem2D::R3 position(const Element& K, const Fem2D::R3& hat) { return K.T(hat); }
   static void set_point(MeshPoint* mp, const Fem2D::FESpace3& Vh, const BoundaryNode& node) {
     const Mesh& Th = Vh.Th;
-    mp->set(Th, Th[node.element](node.hat), node.hat, Th[node.element],
-            static_cast<int>(node.label),
-            Fem2D::R3(node.point.normal[0], node.point.normal[1], node.point.normal[2]),
-            node.facet);
+    mp->set(
+        Th, Th[node.element](node.hat), node.hat, Th[node.element], static_cast<int>(node.label),
+        Fem2D::R3(node.point.normal[0], node.point.normal[1], node.point.normal[2]), node.facet);
   }
 };
 
 [[noreturn]] inline void refuse_space(const std::string& why) {
-  throw IllegalInput("Vh " + why +
-                     "; contact needs a continuous vector Lagrange space such as [P1,P1], [P2,P2] or "
-                     "[P1,P1,P1]");
+  throw IllegalInput(
+      "Vh " + why +
+      "; contact needs a continuous vector Lagrange space such as [P1,P1], [P2,P2] or "
+      "[P1,P1,P1]");
 }
 
 /// The nodes of one facet: dofs of each component, grouped by the interpolation points they share.

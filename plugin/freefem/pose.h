@@ -10,7 +10,8 @@ namespace frictioncg {
 inline void set_laws(Stack stack, const Arguments& args, Scene& scene) {
   if (args.has(p_mu) && args.has(p_slidinglimit))
     throw IllegalInput(
-        "mu and slidinglimit are both given; Coulomb friction takes mu, a given limit slidinglimit");
+        "mu and slidinglimit are both given; Coulomb friction takes mu, a given limit "
+        "slidinglimit");
   if (args.has(p_gap) || scene.gap.size() == 0) scene.gap = args.at_nodes(stack, p_gap, scene);
   if (args.has(p_mu)) {
     scene.mu = args.at_nodes(stack, p_mu, scene);

@@ -1,7 +1,8 @@
-// A FreeFEM plugin of the benchmarks: what one linear solve, and one product, with the same matrix cost.
+// A FreeFEM plugin of the benchmarks: what one linear solve, and one product, with the same matrix
+// cost.
 //   real[int] t = linearSolve(A, b, Vh, label);
-//     CPU seconds of CHOLMOD, analyse + factor + solve: best, with AMD, with METIS; then of one product A x,
-//     and the peak memory of the factorization [MB]
+//     CPU seconds of CHOLMOD, analyse + factor + solve: best, with AMD, with METIS; then of one
+//     product A x, and the peak memory of the factorization [MB]
 //   real m = peakMemory(reset);  peak memory of the process since the last reset [MB]
 #include "../../plugin/freefem/pose.h"
 
@@ -23,8 +24,8 @@ double peak_megabytes(bool reset) {
   return peak;
 }
 
-/// CHOLMOD as a user would call it: on the dofs, supernodal. The contact dofs get half their diagonal
-/// added, without which a body held by contact alone has no factor.
+/// CHOLMOD as a user would call it: on the dofs, supernodal. The contact dofs get half their
+/// diagonal added, without which a body held by contact alone has no factor.
 double cholmod_solve_seconds(const ContactProblem& p, int ordering) {
   Matrix half = p.A.triangularView<Eigen::Lower>();
   for (Index i = p.interior(); i < p.dofs(); ++i) half.coeffRef(i, i) *= 1.5;

@@ -1,5 +1,5 @@
-// A FreeFEM plugin of the benchmarks: paperTables(A, b, Vh, label, mu=..., ...) repeats the tables 3 to 6
-// of Raous and Barbarin (1992) on the scene it is given, with the paper's own counts beside.
+// A FreeFEM plugin of the benchmarks: paperTables(A, b, Vh, label, mu=..., ...) repeats the tables
+// 3 to 6 of Raous and Barbarin (1992) on the scene it is given, with the paper's own counts beside.
 #include "../../plugin/freefem/pose.h"
 
 #include <iomanip>
@@ -13,8 +13,8 @@ struct Run {
   double count = 0;  // 0: not reached
 };
 
-/// One row: iterations of a method at the given sliding limit, by the paper's stopping test, and what
-/// the answer is worth: the energy-norm error to the exact solution at the same g.
+/// One row: iterations of a method at the given sliding limit, by the paper's stopping test, and
+/// what the answer is worth: the energy-norm error to the exact solution at the same g.
 class Tables {
  public:
   explicit Tables(const ContactProblem& coulomb) : problem_(coulomb) {
@@ -94,10 +94,11 @@ struct PaperCounts {
 
 void print_ratio(double ours, double paper) {
   if (ours > 0 && paper > 0)
-    std::cout << std::setw(9) << std::fixed << std::setprecision(2) << ours << std::setw(9) << paper;
+    std::cout << std::setw(9) << std::fixed << std::setprecision(2) << ours << std::setw(9)
+              << paper;
   else
-    std::cout << std::setw(9) << (ours > 0 ? std::to_string(ours).substr(0, 4) : "-") << std::setw(9)
-              << (paper > 0 ? std::to_string(paper).substr(0, 4) : "-");
+    std::cout << std::setw(9) << (ours > 0 ? std::to_string(ours).substr(0, 4) : "-")
+              << std::setw(9) << (paper > 0 ? std::to_string(paper).substr(0, 4) : "-");
 }
 
 void print_tables(const Tables& t, const PaperCounts& paper, double eps) {
@@ -119,8 +120,8 @@ void print_tables(const Tables& t, const PaperCounts& paper, double eps) {
       }
     for (int m = 0; m < 3; ++m)
       for (int r = 0; r < 3; ++r) {
-        std::cout << "    " << names[m] << " REG" << r + 1 << "  " << std::setw(23) << rows[m][r].text
-                  << "  " << std::setw(9);
+        std::cout << "    " << names[m] << " REG" << r + 1 << "  " << std::setw(23)
+                  << rows[m][r].text << "  " << std::setw(9);
         if (paper.gc[m][r] > 0)
           std::cout << std::fixed << std::setprecision(0) << paper.gc[m][r];
         else
@@ -132,14 +133,14 @@ void print_tables(const Tables& t, const PaperCounts& paper, double eps) {
   }
 
   const double best = t.best_omega(eps);
-  const Run gc3 =
-      t.run(Method::gc3, Regularization::polynomial, Precon::hessian_ssor, Step::exact, eps, paper.partial, 1);
+  const Run gc3 = t.run(Method::gc3, Regularization::polynomial, Precon::hessian_ssor, Step::exact,
+                        eps, paper.partial, 1);
   std::cout << "\n  SORP                                      paper      ours/GC3  paper/GC3\n";
   for (double omega : {paper.omega, best}) {
     const Run r = t.run(Method::sorp, Regularization::polynomial, Precon::none, Step::exact, eps,
                         paper.partial, omega);
-    std::cout << "    omega " << std::fixed << std::setprecision(2) << omega << "   " << std::setw(23)
-              << r.text << "  " << std::setw(9);
+    std::cout << "    omega " << std::fixed << std::setprecision(2) << omega << "   "
+              << std::setw(23) << r.text << "  " << std::setw(9);
     if (omega == paper.omega)
       std::cout << std::fixed << std::setprecision(0) << paper.sorp;
     else
@@ -153,9 +154,10 @@ void print_tables(const Tables& t, const PaperCounts& paper, double eps) {
                             Precon::hessian_ssor};
   const char* precon_names[] = {"diag(A)", "SSOR(A)", "diag(J'')", "SSOR(J'')"};
   for (Step step : {Step::newton, Step::exact}) {
-    std::cout << "\n  preconditioners of GC3, step "
-              << (step == Step::newton ? "(14) as printed" : "exact, with the safeguards") << "\n"
-              << "                                            paper ours/SSOR(J'') paper/SSOR(J'')\n";
+    std::cout
+        << "\n  preconditioners of GC3, step "
+        << (step == Step::newton ? "(14) as printed" : "exact, with the safeguards") << "\n"
+        << "                                            paper ours/SSOR(J'') paper/SSOR(J'')\n";
     std::array<Run, 4> rows;
     for (int p = 0; p < 4; ++p)
       rows[p] = t.run(Method::gc3, paper.precon_reg, precons[p], step, eps, paper.partial, 1);
@@ -199,13 +201,24 @@ class PaperTables : public E_F0mps {
                               {}, scene->gap);
       scene->system->set_law(scene->law, scene->mu);
       const Tables tables(scene->system->problem());
-      const PaperCounts counts[] = {
-          {{{102, 71, 93}, {98, 93, 90}, {50, 49, 47}}, 225, {115, 49, 113, 47}, 1.58,
-           Regularization::square_root, 1e-3},
-          {{{289, 227, 257}, {0, 0, 0}, {241, 223, 220}}, 776, {0, 0, 0, 241}, 1.96,
-           Regularization::square_root, 0.5e-3},
-          {{{0, 0, 0}, {0, 0, 0}, {0, 277, 0}}, 3646, {676, 305, 584, 277}, 1.86,
-           Regularization::log_cosh, 0.5e-3}};
+      const PaperCounts counts[] = {{{{102, 71, 93}, {98, 93, 90}, {50, 49, 47}},
+                                     225,
+                                     {115, 49, 113, 47},
+                                     1.58,
+                                     Regularization::square_root,
+                                     1e-3},
+                                    {{{289, 227, 257}, {0, 0, 0}, {241, 223, 220}},
+                                     776,
+                                     {0, 0, 0, 241},
+                                     1.96,
+                                     Regularization::square_root,
+                                     0.5e-3},
+                                    {{{0, 0, 0}, {0, 0, 0}, {0, 277, 0}},
+                                     3646,
+                                     {676, 305, 584, 277},
+                                     1.86,
+                                     Regularization::log_cosh,
+                                     0.5e-3}};
       const long which = GetAny<long>((*which_)(stack));
       std::cout << "  " << tables.problem().dofs() << " dofs, " << tables.problem().nodes()
                 << " contact nodes, eps 1e-8 mm, |dx| <= 0.5e-5 |x|\n";

@@ -19,7 +19,8 @@ inline Eigen::VectorXd solve_node(const Eigen::MatrixXd& S, const Eigen::VectorX
   const auto limit = [&](double r_N) { return coulomb ? mu * std::max(r_N, 0.0) : given; };
   Eigen::VectorXd best = Eigen::VectorXd::Zero(d);
   for (bool closed : {false, true}) {
-    // unknowns: x_N if open, x_T = T(lambda) with S_TT + lambda I, lambda = g/|x_T| (infinite: stick)
+    // unknowns: x_N if open, x_T = T(lambda) with S_TT + lambda I, lambda = g/|x_T| (infinite:
+    // stick)
     const auto at = [&](double lambda) {
       Eigen::MatrixXd K = S;
       Eigen::VectorXd b = f;
@@ -74,8 +75,7 @@ inline Reference reference_solution(const ContactProblem& p) {
   const Eigen::MatrixXd A_IC = A.topRightCorner(interior, contact);
   const Eigen::MatrixXd S =
       A.bottomRightCorner(contact, contact) - A_IC.transpose() * A_II.solve(A_IC);
-  const Eigen::VectorXd f =
-      p.F.tail(contact) - A_IC.transpose() * A_II.solve(p.F.head(interior));
+  const Eigen::VectorXd f = p.F.tail(contact) - A_IC.transpose() * A_II.solve(p.F.head(interior));
   Eigen::VectorXd x = Eigen::VectorXd::Zero(contact);
   Reference result;
   for (int sweep = 0; sweep < 20000 && !result.converged; ++sweep) {

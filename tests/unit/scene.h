@@ -29,20 +29,21 @@ struct Scene {
 
 struct BlockOptions {
   int d = 2;
-  int cells = 4;              // per edge
+  int cells = 4;  // per edge
   Real E = 1000, nu = 0.3;
   Real size = 1;
   Real mu = 0.3;
-  Law law = Law::coulomb;     // tresca: mu is then the limit per node
+  Law law = Law::coulomb;  // tresca: mu is then the limit per node
   Real pressure = 10, shear = 2;
-  bool clamp_side = false;    // u_x = 0 on the face x = size; without it contact alone holds the body
-  Real angle = 0;             // rotates the whole scene about z
-  Real distortion = 0;        // random displacement of interior mesh nodes, in cells
+  bool clamp_side = false;  // u_x = 0 on the face x = size; without it contact alone holds the body
+  Real angle = 0;           // rotates the whole scene about z
+  Real distortion = 0;      // random displacement of interior mesh nodes, in cells
   unsigned seed = 1;
   bool tgv_minus_one = false;
 };
 
-/// A block [0,size]^d pressed by a face load on its top on a rigid plane at its bottom, sheared along x.
+/// A block [0,size]^d pressed by a face load on its top on a rigid plane at its bottom, sheared
+/// along x.
 inline Scene block(const BlockOptions& o) {
   const int d = o.d, m = o.cells + 1;
   const Index nodes = d == 2 ? m * m : m * m * m;
@@ -56,14 +57,16 @@ inline Scene block(const BlockOptions& o) {
     for (int y = 0; y < m; ++y)
       for (int x = 0; x < m; ++x) {
         X.row(id(x, y, z)) << x * h, y * h, z * h;
-        const bool inside = x > 0 && x < m - 1 && y > 0 && y < m - 1 && (d == 2 || (z > 0 && z < m - 1));
+        const bool inside =
+            x > 0 && x < m - 1 && y > 0 && y < m - 1 && (d == 2 || (z > 0 && z < m - 1));
         if (inside)
           for (int c = 0; c < d; ++c) X(id(x, y, z), c) += o.distortion * h * uniform(random);
       }
   // up is the last axis, the load shears along the first
   const int up = d - 1;
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-  R.block<2, 2>(0, 0) << std::cos(o.angle), -std::sin(o.angle), std::sin(o.angle), std::cos(o.angle);
+  R.block<2, 2>(0, 0) << std::cos(o.angle), -std::sin(o.angle), std::sin(o.angle),
+      std::cos(o.angle);
 
   std::vector<std::vector<Index>> simplices;
   for (int z = 0; z < (d == 3 ? m - 1 : 1); ++z)
@@ -98,10 +101,10 @@ inline Scene block(const BlockOptions& o) {
     const Real volume = std::abs(M.determinant()) / (d == 2 ? 2 : 6);
     for (int p = 0; p <= d; ++p)
       for (int q = 0; q <= d; ++q) {
-        const Eigen::MatrixXd K = volume * (lambda * grad.col(p) * grad.col(q).transpose() +
-                                            G * grad.col(q) * grad.col(p).transpose() +
-                                            G * grad.col(p).dot(grad.col(q)) *
-                                                Eigen::MatrixXd::Identity(d, d));
+        const Eigen::MatrixXd K =
+            volume * (lambda * grad.col(p) * grad.col(q).transpose() +
+                      G * grad.col(q) * grad.col(p).transpose() +
+                      G * grad.col(p).dot(grad.col(q)) * Eigen::MatrixXd::Identity(d, d));
         A.block(d * t[p], d * t[q], d, d) += K;
       }
   }

@@ -34,7 +34,8 @@ Scene random_scene(unsigned seed) {
   for (Index k = 0; k < s.gap.size(); ++k) {
     s.friction[k] = o.mu * (0.5 + 0.5 * uniform(random));
     if (o.clamp_side) s.gap[k] = 2e-3 * (uniform(random) - 0.3);
-    const bool on_clamp = s.points[k].dof[0] == 2 * o.cells;  // keeps its normal among its free dofs
+    const bool on_clamp =
+        s.points[k].dof[0] == 2 * o.cells;        // keeps its normal among its free dofs
     if (o.clamp_side && o.d == 2 && !on_clamp) {  // normals that differ from node to node
       const Real tilt = 0.4 * (uniform(random) - 0.5);
       s.points[k].normal = {std::sin(tilt), -std::cos(tilt), 0};
@@ -57,12 +58,12 @@ TEST(Condensation, SchurComplementReducedLoadAndFieldMatchDenseAlgebra) {
       ASSERT_EQ(condensation.factor(p, 1e9, ordering), Condensation::Outcome::done);
       const Eigen::MatrixXd A = p.A;
       const Index I = p.interior(), C = p.contact_dofs();
-      const Eigen::MatrixXd S = A.bottomRightCorner(C, C) -
-                                A.bottomLeftCorner(C, I) *
-                                    A.topLeftCorner(I, I).ldlt().solve(A.topRightCorner(I, C));
+      const Eigen::MatrixXd S =
+          A.bottomRightCorner(C, C) -
+          A.bottomLeftCorner(C, I) * A.topLeftCorner(I, I).ldlt().solve(A.topRightCorner(I, C));
       EXPECT_LT((condensation.S() - S).norm(), 1e-12 * S.norm());
-      const Vector f = p.F.tail(C) - A.bottomLeftCorner(C, I) *
-                                         A.topLeftCorner(I, I).ldlt().solve(p.F.head(I));
+      const Vector f =
+          p.F.tail(C) - A.bottomLeftCorner(C, I) * A.topLeftCorner(I, I).ldlt().solve(p.F.head(I));
       EXPECT_LT((condensation.reduce(p.F) - f).norm(), 1e-12 * f.norm());
       const Vector x_C = Vector::Random(C);
       const Vector x = condensation.expand(x_C);
@@ -197,7 +198,8 @@ TEST(Condensed, PermutedNumberingGivesTheSameAnswer) {
   std::shuffle(t.points.begin(), t.points.end(), std::mt19937(4));
   const LocalSystem system = t.system();
   const Vector v = system.to_global(solve(system.problem(), Settings()).x);
-  for (Index i = 0; i < s.n; ++i) EXPECT_NEAR(v[place[i]], u[i], 1e-11 * u.lpNorm<Eigen::Infinity>());
+  for (Index i = 0; i < s.n; ++i)
+    EXPECT_NEAR(v[place[i]], u[i], 1e-11 * u.lpNorm<Eigen::Infinity>());
 }
 
 TEST(Condensed, AKeptFactorGivesWhatAFreshOneGives) {
@@ -234,8 +236,8 @@ TEST(Condensed, LargeFrictionIsSolvedOrNamed) {
       const Solution a = solve(system.problem(), Settings());
       if (a.status == Status::converged) {
         EXPECT_LT(a.certificate.residual, 1e-8);
-        EXPECT_LT(
-            verify(s, system.to_global(a.x), system.force_to_global(a.certificate.r)).worst(), 1e-8);
+        EXPECT_LT(verify(s, system.to_global(a.x), system.force_to_global(a.certificate.r)).worst(),
+                  1e-8);
       } else {
         EXPECT_GT(mu, 5) << d;
       }

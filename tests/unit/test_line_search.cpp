@@ -45,8 +45,8 @@ struct Line {
 TEST(LineSearch, ExactStepIsARootOfTheSlopeForEachRegularization) {
   for (int d : {2, 3})
     for (unsigned seed = 1; seed <= 20; ++seed)
-      for (Regularization kind : {Regularization::polynomial, Regularization::square_root,
-                                  Regularization::log_cosh})
+      for (Regularization kind :
+           {Regularization::polynomial, Regularization::square_root, Regularization::log_cosh})
         for (Real eps : {1e-10, 1e-5, 1e-3}) {
           Line line(d, seed);
           const Phi phi{kind, eps};

@@ -91,7 +91,8 @@ TEST(LocalSystem, DirichletDataComeFromHugeDiagonalsAndFromUnitRowsAlike) {
   EXPECT_EQ(from_unit.fixed_dofs(), 5);
   EXPECT_EQ((from_huge.problem().A - from_unit.problem().A).norm(), 0);
   EXPECT_NEAR((from_huge.problem().F - from_unit.problem().F).norm(), 0, 1e-12);
-  EXPECT_NEAR(from_huge.to_global(Vector::Zero(from_huge.problem().dofs())).maxCoeff(), 0.25, 1e-15);
+  EXPECT_NEAR(from_huge.to_global(Vector::Zero(from_huge.problem().dofs())).maxCoeff(), 0.25,
+              1e-15);
 }
 
 TEST(LocalSystem, ZeroedColumnsWithDataAreRefused) {

@@ -13,7 +13,7 @@ namespace {
 struct Case {
   ContactProblem p;
   ContactPart part;
-  Vector r;        // zero where held
+  Vector r;  // zero where held
   Eigen::MatrixXd A_free;
   Case() {
     BlockOptions o;

@@ -57,8 +57,8 @@ TEST(Solver, EveryMethodPreconditionerAndRegularizationSatisfiesTheUnregularized
     }
     settings.method = Method::gc3;
     for (Precon p : {Precon::hessian_diagonal, Precon::hessian_ssor})
-      for (Regularization r : {Regularization::polynomial, Regularization::square_root,
-                               Regularization::log_cosh})
+      for (Regularization r :
+           {Regularization::polynomial, Regularization::square_root, Regularization::log_cosh})
         for (Step step : {Step::exact, Step::false_position}) {
           settings.precon = p;
           settings.reg = r;
@@ -105,7 +105,8 @@ TEST(Solver, RotatingTheSceneRotatesTheSolution) {
     const Real scale = a.u.cwiseAbs().maxCoeff();
     for (Index k = 0; k < a.u.size(); k += 2) {
       EXPECT_NEAR(b.u[k], std::cos(angle) * a.u[k] - std::sin(angle) * a.u[k + 1], 1e-6 * scale);
-      EXPECT_NEAR(b.u[k + 1], std::sin(angle) * a.u[k] + std::cos(angle) * a.u[k + 1], 1e-6 * scale);
+      EXPECT_NEAR(b.u[k + 1], std::sin(angle) * a.u[k] + std::cos(angle) * a.u[k + 1],
+                  1e-6 * scale);
     }
   }
 }
@@ -113,29 +114,31 @@ TEST(Solver, RotatingTheSceneRotatesTheSolution) {
 TEST(Solver, ChangingUnitsChangesNothingElse) {
   BlockOptions o;
   for (const Settings& settings : {Settings(), gc3()}) {
-  const Answer a = run(block(o), settings);
-  Scene s = block(o);
-  for (Real& k : s.a) k *= 1e6 / 1e-3;
-  s.b *= 1e6;
-  const Answer b = run(s, settings);
-  EXPECT_LT((b.u / 1e-3 - a.u).norm(), 1e-9 * a.u.norm());
-  EXPECT_EQ(a.solution.iterations, b.solution.iterations);
+    const Answer a = run(block(o), settings);
+    Scene s = block(o);
+    for (Real& k : s.a) k *= 1e6 / 1e-3;
+    s.b *= 1e6;
+    const Answer b = run(s, settings);
+    EXPECT_LT((b.u / 1e-3 - a.u).norm(), 1e-9 * a.u.norm());
+    EXPECT_EQ(a.solution.iterations, b.solution.iterations);
   }
 }
 
 TEST(Solver, TheUniformStickPatchSlipsByExactlyTheRegularization) {
-  // pressure p, shear s mu p < mu p, no lateral strain: a linear field moved by eps s (REG3) and so on
+  // pressure p, shear s mu p < mu p, no lateral strain: a linear field moved by eps s (REG3) and so
+  // on
   BlockOptions o;
   o.law = Law::tresca;
   o.cells = 4;
   o.pressure = 0;
   o.shear = 0;
   for (Real shear : {0.3, 0.8})
-    for (Regularization reg : {Regularization::polynomial, Regularization::square_root,
-                               Regularization::log_cosh}) {
+    for (Regularization reg :
+         {Regularization::polynomial, Regularization::square_root, Regularization::log_cosh}) {
       Scene s = block(o);
       const Real p = 10, mu = 0.5, tau = shear * mu * p, h = 0.25, q = 0.3 / 0.7 * p;
-      // tractions of the stress sigma_xx = -q, sigma_yy = -p, sigma_xy = tau on the top and the sides
+      // tractions of the stress sigma_xx = -q, sigma_yy = -p, sigma_xy = tau on the top and the
+      // sides
       for (int k = 0; k <= 4; ++k) {
         const Real w = k == 0 || k == 4 ? h / 2 : h;
         const auto node = [](int x, int y) { return 2 * (x + 5 * y); };
@@ -154,14 +157,15 @@ TEST(Solver, TheUniformStickPatchSlipsByExactlyTheRegularization) {
       settings.polish = false;
       const LocalSystem system = s.system();
       for (Method method : {Method::gc3, Method::condensed}) {
-      settings.method = method;
-      const Solution a = solve(system.problem(), settings);
-      EXPECT_EQ(a.status, Status::regularized);
-      const Real slip = reg == Regularization::polynomial    ? 1e-3 * shear
-                        : reg == Regularization::square_root ? 1e-3 * shear / std::sqrt(1 - shear * shear)
-                                                             : 1e-3 * std::atanh(shear);
-      const Vector u = system.to_global(a.x);
-      for (int k = 0; k <= 4; ++k) EXPECT_NEAR(u[2 * k], slip, 1e-9 * 1e-3) << int(reg);
+        settings.method = method;
+        const Solution a = solve(system.problem(), settings);
+        EXPECT_EQ(a.status, Status::regularized);
+        const Real slip = reg == Regularization::polynomial ? 1e-3 * shear
+                          : reg == Regularization::square_root
+                              ? 1e-3 * shear / std::sqrt(1 - shear * shear)
+                              : 1e-3 * std::atanh(shear);
+        const Vector u = system.to_global(a.x);
+        for (int k = 0; k <= 4; ++k) EXPECT_NEAR(u[2 * k], slip, 1e-9 * 1e-3) << int(reg);
       }
     }
 }

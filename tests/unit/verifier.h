@@ -1,6 +1,6 @@
 #pragma once
-// The judge of a solution: dense, in global components, straight from the script's data. It shares no
-// code with the solver.
+// The judge of a solution: dense, in global components, straight from the script's data. It shares
+// no code with the solver.
 #include <algorithm>
 #include <cmath>
 
@@ -62,8 +62,9 @@ inline Verdict verify(const Scene& s, const Vector& u, const Vector& force) {
     }
     v.penetration = std::max(v.penetration, (u_N - s.gap[p]) / length_unit);
     v.tension = std::max(v.tension, F_N / force_unit);
-    v.complementarity = std::max(
-        v.complementarity, std::min(std::abs(F_N) / force_unit, std::abs(s.gap[p] - u_N) / length_unit));
+    v.complementarity =
+        std::max(v.complementarity,
+                 std::min(std::abs(F_N) / force_unit, std::abs(s.gap[p] - u_N) / length_unit));
     const double g = s.law == Law::coulomb  ? s.friction[p] * std::abs(F_N)
                      : s.law == Law::tresca ? s.friction[p]
                                             : 0;
