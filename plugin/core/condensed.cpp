@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "clock.h"
+#include "equilibrium.h"
 #include "fixed_point.h"
 #include "projected_cg.h"
 
@@ -12,6 +13,7 @@ namespace frictioncg {
 namespace {
 
 constexpr Index newton_steps = 40;
+constexpr Real least_stiffness = 1e-8;  ///< of diag(S) over diag(A)
 
 /// The condensed problem in the form the conjugate gradient takes: all dofs are contact dofs.
 ContactProblem on_contact_dofs(const CondensedProblem& condensed) {
@@ -38,6 +40,7 @@ Solution CondensedSolver::solve(const Settings& settings, const Vector& x0) {
   Solution s;
   s.route = Route::condensed;
   const Index contact = problem_.contact_dofs();
+  const Vector D_C = problem_.D.tail(contact);
   Vector x = Vector::Zero(problem_.dofs()), r = problem_.F;
   bool warm = x0.size() > 0;
   Vector x_C = warm ? Vector(x0.tail(contact)) : Vector(Vector::Zero(contact));
@@ -45,7 +48,7 @@ Solution CondensedSolver::solve(const Settings& settings, const Vector& x0) {
   Real best = std::numeric_limits<Real>::infinity();
   for (int refinement = 0; refinement < 4; ++refinement) {
     double start = cpu_seconds();
-    CondensedProblem condensed{condensation_.S(), condensation_.reduce(r), problem_};
+    CondensedProblem condensed{condensation_.S(), condensation_.reduce(r), D_C, problem_};
     s.times.back_substitution += cpu_seconds() - start;
     start = cpu_seconds();
     if (refinement > 0) condensed.f.noalias() += condensation_.S() * done_C;
@@ -53,6 +56,7 @@ Solution CondensedSolver::solve(const Settings& settings, const Vector& x0) {
     if (settings.polish) a = polish(condensed, warm ? &x_C : nullptr, s);
     if (settings.polish && !a.solved) a = by_continuation(condensed, s);
     if (!a.solved) a = by_fixed_point(condensed, settings, x_C, s);
+    if (!a.solved) name_failure(condensed, settings.polish, a);
     s.times.contact += cpu_seconds() - start;
 
     start = cpu_seconds();
@@ -118,7 +122,7 @@ CondensedSolver::Attempt CondensedSolver::by_continuation(const CondensedProblem
   laws.gap = problem_.gap;
   laws.law = problem_.law;
   laws.force_scale = problem_.force_scale;
-  const CondensedProblem scaled{condensed.S, condensed.f, laws};
+  const CondensedProblem scaled{condensed.S, condensed.f, condensed.D, laws};
   Real reached = 0, step = 0.25;
   Vector x;
   while (reached < 1 && step > 1.0 / 512) {
@@ -148,18 +152,21 @@ CondensedSolver::Attempt CondensedSolver::by_continuation(const CondensedProblem
 CondensedSolver::Attempt CondensedSolver::by_fixed_point(const CondensedProblem& condensed,
                                                          const Settings& settings,
                                                          const Vector& x_C, Solution& s) {
-  const ContactProblem p = on_contact_dofs(condensed);
+  // a body on one or two nodes leaves S without a diagonal to precondition with: then on A itself
+  const bool on_S = (condensed.S.diagonal().array() > least_stiffness * condensed.D.array()).all();
+  const ContactProblem p = on_S ? on_contact_dofs(condensed) : problem_;
   Settings inner = settings;
   inner.method = Method::gc3;
   if (settings.polish) inner.tol = std::max(settings.tol, 1e-6);
   const Index bound = settings.nbiter > 0 ? settings.nbiter : default_iterations(p);
   ProjectedCG cg(p, inner, bound, nullptr);
-  const Vector start = x_C.isZero(0) ? Vector() : x_C;
+  const Vector start = x_C.isZero(0) || !on_S ? Vector() : x_C;
   const Solution regularized = FixedPoint(p, inner, cg).solve(start);
   s.iterations += regularized.iterations;
   s.passes += regularized.passes;
   s.eps = regularized.eps;
-  Attempt a{regularized.x, regularized.status == Status::converged, regularized.status};
+  Attempt a{regularized.x.tail(x_C.size()), regularized.status == Status::converged,
+            regularized.status};
   if (!settings.polish || !a.x.allFinite()) return a;
   Attempt polished = polish(condensed, &a.x, s);
   if (polished.solved) {
@@ -167,6 +174,16 @@ CondensedSolver::Attempt CondensedSolver::by_fixed_point(const CondensedProblem&
     return polished;
   }
   return a;
+}
+
+/// A load that cannot be held is told by a rigid motion, however the iterations ended.
+void CondensedSolver::name_failure(const CondensedProblem& condensed, bool polishing,
+                                   Attempt& a) const {
+  if (a.status == Status::no_equilibrium) return;  // at the contact pressures of the iterate
+  if (cannot_be_held(condensed))
+    a.status = Status::no_equilibrium;
+  else if (polishing && a.status == Status::regularized)
+    a.status = Status::fixed_point_diverged;
 }
 
 }  // namespace frictioncg

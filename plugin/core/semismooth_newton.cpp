@@ -6,28 +6,24 @@
 
 namespace frictioncg {
 
+namespace {
+constexpr Real singular = 1e-13;  ///< reciprocal condition number at which a motion counts as free
+}
+
 SemismoothNewton::SemismoothNewton(const CondensedProblem& problem)
     : problem_(problem),
       c_(problem.laws.nodes()),
-      D_(problem.S.diagonal()),
       branch_(problem.laws.nodes()),
       x_(Vector::Zero(problem.f.size())) {
   const Index m = problem.laws.nodes();
   // c near the stiffness that S has for one wave along the contact, not for one node
   const Real spread = 3 / (problem.laws.dimension == 2 ? Real(m) : std::sqrt(Real(m)));
   for (Index i = 0; i < m; ++i) {
-    const Index t = problem.laws.tangents(i);
-    c_[i] = t == 0 ? 0 : spread * D_.segment(problem.normal(i) + 1, t).mean();
+    const Index T = problem.normal(i) + 1, t = problem.laws.tangents(i);
+    if (t == 0) continue;
+    const Real least = 1e-6 * problem.D.segment(T, t).mean();  // a body on one node has S = 0
+    c_[i] = spread * std::max(problem.S.diagonal().segment(T, t).mean(), least);
   }
-  const Real largest = D_.maxCoeff();
-  D_ = D_.cwiseMax(largest * std::numeric_limits<Real>::epsilon());
-  unit_ = std::sqrt((problem.f.array().square() / D_.array()).sum());
-  for (Index i = 0; i < m; ++i) {
-    const Index N = problem.normal(i);
-    if (std::isfinite(problem.laws.gap[i]))
-      unit_ = std::max(unit_, std::sqrt(D_[N]) * std::abs(problem.laws.gap[i]) * 1e-3);
-  }
-  if (unit_ == 0) unit_ = 1;
 }
 
 void SemismoothNewton::start_from_stick() {
@@ -68,7 +64,7 @@ void SemismoothNewton::choose_branches(const Vector& x, const Vector& r) {
   for (Index i = 0; i < laws.nodes(); ++i) {
     Branch& b = branch_[i];
     const Index N = problem_.normal(i), t = laws.tangents(i);
-    b.closed = r[N] + D_[N] * (x[N] - laws.gap[i]) > 0;
+    b.closed = r[N] + problem_.D[N] * (x[N] - laws.gap[i]) > 0;
     if (t == 0) continue;
     b.g = laws.law == Law::tresca ? laws.g[i] : b.closed ? laws.mu[i] * std::max(r[N], 0.0) : 0;
     const auto y = r.segment(N + 1, t) + c_[i] * x.segment(N + 1, t);
@@ -126,37 +122,50 @@ bool SemismoothNewton::step() {
     }
     p += t;
   }
-  Vector solution;
-  if (symmetric) {
-    Eigen::LLT<Eigen::Ref<DenseMatrix>> llt(M_);
-    if (llt.info() != Eigen::Success) return false;
-    solution = llt.solve(b);
-  } else {
-    Eigen::PartialPivLU<Eigen::Ref<DenseMatrix>> lu(M_);
-    solution = lu.solve(b);
-  }
+  const Vector solution = solve_branches(b, symmetric);
   if (!solution.allFinite()) return false;
   for (Index p = 0; p < size; ++p) x_[unknown_[p]] = solution[p];
   return true;
 }
 
-/// The residual of the laws on S, with c = diag(S): a small algorithmic c would flatter it.
+/// M_^{-1} b, rows and columns scaled by D^{-1/2}. Where the branches leave a rigid motion free,
+/// the solution of least norm: the load may be in balance with it.
+Vector SemismoothNewton::solve_branches(const Vector& b, bool symmetric) {
+  Vector scale(b.size());
+  for (Index p = 0; p < scale.size(); ++p) scale[p] = 1 / std::sqrt(problem_.D[unknown_[p]]);
+  M_ = scale.asDiagonal() * M_ * scale.asDiagonal();
+  const Vector scaled = scale.asDiagonal() * b;
+  if (symmetric) {
+    const Eigen::LLT<DenseMatrix> llt(M_);
+    if (llt.info() == Eigen::Success && llt.rcond() > singular)
+      return scale.asDiagonal() * llt.solve(scaled);
+  } else {
+    const Eigen::PartialPivLU<DenseMatrix> lu(M_);
+    if (lu.rcond() > singular) return scale.asDiagonal() * lu.solve(scaled);
+  }
+  Eigen::CompleteOrthogonalDecomposition<DenseMatrix> cod;
+  cod.setThreshold(singular);
+  cod.compute(M_);
+  return scale.asDiagonal() * cod.solve(scaled);
+}
+
+/// The residual of the laws on S, with c = diag(A): a small algorithmic c would flatter it.
 Real SemismoothNewton::law_residual(const Vector& r) const {
   const ContactProblem& laws = problem_.laws;
   Real sum = 0;
   for (Index i = 0; i < laws.nodes(); ++i) {
     const Index N = problem_.normal(i), t = laws.tangents(i);
-    const Real normal = std::min(D_[N] * (laws.gap[i] - x_[N]), r[N]);
-    sum += normal * normal / D_[N];
+    const Real normal = std::min(problem_.D[N] * (laws.gap[i] - x_[N]), r[N]);
+    sum += normal * normal / problem_.D[N];
     if (t == 0) continue;
-    const Real c = D_.segment(N + 1, t).mean();
+    const Real c = problem_.D.segment(N + 1, t).mean();
     const Real g = laws.law == Law::tresca ? laws.g[i] : laws.mu[i] * std::max(r[N], 0.0);
     const Eigen::Matrix<Real, Eigen::Dynamic, 1, 0, 2, 1> y =
         r.segment(N + 1, t) + c * x_.segment(N + 1, t);
     const Real outside = y.norm() > g ? g / y.norm() : 1;
     sum += (r.segment(N + 1, t) - outside * y).squaredNorm() / c;
   }
-  return std::sqrt(sum) / unit_;
+  return std::sqrt(sum) / problem_.laws.force_scale;
 }
 
 std::size_t SemismoothNewton::fingerprint() const {

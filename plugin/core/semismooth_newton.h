@@ -9,6 +9,7 @@ namespace frictioncg {
 struct CondensedProblem {
   const DenseMatrix& S;        ///< contact_dofs square
   Vector f;                    ///< contact_dofs [force]
+  const Vector& D;             ///< contact_dofs, diag(A): the unit of the residual of the laws
   const ContactProblem& laws;  ///< gap, mu or g, and the layout of the nodes
   Index offset() const { return laws.interior(); }
   Index normal(Index i) const { return laws.first[i] - offset(); }
@@ -44,19 +45,18 @@ class SemismoothNewton {
   const Vector& x() const { return x_; }
   const std::vector<Branch>& branches() const { return branch_; }
   Index steps() const { return steps_; }
-  Real residual() const { return residual_; }  ///< of the laws on S, relative to f
+  Real residual() const { return residual_; }  ///< of the laws on S: their share of the certificate
 
  private:
   void choose_branches(const Vector& x, const Vector& r);
   bool step();
+  Vector solve_branches(const Vector& b, bool symmetric);
   Real law_residual(const Vector& r) const;
   std::size_t fingerprint() const;
   bool coupled() const { return problem_.laws.law == Law::coulomb; }
 
   const CondensedProblem& problem_;
-  Vector c_;   ///< m, one scalar per node, so that the tangential frame does not matter
-  Vector D_;   ///< diag(S)
-  Real unit_;  ///< norm of f in D^{-1/2}
+  Vector c_;  ///< m, one scalar per node, so that the tangential frame does not matter
   std::vector<Branch> branch_;
   Vector x_, r_;
   std::vector<Index> unknown_;
