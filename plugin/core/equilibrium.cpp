@@ -9,8 +9,8 @@ namespace {
 
 constexpr Index most_rigid_motions = 6;
 constexpr Real shift = 1e-9;       ///< of inverse iteration, relative to D
-constexpr Real rigid = 1e-11;      ///< <Sw,w>/<Dw,w> of a rigid motion
-constexpr Real admissible = 1e-9;  ///< of w_N + mu |w_T|, relative to |w|
+constexpr Real rigid = 1e-11;  ///< <Sw,w>/<Dw,w> of a rigid motion
+constexpr Real held = 1e-9;    ///< f.w over |f||w| at which the load counts as balanced
 
 /// Motions of the contact dofs that cost no energy, D-orthonormal, by inverse iteration on S +
 /// shift D.
@@ -36,77 +36,81 @@ DenseMatrix rigid_motions(const DenseMatrix& S) {
   return scale.asDiagonal() * (W * ritz.eigenvectors().leftCols(count));
 }
 
-/// The conditions on w = W a as hinges max(0, c): c_0 = 1 - (f.w - sum g |w_T|), c_i = w_N + mu
-/// |w_T|.
-struct Conditions {
-  const ContactProblem& laws;
-  const CondensedProblem& condensed;
-  const DenseMatrix& W;
-  Vector load;  ///< W' f, scaled
+/// Nonnegative least squares over a growing set of columns (Lawson and Hanson): the point of their
+/// cone nearest to the target.
+class NearestInCone {
+ public:
+  explicit NearestInCone(const Vector& target) : target_(target), rest_(target) {}
 
-  void evaluate(const Vector& a, Vector& hinge, DenseMatrix& J) const {
-    const Vector w = W * a;
-    hinge.setZero(laws.nodes() + 1);
-    J.setZero(laws.nodes() + 1, a.size());
-    Real c_0 = 1 - load.dot(a);
-    Vector slope_0 = -load;
-    for (Index i = 0; i < laws.nodes(); ++i) {
-      const Index N = condensed.normal(i), t = laws.tangents(i);
-      const Real slide = w.segment(N + 1, t).norm();
-      Vector along = Vector::Zero(a.size());
-      if (slide > 0) along = W.middleRows(N + 1, t).transpose() * w.segment(N + 1, t) / slide;
-      const Real mu = laws.law == Law::coulomb ? laws.mu[i] : 0;
-      if (laws.law == Law::tresca && t > 0) {
-        c_0 += laws.g[i] * slide / unit;
-        slope_0 += laws.g[i] / unit * along;
+  const Vector& rest() const { return rest_; }  ///< target - nearest point
+
+  void add(const Vector& column) {
+    columns_.push_back(column);
+    weight_.push_back(0);
+    for (std::size_t pass = 0; pass < 2 * columns_.size() + 2; ++pass) {
+      const Vector best = least_squares();
+      Real step = 1;
+      for (std::size_t k = 0; k < columns_.size(); ++k)
+        if (best[k] <= 0 && weight_[k] > best[k])
+          step = std::min(step, weight_[k] / (weight_[k] - best[k]));
+      const bool whole = step == 1 && (best.array() > 0).all();
+      for (std::size_t k = columns_.size(); k-- > 0;) {
+        weight_[k] += step * (best[k] - weight_[k]);
+        if (whole || weight_[k] > 1e-14 * (1 + std::abs(best[k]))) continue;
+        weight_.erase(weight_.begin() + k);
+        columns_.erase(columns_.begin() + k);
       }
-      const Real c = w[N] + mu * slide;
-      if (c <= 0 || !std::isfinite(laws.gap[i])) continue;
-      hinge[i + 1] = c;
-      J.row(i + 1) = W.row(N) + mu * along.transpose();
+      if (whole || columns_.empty()) break;
     }
-    if (c_0 > 0) {
-      hinge[0] = c_0;
-      J.row(0) = slope_0.transpose();
-    }
+    rest_ = target_;
+    for (std::size_t k = 0; k < columns_.size(); ++k) rest_ -= weight_[k] * columns_[k];
   }
-  Real unit;  ///< of W' f
+
+ private:
+  Vector least_squares() const {
+    DenseMatrix G(target_.size(), columns_.size());
+    for (std::size_t k = 0; k < columns_.size(); ++k) G.col(k) = columns_[k];
+    return G.completeOrthogonalDecomposition().solve(target_);
+  }
+  Vector target_, rest_;
+  std::vector<Vector> columns_;
+  std::vector<Real> weight_;
 };
 
 }  // namespace
 
 bool cannot_be_held(const CondensedProblem& condensed) {
-  DenseMatrix W = rigid_motions(condensed.S);
+  const ContactProblem& laws = condensed.laws;
+  if (laws.law == Law::tresca) return false;
+  const DenseMatrix W = rigid_motions(condensed.S);
   if (W.cols() == 0) return false;
-  W /= W.cwiseAbs().maxCoeff();
   const Vector works = W.transpose() * condensed.f;
-  const Real unit = works.norm();
-  const Real force = condensed.f.cwiseAbs().sum();
-  if (unit <= 1e-12 * force) return false;
-  const Conditions conditions{condensed.laws, condensed, W, works / unit, unit};
-
-  // least squares of the hinges, by Levenberg and Marquardt: convex, at most six unknowns
-  Vector a = works / unit, hinge, trial_hinge;
-  DenseMatrix J, trial_J;
-  conditions.evaluate(a, hinge, J);
-  Real damping = 1e-3;
-  for (int k = 0; k < 500 && hinge.squaredNorm() > 0; ++k) {
-    DenseMatrix H = J.transpose() * J;
-    H.diagonal().array() += damping * (1e-12 + H.diagonal().maxCoeff());
-    const Vector trial = a - H.ldlt().solve(J.transpose() * hinge);
-    conditions.evaluate(trial, trial_hinge, trial_J);
-    if (trial_hinge.squaredNorm() < hinge.squaredNorm()) {
-      a = trial;
-      hinge = trial_hinge;
-      J = trial_J;
-      damping = std::max(damping / 4, 1e-12);
-    } else {
-      damping *= 4;
-      if (damping > 1e12) break;
+  const Real forces = condensed.f.cwiseAbs().sum();
+  NearestInCone nearest(works);
+  for (int k = 0; k < 1000; ++k) {
+    const Vector w = W * nearest.rest();
+    const Real work = condensed.f.dot(w), size = w.cwiseAbs().maxCoeff();
+    if (work <= held * forces * size) return false;
+    // the force of a friction cone that resists w most
+    Real most = 0;
+    Vector column;
+    for (Index i = 0; i < laws.nodes(); ++i) {
+      if (!std::isfinite(laws.gap[i])) continue;
+      const Index N = condensed.normal(i), t = laws.tangents(i);
+      const Real slide = w.segment(N + 1, t).norm();
+      const Real mu = laws.law == Law::coulomb ? laws.mu[i] : 0;
+      const Real resistance = w[N] + mu * slide;
+      if (resistance <= most) continue;
+      most = resistance;
+      column = W.row(N);
+      if (slide > 0)
+        column += mu / slide * (W.middleRows(N + 1, t).transpose() * w.segment(N + 1, t));
     }
+    // pressures would have to exceed the load a hundred times for what resists to balance it
+    if (100 * most * forces <= work) return true;
+    nearest.add(column);
   }
-  const Real size = (W * a).cwiseAbs().maxCoeff();
-  return hinge[0] <= 0.5 && hinge.tail(hinge.size() - 1).maxCoeff() <= admissible * size;
+  return false;
 }
 
 }  // namespace frictioncg

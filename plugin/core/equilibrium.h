@@ -3,11 +3,11 @@
 
 namespace frictioncg {
 
-/// A certificate that contact and friction cannot hold the load: a rigid motion w (S w = 0) on
-/// which the load works and the obstacle cannot answer.
-///   Coulomb: f.w > 0 with w_N + mu |w_T| <= 0 at every node: no force of the friction cone resists
-///   given g: f.w > sum_i g_i |w_T,i| with w_N <= 0
-/// True where one is found; then there is no equilibrium, whatever the method. w may be empty.
+/// True where contact and Coulomb friction cannot hold the load, whatever the method: there is a rigid
+/// motion w (S w = 0) on which the load works, f.w > 0, and no force of a friction cone resists,
+///   w_N + mu |w_T| <= 0 at every node.
+/// By Farkas' lemma it is what is left of the load on the rigid motions after the nearest sum of forces
+/// from the cones. (At a given limit g the minimization itself sees J fall for ever.)
 bool cannot_be_held(const CondensedProblem& condensed);
 
 }  // namespace frictioncg

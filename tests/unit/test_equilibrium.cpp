@@ -44,16 +44,6 @@ TEST(Equilibrium, TippingStartsWhereTheLoadLeavesTheBase) {
   }
 }
 
-TEST(Equilibrium, AGivenLimitHoldsItsSum) {
-  BlockOptions o;
-  o.law = Law::tresca;
-  o.mu = 0.5;  // five nodes: 2.5
-  for (Real shear : {2.4, 2.6}) {
-    o.shear = shear;
-    EXPECT_EQ(unheld(o), shear > 2.5);
-  }
-}
-
 TEST(Equilibrium, LiftingIsNotHeldAndASupportedBodyAlwaysIs) {
   BlockOptions o;
   o.pressure = -1;
