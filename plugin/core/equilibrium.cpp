@@ -8,7 +8,7 @@ namespace frictioncg {
 namespace {
 
 constexpr Index most_rigid_motions = 6;
-constexpr Real shift = 1e-9;       ///< of inverse iteration, relative to D
+constexpr Real shift = 1e-9;   ///< of inverse iteration, relative to D
 constexpr Real rigid = 1e-11;  ///< <Sw,w>/<Dw,w> of a rigid motion
 constexpr Real held = 1e-9;    ///< f.w over |f||w| at which the load counts as balanced
 

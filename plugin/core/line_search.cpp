@@ -56,7 +56,7 @@ Real LineSearch::slope(const Phi& phi, Real rho) const {
 }
 
 Real LineSearch::operator()(const Phi& phi, const Vector& g, const Vector& x, const Vector& v,
-                            Real r_v, Curvature vAv, Real rho_max) {
+                            Real r_v, Real a, Curvature vAv, Real rho_max) {
   gather(g, x, v);
   vAv_ = vAv.A > rigid * vAv.D ? vAv.A : 0;
   if (step_ == Step::newton) {
@@ -65,7 +65,7 @@ Real LineSearch::operator()(const Phi& phi, const Vector& g, const Vector& x, co
   }
   if (nodes_.empty()) return vAv_ > 0 ? std::min(r_v / vAv_, rho_max) : rho_max;
 
-  a_ = r_v + friction_slope(phi, 0);
+  a_ = a;
   // friction only brakes: the root of J' lies below that of its quadratic part
   Real high = std::min(rho_max, vAv_ > 0 ? r_v / vAv_ : infinity);
   if (high == infinity) {
@@ -87,7 +87,13 @@ Real LineSearch::walk(const Phi& phi, Real rho_max) {
   for (const Node& n : nodes_) {
     const Real speed = std::sqrt(n.vv), x = n.xv / speed;  // x along v
     const Real enter = (-phi.eps - x) / speed, leave = (phi.eps - x) / speed;
-    const Real limit = n.g * speed, steep = n.g * n.vv / phi.eps, offset = limit * x / phi.eps;
+    const Real limit = n.g * speed;
+    if (phi.eps == 0) {  // the kink of |x_T|
+      constant += enter > 0 ? -limit : limit;
+      if (enter > 0) breaks_.push_back({enter, 2 * limit, 0});
+      continue;
+    }
+    const Real steep = n.g * n.vv / phi.eps, offset = limit * x / phi.eps;
     if (enter > 0) {
       constant -= limit;
       breaks_.push_back({enter, limit + offset, steep});

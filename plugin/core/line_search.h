@@ -11,10 +11,10 @@ class LineSearch {
  public:
   LineSearch(const ContactProblem& problem, Step step);
 
-  /// rho in (0, rho_max] for the direction v with <r,v> > 0, r including friction; infinite where J
-  /// decreases for ever along a rigid motion.
+  /// rho in (0, rho_max] for the direction v with <r,v> > 0, r including friction, and a =
+  /// <F-Ax,v>; infinite where J decreases for ever along a rigid motion.
   Real operator()(const Phi& phi, const Vector& g, const Vector& x, const Vector& v, Real r_v,
-                  Curvature vAv, Real rho_max);
+                  Real a, Curvature vAv, Real rho_max);
 
  private:
   struct Node {

@@ -134,7 +134,8 @@ void SsorPreconditioner::set_contact(const Vector& r_C, const ContactPart& part)
   const Index* col = problem_.A.innerIndexPtr();
   const Real* a = problem_.A.valuePtr();
   free_ = part.free;
-  if (on_hessian_) {
+  if (on_hessian_ && C_.tail(r_C.size()) != D_.tail(r_C.size()) + part.hessian) {
+    C_changed_ = true;
     C_.tail(r_C.size()) = D_.tail(r_C.size()) + part.hessian;
     inverse_.tail(r_C.size()) = omega_ * C_.tail(r_C.size()).cwiseInverse();
   }
@@ -174,12 +175,13 @@ void SsorPreconditioner::direction(Real gamma, Vector& v_out) {
   const Real *C = C_.data(), *y = y_.data(), *inverse = inverse_.data();
   Real *s = s_.data(), *v = v_out.data();
   // On the contact rows C may have changed since s was formed: s = (C/omega + E') v anew.
-  if (gamma != 0) {
+  if (gamma != 0 && C_changed_) {
     for (Index i = interior_; i < problem_.dofs(); ++i) {
       s[i] = C[i] / omega_ * v[i];
       for (Index k = diagonal[i] + 1; k < row[i + 1]; ++k) s[i] += a[k] * v[col[k]];
     }
   }
+  C_changed_ = false;
   for (Index i = problem_.dofs() - 1; i >= interior_; --i) {
     if (!free_[i - interior_]) {
       s[i] = v[i] = 0;

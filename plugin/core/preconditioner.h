@@ -108,6 +108,7 @@ class SsorPreconditioner final : public Preconditioner {
   Vector s_;                        ///< (C/omega + E') v
   Vector e_;                        ///< A v = (C/omega + E)(v + e)
   Vector r_C_, E_y_, dy_C_, work_;  ///< contact dofs: r; E_CI y_I; change of y; right-hand side
+  bool C_changed_ = false;          ///< since s was formed
   Real interior_r_z_ = 0, interior_dr_z_ = 0;
 };
 

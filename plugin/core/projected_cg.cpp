@@ -21,6 +21,7 @@ ProjectedCG::ProjectedCG(const ContactProblem& problem, const Settings& settings
       P_(make_preconditioner(problem, settings.precon, settings.omega > 0 ? settings.omega : 1)),
       line_search_(problem, settings.step),
       part_{std::vector<char>(problem.contact_dofs(), 1), Vector::Zero(problem.contact_dofs())},
+      stick_(problem.nodes(), 0),
       sticking_(problem.nodes(), 0),
       v_(Vector::Zero(problem.dofs())),
       Av_C_(problem.contact_dofs()),
@@ -29,7 +30,7 @@ ProjectedCG::ProjectedCG(const ContactProblem& problem, const Settings& settings
 
 Outcome ProjectedCG::minimize(Iterate& it, const Vector& g, Real eps, Tangents tangents,
                               Real tolerance) {
-  const Phi phi{settings_.reg, eps};
+  const Phi phi = regularized() ? Phi{settings_.reg, eps} : Phi{Regularization::polynomial, 0};
   const Index first_iteration = iterations_;
   const auto end = [&](Status s) { return Outcome{s, iterations_ - first_iteration}; };
   tangents_ = tangents;
@@ -51,7 +52,8 @@ Outcome ProjectedCG::minimize(Iterate& it, const Vector& g, Real eps, Tangents t
     if (vAv.A < indefinite * vAv.D) return end(Status::not_positive_definite);
 
     const Real rho_gap = step_to_gap(it);
-    const Real rho = line_search_(phi, g, it.x, v_, r_v, vAv, rho_gap);  // (13) or (14)
+    const Real a = r_v + friction_part_along_v();                           // <F - Ax, v>
+    const Real rho = line_search_(phi, g, it.x, v_, r_v, a, vAv, rho_gap);  // (13) or (14)
     if (rho == infinity) return end(Status::no_equilibrium);
     if (!std::isfinite(rho)) return end(Status::stagnated);
 
@@ -60,8 +62,9 @@ Outcome ProjectedCG::minimize(Iterate& it, const Vector& g, Real eps, Tangents t
     contact_rows_times_v();
     r_C_ -= rho * Av_C_;
     bool restart = close_gaps(it, rho, rho_gap);
-    if (settings_.method != Method::gc3)  // GC1, GC2: at once
+    if (settings_.method == Method::gc1 || settings_.method == Method::gc2)  // at once
       restart |= release_tensile(it, tolerance) && settings_.method == Method::gc1;
+    if (!regularized()) restart |= freeze_stick(it, g, rho);
     restart |= update_friction(it, g, phi);
     verdict = judge(it, g, phi, rho, tolerance);  // GC3: after eps_1
     verdict.restart |= restart;
@@ -77,18 +80,35 @@ void ProjectedCG::begin(Iterate& it, const Vector& g, const Phi& phi) {
     if (tangents_ == Tangents::stuck) it.x.segment(N + 1, problem_.tangents(i)).setZero();
     if (it.x[N] == problem_.gap[i]) it.contact[i] = 1;
   }
-  v_.noalias() = problem_.A * it.x;
-  v_ = problem_.F - v_;
-  r_C_ = v_.tail(problem_.contact_dofs());
-  P_->start(v_);
-  v_.setZero();
+  if (!regularized() && tangents_ == Tangents::sliding)
+    for (Index i = 0; i < problem_.nodes(); ++i)
+      stick_[i] = tangential_norm(problem_, i, it.x) == 0;
+  recompute_residual(it);
   norm_ratio_ = 0;
   since_measured_ = 0;
   update_friction(it, g, phi);
 }
 
-/// Holds again the released nodes that P r would drive into the obstacle: they saw the residual of
-/// the others, not their own force. The next release waits for a smaller residual.
+/// r = F - Ax from scratch; update_friction has to follow.
+void ProjectedCG::recompute_residual(const Iterate& it) {
+  v_.noalias() = problem_.A * it.x;
+  v_ = problem_.F - v_;
+  r_C_ = v_.tail(problem_.contact_dofs());
+  P_->start(v_);
+  v_.setZero();
+}
+
+/// <g phi'(x_T), v>: what <F - Ax, v> has more than <r, v>.
+Real ProjectedCG::friction_part_along_v() const {
+  Real sum = 0;
+  for (Index c = 0; c < r_C_.size(); ++c)
+    if (part_.free[c]) sum += (r_C_[c] - rf_C_[c]) * v_[problem_.interior() + c];
+  return sum;
+}
+
+/// Holds again the released nodes that P r would drive into the obstacle, or against friction: they
+/// saw the residual of the others, not their own force. The next release waits for a smaller
+/// residual.
 bool ProjectedCG::hold_inward(Iterate& it, const Vector& g, const Phi& phi) {
   bool held = false;
   for (Index i = 0; i < problem_.nodes(); ++i) {
@@ -96,6 +116,14 @@ bool ProjectedCG::hold_inward(Iterate& it, const Vector& g, const Phi& phi) {
     if (it.contact[i] || v_[N] <= 0 || it.x[N] < problem_.gap[i]) continue;
     it.contact[i] = held = true;
   }
+  if (!regularized() && tangents_ == Tangents::sliding)
+    for (Index i = 0; i < problem_.nodes(); ++i) {
+      const Index T = problem_.first[i] + 1, t = problem_.tangents(i);
+      if (t == 0 || stick_[i] || g[i] == 0 || tangential_norm(problem_, i, it.x) > 0) continue;
+      const auto v_T = v_.segment(T, t);
+      if (r_C_.segment(T - problem_.interior(), t).dot(v_T) <= g[i] * v_T.norm())
+        stick_[i] = held = true;
+    }
   if (!held) return false;
   partial_ /= 10;
   update_friction(it, g, phi);
@@ -142,13 +170,55 @@ bool ProjectedCG::release_tensile(Iterate& it, Real tolerance) {
   return released;
 }
 
-/// Norm of the tensile forces at nodes in contact: the violation of the dual condition.
-Real ProjectedCG::tension(const Iterate& it) const {
+/// Opens the faces x_T = 0 whose force exceeds the sliding limit.
+bool ProjectedCG::release_stick(const Vector& g, Real tolerance) {
+  const Real threshold = 0.1 * tolerance * problem_.force_scale / std::sqrt(Real(problem_.nodes()));
+  bool released = false;
+  for (Index i = 0; i < problem_.nodes(); ++i) {
+    const Index T = problem_.first[i] + 1, t = problem_.tangents(i);
+    if (t == 0 || !stick_[i]) continue;
+    const Real r_T = r_C_.segment(T - problem_.interior(), t).norm();
+    if (r_T <= g[i] + threshold * std::sqrt(D_[T])) continue;
+    stick_[i] = 0;
+    released = true;
+  }
+  return released;
+}
+
+/// Holds at x_T = 0 the nodes that the step has turned round, where x_T = 0 minimizes J over x_T.
+bool ProjectedCG::freeze_stick(Iterate& it, const Vector& g, Real rho) {
+  if (tangents_ == Tangents::stuck) return false;
+  bool frozen = false;
+  for (Index i = 0; i < problem_.nodes(); ++i) {
+    const Index T = problem_.first[i] + 1, t = problem_.tangents(i);
+    if (t == 0 || stick_[i] || g[i] == 0) continue;
+    auto x_T = it.x.segment(T, t);
+    const auto v_T = v_.segment(T, t);
+    // came nearer to 0 along the step, and is closest to it, or past it
+    if (x_T.dot(v_T) - rho * v_T.squaredNorm() >= 0) continue;
+    if (x_T.dot(v_T) < -1e-12 * x_T.norm() * v_T.norm() || v_T.isZero(0)) continue;
+    Eigen::Matrix<Real, Eigen::Dynamic, 1, 0, 2, 1> r_0 = r_C_.segment(T - problem_.interior(), t);
+    for (Index k = 0; k < t; ++k)
+      for (Index l = 0; l < t; ++l) r_0[k] += problem_.A.coeff(T + k, T + l) * x_T[l];
+    if (r_0.norm() > g[i]) continue;
+    x_T.setZero();
+    stick_[i] = 1;
+    frozen = true;
+  }
+  if (frozen) recompute_residual(it);
+  return frozen;
+}
+
+/// Norm of what the faces violate: tensile forces, and stick forces beyond g.
+Real ProjectedCG::dual_violation(const Iterate& it, const Vector& g) const {
   Real sum = 0;
   for (Index i = 0; i < problem_.nodes(); ++i) {
-    const Index N = problem_.first[i];
-    const Real r = std::min(r_C_[N - problem_.interior()], 0.0);
+    const Index N = problem_.first[i], c = N - problem_.interior(), t = problem_.tangents(i);
+    const Real r = std::min(r_C_[c], 0.0);
     if (it.contact[i]) sum += r * r / D_[N];
+    if (regularized() || tangents_ == Tangents::stuck || t == 0 || !stick_[i]) continue;
+    const Real excess = std::max(r_C_.segment(c + 1, t).norm() - g[i], 0.0);
+    sum += excess * excess / D_[N + 1];
   }
   return std::sqrt(sum);
 }
@@ -163,15 +233,20 @@ bool ProjectedCG::update_friction(const Iterate& it, const Vector& g, const Phi&
     part_.free[c] = !it.contact[i];
     if (it.contact[i]) rf_C_[c] = 0;
     if (t == 0) continue;
-    const bool held = tangents_ == Tangents::stuck;
+    const bool held = tangents_ == Tangents::stuck || (!regularized() && stick_[i]);
     const Real x_T = it.x.segment(N + 1, t).norm();
     for (Index k = 1; k <= t; ++k) part_.free[c + k] = !held;
     if (held) {
       rf_C_.segment(c + 1, t).setZero();
     } else if (g[i] > 0) {
-      rf_C_.segment(c + 1, t) -= g[i] * phi.slope_over_t(x_T) * it.x.segment(N + 1, t);
+      auto r_T = rf_C_.segment(c + 1, t);
+      if (x_T == 0 && phi.eps == 0)  // about to slide along its force
+        r_T *= std::max(0.0, 1 - g[i] / r_T.norm());
+      else
+        r_T -= g[i] * phi.slope_over_t(x_T) * it.x.segment(N + 1, t);
       part_.hessian.segment(c + 1, t).setConstant(g[i] * phi.mean_curvature(x_T, t));
-      const char sticking = x_T <= phi.eps;
+      // the piece of J: inside eps or outside; without eps, the sense of a single tangent
+      const char sticking = phi.eps > 0 ? x_T <= phi.eps : t == 1 && it.x[N + 1] > 0;
       crossed = crossed || sticking != sticking_[i];
       sticking_[i] = sticking;
     } else {
@@ -185,20 +260,26 @@ bool ProjectedCG::update_friction(const Iterate& it, const Vector& g, const Phi&
 /// The stopping test; GC3 releases contacts here, after partial convergence.
 ProjectedCG::Verdict ProjectedCG::judge(Iterate& it, const Vector& g, const Phi& phi, Real rho,
                                         Real tolerance) {
-  const bool gc3 = settings_.method == Method::gc3, by_step = settings_.stop_on_step > 0;
+  const bool by_step = settings_.stop_on_step > 0;
   const Real eps_0 = by_step ? settings_.stop_on_step : tolerance * problem_.force_scale;
-  const Real eps_1 = gc3 ? partial_ * eps_0 : eps_0;
+  const Real violation = by_step ? 0 : dual_violation(it, g);
+  Real eps_1 = eps_0;
+  if (settings_.method == Method::gc3) eps_1 = partial_ * eps_0;
+  if (settings_.method == Method::gcx) eps_1 = partial_ / settings_.partial * violation;
   const Real measure = !by_step  ? free_norm_if_below(std::max(eps_0, eps_1))
                        : rho > 0 ? rho * v_.norm() / it.x.norm()
                                  : infinity;
   Verdict verdict;
-  verdict.stop = measure <= eps_0 && (by_step || std::hypot(measure, tension(it)) <= eps_0);
+  verdict.stop = measure <= eps_0 && std::hypot(measure, violation) <= eps_0;
   if (verdict.stop && !by_step) return verdict;
-  if (gc3 && measure <= eps_1 && release_tensile(it, tolerance)) {
-    update_friction(it, g, phi);
-    verdict.stop = false;
-    verdict.restart = true;
-  }
+  const bool after_eps_1 = settings_.method == Method::gc3 || settings_.method == Method::gcx;
+  if (!after_eps_1 || measure > eps_1) return verdict;
+  bool released = release_tensile(it, tolerance);
+  if (!regularized() && tangents_ == Tangents::sliding) released |= release_stick(g, tolerance);
+  if (!released) return verdict;
+  update_friction(it, g, phi);
+  verdict.stop = false;
+  verdict.restart = true;
   return verdict;
 }
 

@@ -13,6 +13,7 @@ class ProjectedCG final : public TrescaSolver {
 
   Outcome minimize(Iterate& it, const Vector& g, Real eps, Tangents tangents,
                    Real tolerance) override;
+  bool regularized() const override { return settings_.method != Method::gcx; }
 
  private:
   struct Verdict {
@@ -20,11 +21,15 @@ class ProjectedCG final : public TrescaSolver {
   };
 
   void begin(Iterate& it, const Vector& g, const Phi& phi);
+  void recompute_residual(const Iterate& it);
   bool hold_inward(Iterate& it, const Vector& g, const Phi& phi);
   Real step_to_gap(const Iterate& it) const;
   bool close_gaps(Iterate& it, Real rho, Real rho_gap);
   bool release_tensile(Iterate& it, Real tolerance);
-  Real tension(const Iterate& it) const;
+  bool release_stick(const Vector& g, Real tolerance);
+  bool freeze_stick(Iterate& it, const Vector& g, Real rho);
+  Real friction_part_along_v() const;
+  Real dual_violation(const Iterate& it, const Vector& g) const;
   bool update_friction(const Iterate& it, const Vector& g, const Phi& phi);
   Verdict judge(Iterate& it, const Vector& g, const Phi& phi, Real rho, Real tolerance);
   Real free_norm_if_below(Real bound);
@@ -39,6 +44,7 @@ class ProjectedCG final : public TrescaSolver {
   LineSearch line_search_;
   Tangents tangents_ = Tangents::sliding;
   ContactPart part_;
+  std::vector<char> stick_;       ///< m, gcx: held at x_T = 0
   std::vector<char> sticking_;    ///< m, |x_T| <= eps: the node's piece of REG3
   Vector v_, Av_C_, r_C_, rf_C_;  ///< r_C without friction, rf_C with it, zero where held
   Real partial_ = 0;              ///< eps_1/eps_0 at present

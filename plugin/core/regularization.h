@@ -8,7 +8,8 @@ namespace frictioncg {
 /// phi_eps of section 4.1: |x_T| made differentiable. t = |x_T| >= 0 and eps > 0 are lengths.
 ///   gradient  phi'(|x|) x/|x|  = slope_over_t(t) x
 ///   Hessian   phi''(t) dd' + phi'(t)/t (I - dd'),  d = x/|x|
-/// All three stay finite at t = 0 and far out.
+/// All three stay finite at t = 0 and far out. The polynomial with eps = 0 is |x| itself, away from
+/// 0.
 enum class Regularization { square_root, log_cosh, polynomial };
 
 struct Phi {
@@ -22,7 +23,7 @@ struct Phi {
       case Regularization::log_cosh:  // REG2, eq. (8)
         return t + eps * std::log1p(std::exp(-2 * t / eps)) - eps * std::log(2.0);
       case Regularization::polynomial:  // REG3, eq. (9)
-        return t <= eps ? t * (t / eps) / 2 : t - eps / 2;
+        return eps > 0 && t <= eps ? t * (t / eps) / 2 : t - eps / 2;
     }
     return t;
   }
@@ -34,7 +35,7 @@ struct Phi {
       case Regularization::log_cosh:
         return t < 1e-4 * eps ? 1 / eps : std::tanh(t / eps) / t;
       case Regularization::polynomial:
-        return 1 / std::max(t, eps);
+        return t > 0 || eps > 0 ? 1 / std::max(t, eps) : 0;
     }
     return 0;
   }
@@ -52,7 +53,7 @@ struct Phi {
         return 4 * e / ((1 + e) * (1 + e)) / eps;
       }
       case Regularization::polynomial:
-        return t <= eps ? 1 / eps : 0;
+        return eps > 0 && t <= eps ? 1 / eps : 0;
     }
     return 0;
   }

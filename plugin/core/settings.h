@@ -9,6 +9,7 @@ enum class Method {
   gc1,        ///< release tensile nodes at each iteration and restart (Jeusette-Sonzogni)
   gc2,        ///< release tensile nodes at each iteration, keep conjugating (Dilintas)
   gc3,        ///< release tensile nodes after partial convergence (Raous-Barbarin)
+  gcx,        ///< gc3 with stick as a face, held and released like contact: not regularized
   sorp        ///< successive over-relaxation with projection, unregularized
 };
 

@@ -73,7 +73,8 @@ struct Choice {
 };
 constexpr Choice<Method> methods[] = {{"auto", Method::automatic}, {"condensed", Method::condensed},
                                       {"GC3", Method::gc3},        {"GC2", Method::gc2},
-                                      {"GC1", Method::gc1},        {"SORP", Method::sorp}};
+                                      {"GC1", Method::gc1},        {"GCX", Method::gcx},
+                                      {"SORP", Method::sorp}};
 constexpr Choice<Regularization> regularizations[] = {{"polynomial", Regularization::polynomial},
                                                       {"sqrt", Regularization::square_root},
                                                       {"tanh", Regularization::log_cosh}};
@@ -197,6 +198,10 @@ inline Settings Arguments::settings(Stack stack) const {
     if (direct && s.polish)
       throw IllegalInput(name + " has no meaning with method=\"" + name_of(s.method, methods) +
                          "\", whose answer is not regularized; add method=\"GC3\" or polish=false");
+    if (s.method == Method::gcx && (p == p_reg || p == p_regeps))
+      throw IllegalInput(name +
+                         " has no meaning with method=\"GCX\", which does not regularize; leave "
+                         "it out");
     if (s.method == Method::sorp && p != p_omega)
       throw IllegalInput(name +
                          " has no meaning with method=\"SORP\", which neither regularizes nor "

@@ -30,6 +30,7 @@ struct Line {
     for (Index i = 0; i < p.nodes(); ++i) sum += g[i] * phi.value(tangential_norm(p, i, y));
     return sum;
   }
+  Real a() const { return v.dot(p.F - p.A * x); }
   Real slope(const Phi& phi, Real rho) const {
     const Vector y = x + rho * v;
     Real sum = v.dot(p.A * y - p.F);
@@ -54,7 +55,7 @@ TEST(LineSearch, ExactStepIsARootOfTheSlopeForEachRegularization) {
           if (r_v < 0) line.v = -line.v, r_v = -r_v;
           const Curvature vAv{line.v.dot(line.p.A * line.v), line.v.squaredNorm()};
           LineSearch search(line.p, Step::exact);
-          const Real rho = search(phi, line.g, line.x, line.v, r_v, vAv, 1e300);
+          const Real rho = search(phi, line.g, line.x, line.v, r_v, line.a(), vAv, 1e300);
           // the slope changes sign at rho, to the rounding of rho
           EXPECT_LE(line.slope(phi, rho * (1 - 1e-9)), 1e-7 * r_v);
           EXPECT_GE(line.slope(phi, rho * (1 + 1e-9)), -1e-7 * r_v);
@@ -69,8 +70,8 @@ TEST(LineSearch, FalsePositionComesWithinItsToleranceOfTheExactStep) {
   if (r_v < 0) line.v = -line.v, r_v = -r_v;
   const Curvature vAv{line.v.dot(line.p.A * line.v), line.v.squaredNorm()};
   LineSearch exact(line.p, Step::exact), approximate(line.p, Step::false_position);
-  const Real rho = exact(phi, line.g, line.x, line.v, r_v, vAv, 1e300);
-  EXPECT_NEAR(approximate(phi, line.g, line.x, line.v, r_v, vAv, 1e300), rho, 1e-3 * rho);
+  const Real rho = exact(phi, line.g, line.x, line.v, r_v, line.a(), vAv, 1e300);
+  EXPECT_NEAR(approximate(phi, line.g, line.x, line.v, r_v, line.a(), vAv, 1e300), rho, 1e-3 * rho);
 }
 
 TEST(LineSearch, NewtonStepIsEquation14) {
@@ -82,7 +83,8 @@ TEST(LineSearch, NewtonStepIsEquation14) {
   const Real J2 = (line.slope(phi, h) - line.slope(phi, -h)) / (2 * h);
   const Curvature vAv{line.v.dot(line.p.A * line.v), line.v.squaredNorm()};
   LineSearch newton(line.p, Step::newton);
-  EXPECT_NEAR(newton(phi, line.g, line.x, line.v, r_v, vAv, 1e300), r_v / J2, 1e-6 * r_v / J2);
+  EXPECT_NEAR(newton(phi, line.g, line.x, line.v, r_v, line.a(), vAv, 1e300), r_v / J2,
+              1e-6 * r_v / J2);
 }
 
 TEST(LineSearch, StopsAtTheGapAndSeesARigidMotionThatNothingBrakes) {
@@ -90,12 +92,14 @@ TEST(LineSearch, StopsAtTheGapAndSeesARigidMotionThatNothingBrakes) {
   const Phi phi{Regularization::polynomial, 1e-8};
   LineSearch search(line.p, Step::exact);
   const Curvature vAv{line.v.dot(line.p.A * line.v), line.v.squaredNorm()};
-  EXPECT_EQ(search(phi, Vector::Zero(line.p.nodes()), line.x, line.v, 1, vAv, 1e-12), 1e-12);
+  EXPECT_EQ(search(phi, Vector::Zero(line.p.nodes()), line.x, line.v, 1, 1, vAv, 1e-12), 1e-12);
   line.v.setConstant(1e-3);
   Real brake = 0;
   for (Index i = 0; i < line.p.nodes(); ++i) brake += line.g[i] * 1e-3;
   line.x.setZero();
   const Curvature rigid{0, 1};
-  EXPECT_TRUE(std::isinf(search(phi, line.g, line.x, line.v, 1.01 * brake, rigid, INFINITY)));
-  EXPECT_TRUE(std::isfinite(search(phi, line.g, line.x, line.v, 0.99 * brake, rigid, INFINITY)));
+  EXPECT_TRUE(
+      std::isinf(search(phi, line.g, line.x, line.v, 1.01 * brake, 1.01 * brake, rigid, INFINITY)));
+  EXPECT_TRUE(std::isfinite(
+      search(phi, line.g, line.x, line.v, 0.99 * brake, 0.99 * brake, rigid, INFINITY)));
 }

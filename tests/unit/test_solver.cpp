@@ -49,7 +49,8 @@ TEST(Solver, EveryMethodPreconditionerAndRegularizationSatisfiesTheUnregularized
     const Scene s = block(o);
     Settings settings;
     settings.tol = 1e-7;
-    for (Method m : {Method::condensed, Method::gc1, Method::gc2, Method::gc3, Method::sorp}) {
+    for (Method m :
+         {Method::condensed, Method::gc1, Method::gc2, Method::gc3, Method::gcx, Method::sorp}) {
       settings.method = m;
       const Answer a = run(s, settings);
       EXPECT_EQ(a.solution.status, Status::converged) << "method " << int(m) << " d " << d;
@@ -254,4 +255,25 @@ TEST(Solver, AnInitialGapOpensOrCloses) {
     EXPECT_EQ(a.solution.status, Status::converged);
     EXPECT_LT(a.verdict.worst(), 1e-6);
   }
+}
+
+TEST(Solver, StickAsAFaceNeedsNoRegularization) {
+  for (int d : {2, 3})
+    for (bool clamp : {true, false}) {
+      BlockOptions o;
+      o.d = d;
+      o.cells = d == 2 ? 10 : 4;
+      o.clamp_side = clamp;
+      o.shear = clamp ? 6 : 2.5;
+      Settings settings;
+      settings.method = Method::gcx;
+      settings.tol = 1e-10;
+      const Scene s = block(o);
+      const Answer a = run(s, settings);
+      EXPECT_EQ(a.solution.status, Status::converged) << d << clamp;
+      EXPECT_EQ(a.solution.eps, 0);
+      EXPECT_LT(a.verdict.worst(), 1e-8) << d << clamp;
+      const Answer exact = run(s, Settings());
+      EXPECT_LT((a.u - exact.u).norm(), 1e-7 * exact.u.norm()) << d << clamp;
+    }
 }
