@@ -123,8 +123,12 @@ install: all ## the plugin and the .idp files where FreeFEM looks; then an examp
 	  install -m 644 $(BUILD)/frictionCG.so $(DESTDIR)$(PREFIX)/lib/freefem++/mpi/; fi
 	for f in edp/*.idp; do [ -e $$f ] && install -m 644 $$f \
 	  $(DESTDIR)$(PREFIX)/include/freefem++/idp/ || true; done
-	cd $(BUILD) && FF_LOADPATH="$(DESTDIR)$(PREFIX)/lib/freefem++" \
-	  FF_INCLUDEPATH="$(DESTDIR)$(PREFIX)/include/freefem++/idp" $(FREEFEM) ../examples/block.edp
+	@# Debian's preferences name folders that do not exist: add those that do
+	pref=$(DESTDIR)/etc/freefem++.pref; \
+	if [ -w $$pref ] && ! grep -q '"$(PREFIX)/lib/freefem++"' $$pref; then \
+	  echo 'loadpath += "$(PREFIX)/lib/freefem++"' >>$$pref; \
+	  echo 'includepath += "$(PREFIX)/include/freefem++/idp"' >>$$pref; fi
+	cd $(BUILD) && env -u FF_LOADPATH -u FF_INCLUDEPATH $(FREEFEM) ../examples/block.edp
 
 clean: ## remove what was built
 	rm -rf $(BUILD)
