@@ -76,6 +76,7 @@ void report_plan(const Arguments& args, const Scene& scene, const Settings& s) {
       std::cout << "Coulomb friction";
       break;
   }
+  if (scene.bilateral) std::cout << ", bilateral";
   std::cout << "; " << name_of(s.method, methods);
   if (plan.regularization) std::cout << ", " << name_of(s.reg, regularizations);
   std::cout << "; left out:";
@@ -128,7 +129,7 @@ KN_<double> solve_scene(Stack stack, const Arguments& args, Scene& scene, const 
                             scene.ndof);
   LocalSystem& system = *scene.system;
   system.set_load(b, u_old, scene.gap);
-  system.set_law(scene.law, scene.law == Law::coulomb ? scene.mu : scene.limit);
+  system.set_law(scene.law, scene.law == Law::coulomb ? scene.mu : scene.limit, scene.bilateral);
 
   const long verb = args.value<long>(stack, p_verb, std::min(verbosity, 1L));
   if (verb > 0) report_plan(args, scene, s);
@@ -140,8 +141,10 @@ KN_<double> solve_scene(Stack stack, const Arguments& args, Scene& scene, const 
 
   const StatusText text = describe(solution.status);
   if (verb > 0) {
-    std::cout << " -- " << operator_name << ": " << text.name << ", residual "
-              << solution.certificate.residual << ", " << solution.iterations << " iterations";
+    std::cout << " -- " << operator_name << ": " << text.name
+              << (solution.route == Route::condensed ? " by the condensed route" : "")
+              << ", residual " << solution.certificate.residual << ", " << solution.iterations
+              << " iterations";
     if (solution.passes > 0) std::cout << " in " << solution.passes << " passes of the fixed point";
     if (solution.eps > 0) std::cout << ", regeps " << solution.eps;
     std::cout << std::endl;
@@ -232,7 +235,7 @@ class Construct : public E_F0mps {
         labels_(args[2]) {
     for (int p = 0; p < parameter_count; ++p)
       if (arguments_.has(Parameter(p)) && p != p_mu && p != p_gap && p != p_normal &&
-          p != p_slidinglimit)
+          p != p_slidinglimit && p != p_bilateral)
         CompileError(std::string(constructor_name) + ": " + parameters[p].name +
                      " belongs to frictionalContactCG(C, b, ...)");
   }

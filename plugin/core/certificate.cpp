@@ -10,8 +10,10 @@ Real sliding_limit(const ContactProblem& problem, Index i, const Vector& r) {
       return 0;
     case Law::tresca:
       return problem.g[i];
-    case Law::coulomb:
-      return problem.mu[i] * std::max(r[problem.first[i]], 0.0);
+    case Law::coulomb: {
+      const Real r_N = r[problem.first[i]];
+      return problem.mu[i] * (problem.bilateral ? std::abs(r_N) : std::max(r_N, 0.0));
+    }
   }
   return 0;
 }
@@ -35,7 +37,7 @@ Certificate certify(const ContactProblem& problem, const Vector& x) {
   for (Index i = 0; i < problem.nodes(); ++i) {
     const Index N = problem.first[i];
     const Real gap_left = D[N] * (problem.gap[i] - x[N]);
-    const Real law = std::min(gap_left, c.r[N]);
+    const Real law = problem.bilateral ? gap_left : std::min(gap_left, c.r[N]);
     c.normal += law * law / D[N];
 
     const Index t = problem.tangents(i);
@@ -63,7 +65,7 @@ std::vector<NodeState> classify(const ContactProblem& problem, const Vector& x, 
   for (Index i = 0; i < problem.nodes(); ++i) {
     const Index N = problem.first[i];
     const Index t = problem.tangents(i);
-    if (r[N] <= D[N] * (problem.gap[i] - x[N]) || r[N] <= 0) {
+    if (!problem.bilateral && (r[N] <= D[N] * (problem.gap[i] - x[N]) || r[N] <= 0)) {
       state[i] = NodeState::separated;
     } else if (t == 0) {  // Dirichlet conditions hold its tangents, or it has no friction
       const bool friction =

@@ -7,6 +7,7 @@ namespace frictioncg {
 ///
 ///   r = F - Ax                                                       interior: r = 0
 ///   normal:    min(A_NN (gap - x_N), r_N) = 0                        r_N >= 0 presses on the
+///              bilateral: A_NN (gap - x_N) = 0, and g = mu |r_N|
 ///   obstacle friction:  r_T - proj_{|.| <= g}(r_T + A_TT x_T) = 0             g = mu max(r_N, 0),
 ///   or given
 ///

@@ -267,7 +267,7 @@ Condensation::Outcome Condensation::factor(const ContactProblem& problem, double
 
   start = cpu_seconds();
   read_trailing_block();
-  S_ = L_CC_.triangularView<Eigen::Lower>() * L_CC_.transpose();
+  multiply_by_transpose();
   S_.diagonal() -= sigma * problem.D.tail(problem.contact_dofs());
   times_.condense = cpu_seconds() - start;
   return Outcome::done;
@@ -279,10 +279,9 @@ bool Condensation::contact_is_last() const {
   return true;
 }
 
-/// L_CC from the supernodes that end in the contact dofs.
-void Condensation::read_trailing_block() {
-  const Index contact = n_ - interior_;
-  L_CC_.setZero(contact, contact);
+/// Visits the entries (row, column, value) of L_CC, by the supernodes that end in the contact dofs.
+template <class Visit>
+void Condensation::for_each_trailing(Visit visit) const {
   const Index* super = static_cast<Index*>(L_->super);
   const Index* pi = static_cast<Index*>(L_->pi);
   const Index* px = static_cast<Index*>(L_->px);
@@ -292,8 +291,29 @@ void Condensation::read_trailing_block() {
     const Index rows = pi[k + 1] - pi[k];
     for (Index j = std::max(super[k], interior_); j < super[k + 1]; ++j)
       for (Index q = j - super[k]; q < rows; ++q)
-        L_CC_(s[pi[k] + q] - interior_, j - interior_) = x[px[k] + q + (j - super[k]) * rows];
+        visit(s[pi[k] + q] - interior_, j - interior_, x[px[k] + q + (j - super[k]) * rows]);
   }
+}
+
+void Condensation::read_trailing_block() {
+  S_.setZero(n_ - interior_, n_ - interior_);
+  for_each_trailing([this](Index i, Index j, Real l) { S_(i, j) = l; });
+}
+
+/// S := S S' in place, S lower triangular: a column of the product needs the columns up to its own, so
+/// the last goes first.
+void Condensation::multiply_by_transpose() {
+  const Index n = static_cast<Index>(S_.rows());
+  constexpr Index block = 64;
+  DenseMatrix panel;
+  for (Index end = n; end > 0;) {
+    const Index begin = std::max(0, end - block), width = end - begin;
+    panel.noalias() =
+        S_.block(begin, 0, n - begin, end) * S_.block(begin, 0, width, end).transpose();
+    S_.block(begin, begin, n - begin, width) = panel;
+    end = begin;
+  }
+  S_.triangularView<Eigen::StrictlyUpper>() = S_.transpose();
 }
 
 Vector Condensation::solve(int system, const Vector& rhs) {
@@ -309,12 +329,15 @@ Vector Condensation::solve(int system, const Vector& rhs) {
 
 Vector Condensation::reduce(const Vector& F) {
   y_ = solve(CHOLMOD_L, solve(CHOLMOD_P, F));
-  return L_CC_.triangularView<Eigen::Lower>() * y_.tail(n_ - interior_);
+  Vector f = Vector::Zero(n_ - interior_);
+  for_each_trailing([&](Index i, Index j, Real l) { f[i] += l * y_[interior_ + j]; });
+  return f;
 }
 
 Vector Condensation::expand(const Vector& x_C) {
   Vector y = y_;
-  y.tail(n_ - interior_) = L_CC_.transpose().triangularView<Eigen::Upper>() * x_C;
+  y.tail(n_ - interior_).setZero();
+  for_each_trailing([&](Index i, Index j, Real l) { y[interior_ + j] += l * x_C[i]; });
   return solve(CHOLMOD_Pt, solve(CHOLMOD_Lt, y));
 }
 

@@ -56,7 +56,10 @@ class Condensation {
 
  private:
   bool contact_is_last() const;
+  template <class Visit>
+  void for_each_trailing(Visit visit) const;
   void read_trailing_block();
+  void multiply_by_transpose();
   Vector solve(int system, const Vector& rhs);
   void release();
 
@@ -64,7 +67,7 @@ class Condensation {
   cholmod_factor* L_ = nullptr;
   cholmod_dense *X_ = nullptr, *Y_ = nullptr, *E_ = nullptr;  ///< kept by cholmod_solve2
   Index n_ = 0, interior_ = 0;
-  DenseMatrix S_, L_CC_;
+  DenseMatrix S_;
   Vector y_;  ///< n, L^{-1} P F
   CondensationTimes times_;
 };

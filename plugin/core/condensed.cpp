@@ -27,6 +27,7 @@ ContactProblem on_contact_dofs(const CondensedProblem& condensed) {
   for (Index first : laws.first) p.first.push_back(first - laws.interior());
   p.gap = laws.gap;
   p.law = laws.law;
+  p.bilateral = laws.bilateral;
   p.mu = laws.mu;
   p.g = laws.g;
   p.force_scale = laws.force_scale;
@@ -121,6 +122,7 @@ CondensedSolver::Attempt CondensedSolver::by_continuation(const CondensedProblem
   laws.first = problem_.first;
   laws.gap = problem_.gap;
   laws.law = problem_.law;
+  laws.bilateral = problem_.bilateral;
   laws.force_scale = problem_.force_scale;
   const CondensedProblem scaled{condensed.S, condensed.f, condensed.D, laws};
   Real reached = 0, step = 0.25;

@@ -9,6 +9,7 @@ enum class Law { frictionless, tresca, coulomb };
 ///
 ///   min 1/2 x'Ax - F'x + sum_i g_i |x_T,i|   over   x_N,i <= gap_i
 ///   g given (tresca), or g_i = mu_i |F_N,i(x)| (coulomb), or g = 0 (frictionless)
+///   bilateral contact: x_N,i = gap_i in place of the inequality, and F_N of either sign
 ///
 /// x is the increment u^k - u^{k-1}; gap is what u^{k-1} leaves of the gap; F is what u^{k-1}
 /// leaves of the load. The interior dofs come first, then the contact nodes one by one, each with
@@ -23,9 +24,10 @@ struct ContactProblem {
   Vector gap;                    ///< m [length]
   std::vector<Index> mesh_node;  ///< n, or empty: dofs with one number share a mesh node (fill-in)
   Law law = Law::frictionless;
-  Vector mu;             ///< m, >= 0, dimensionless; law coulomb
-  Vector g;              ///< m, >= 0 [force]; law tresca
-  Real force_scale = 0;  ///< norm of the total load, in the norm of norm_D below; > 0
+  bool bilateral = false;  ///< no separation
+  Vector mu;               ///< m, >= 0, dimensionless; law coulomb
+  Vector g;                ///< m, >= 0 [force]; law tresca
+  Real force_scale = 0;    ///< norm of the total load, in the norm of norm_D below; > 0
 
   Index dofs() const { return static_cast<Index>(F.size()); }
   Index nodes() const { return static_cast<Index>(first.size()) - 1; }

@@ -99,10 +99,11 @@ bool cannot_be_held(const CondensedProblem& condensed) {
       const Index N = condensed.normal(i), t = laws.tangents(i);
       const Real slide = w.segment(N + 1, t).norm();
       const Real mu = laws.law == Law::coulomb ? laws.mu[i] : 0;
-      const Real resistance = w[N] + mu * slide;
+      const Real sense = laws.bilateral && w[N] < 0 ? -1 : 1;
+      const Real resistance = sense * w[N] + mu * slide;
       if (resistance <= most) continue;
       most = resistance;
-      column = W.row(N);
+      column = sense * W.row(N).transpose();
       if (slide > 0)
         column += mu / slide * (W.middleRows(N + 1, t).transpose() * w.segment(N + 1, t));
     }

@@ -331,8 +331,9 @@ void LocalSystem::set_load(const Vector& b, const Vector& u_old, const Vector& g
   problem_.force_scale = std::max(total_load, load_norm(problem_));
 }
 
-void LocalSystem::set_law(Law law, const Vector& friction) {
+void LocalSystem::set_law(Law law, const Vector& friction, bool bilateral) {
   problem_.law = law;
+  problem_.bilateral = bilateral;
   if (law == Law::frictionless) return;
   Vector& coefficient = law == Law::coulomb ? problem_.mu : problem_.g;
   coefficient.resize(nodes());

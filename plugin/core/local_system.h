@@ -45,7 +45,7 @@ class LocalSystem {
   void set_load(const Vector& b, const Vector& u_old, const Vector& gap);
 
   /// The law; friction: mu or g at each contact point, ignored where law is frictionless.
-  void set_law(Law law, const Vector& friction);
+  void set_law(Law law, const Vector& friction, bool bilateral = false);
 
   const ContactProblem& problem() const { return problem_; }
   Index nodes() const { return problem_.nodes(); }

@@ -76,6 +76,7 @@ Outcome ProjectedCG::minimize(Iterate& it, const Vector& g, Real eps, Tangents t
 void ProjectedCG::begin(Iterate& it, const Vector& g, const Phi& phi) {
   for (Index i = 0; i < problem_.nodes(); ++i) {
     const Index N = problem_.first[i];
+    if (problem_.bilateral) it.contact[i] = 1;
     it.x[N] = it.contact[i] ? problem_.gap[i] : std::min(it.x[N], problem_.gap[i]);
     if (tangents_ == Tangents::stuck) it.x.segment(N + 1, problem_.tangents(i)).setZero();
     if (it.x[N] == problem_.gap[i]) it.contact[i] = 1;
@@ -156,6 +157,7 @@ bool ProjectedCG::close_gaps(Iterate& it, Real rho, Real rho_gap) {
 /// Opens the nodes in contact on which the obstacle would have to pull by more than rounding and
 /// the tolerance explain.
 bool ProjectedCG::release_tensile(Iterate& it, Real tolerance) {
+  if (problem_.bilateral) return false;
   const Real threshold = settings_.stop_on_step > 0 ? 0
                                                     : 0.1 * tolerance * problem_.force_scale /
                                                           std::sqrt(Real(problem_.nodes()));
@@ -215,7 +217,7 @@ Real ProjectedCG::dual_violation(const Iterate& it, const Vector& g) const {
   for (Index i = 0; i < problem_.nodes(); ++i) {
     const Index N = problem_.first[i], c = N - problem_.interior(), t = problem_.tangents(i);
     const Real r = std::min(r_C_[c], 0.0);
-    if (it.contact[i]) sum += r * r / D_[N];
+    if (it.contact[i] && !problem_.bilateral) sum += r * r / D_[N];
     if (regularized() || tangents_ == Tangents::stuck || t == 0 || !stick_[i]) continue;
     const Real excess = std::max(r_C_.segment(c + 1, t).norm() - g[i], 0.0);
     sum += excess * excess / D_[N + 1];

@@ -64,9 +64,12 @@ void SemismoothNewton::choose_branches(const Vector& x, const Vector& r) {
   for (Index i = 0; i < laws.nodes(); ++i) {
     Branch& b = branch_[i];
     const Index N = problem_.normal(i), t = laws.tangents(i);
-    b.closed = r[N] + problem_.D[N] * (x[N] - laws.gap[i]) > 0;
+    b.closed = laws.bilateral || r[N] + problem_.D[N] * (x[N] - laws.gap[i]) > 0;
     if (t == 0) continue;
-    b.g = laws.law == Law::tresca ? laws.g[i] : b.closed ? laws.mu[i] * std::max(r[N], 0.0) : 0;
+    b.sign = laws.bilateral && r[N] < 0 ? -1 : 1;
+    b.g = laws.law == Law::tresca ? laws.g[i]
+          : b.closed              ? laws.mu[i] * std::max(b.sign * r[N], 0.0)
+                                  : 0;
     const auto y = r.segment(N + 1, t) + c_[i] * x.segment(N + 1, t);
     const Real norm = y.norm();
     b.stick = norm <= b.g && (laws.law == Law::tresca || b.closed);
@@ -94,13 +97,24 @@ bool SemismoothNewton::step() {
   }
   rhs_ = problem_.f;
   if (!x_.isZero(0)) rhs_.noalias() -= S * x_;
+  if (unknown_.empty()) return true;
+  const Vector solution = solve_branches();
+  if (!solution.allFinite()) return false;
+  for (Index p = 0; p < solution.size(); ++p) x_[unknown_[p]] = solution[p];
+  return true;
+}
+
+/// M and b of the unknowns on the present branches, rows and columns scaled by D^{-1/2}. True where M
+/// is symmetric.
+bool SemismoothNewton::assemble() {
+  const ContactProblem& laws = problem_.laws;
+  const DenseMatrix& S = problem_.S;
   const Index size = static_cast<Index>(unknown_.size());
-  if (size == 0) return true;
   M_.resize(size, size);
   for (Index q = 0; q < size; ++q)
     for (Index p = 0; p < size; ++p) M_(p, q) = S(unknown_[p], unknown_[q]);
-  Vector b(size);
-  for (Index p = 0; p < size; ++p) b[p] = rhs_[unknown_[p]];
+  b_.resize(size);
+  for (Index p = 0; p < size; ++p) b_[p] = rhs_[unknown_[p]];
 
   bool symmetric = true;
   for (Index i = 0, p = 0; i < laws.nodes(); ++i) {
@@ -111,42 +125,40 @@ bool SemismoothNewton::step() {
     const Real mu = coupled() && n.closed ? laws.mu[i] : 0;
     for (Index k = 0; k < t; ++k) {
       if (mu != 0) {  // r_T = mu r_N d + ...
-        const Real factor = mu * n.d[k];
+        const Real factor = mu * n.sign * n.d[k];
         for (Index q = 0; q < size; ++q) M_(p + k, q) -= factor * S(N, unknown_[q]);
-        b[p + k] -= factor * rhs_[N];
+        b_[p + k] -= factor * rhs_[N];
         symmetric = false;
       } else {
-        b[p + k] -= n.g * n.d[k];
+        b_[p + k] -= n.g * n.d[k];
       }
       for (Index l = 0; l < t; ++l) M_(p + k, p + l) += n.w * ((k == l) - n.d[k] * n.d[l]);
     }
     p += t;
   }
-  const Vector solution = solve_branches(b, symmetric);
-  if (!solution.allFinite()) return false;
-  for (Index p = 0; p < size; ++p) x_[unknown_[p]] = solution[p];
-  return true;
+  scale_.resize(size);
+  for (Index p = 0; p < size; ++p) scale_[p] = 1 / std::sqrt(problem_.D[unknown_[p]]);
+  for (Index q = 0; q < size; ++q)
+    M_.col(q).array() *= scale_[q] * scale_.array();
+  b_.array() *= scale_.array();
+  return symmetric;
 }
 
-/// M_^{-1} b, rows and columns scaled by D^{-1/2}. Where the branches leave a rigid motion free,
-/// the solution of least norm: the load may be in balance with it.
-Vector SemismoothNewton::solve_branches(const Vector& b, bool symmetric) {
-  Vector scale(b.size());
-  for (Index p = 0; p < scale.size(); ++p) scale[p] = 1 / std::sqrt(problem_.D[unknown_[p]]);
-  M_ = scale.asDiagonal() * M_ * scale.asDiagonal();
-  const Vector scaled = scale.asDiagonal() * b;
-  if (symmetric) {
-    const Eigen::LLT<DenseMatrix> llt(M_);
+/// The unknowns, by a factorization in place of M. Where the branches leave a rigid motion free, the
+/// solution of least norm: the load may be in balance with it.
+Vector SemismoothNewton::solve_branches() {
+  if (assemble()) {
+    const Eigen::LLT<Eigen::Ref<DenseMatrix>> llt(M_);
     if (llt.info() == Eigen::Success && llt.rcond() > singular)
-      return scale.asDiagonal() * llt.solve(scaled);
+      return scale_.asDiagonal() * llt.solve(b_);
   } else {
-    const Eigen::PartialPivLU<DenseMatrix> lu(M_);
-    if (lu.rcond() > singular) return scale.asDiagonal() * lu.solve(scaled);
+    const Eigen::PartialPivLU<Eigen::Ref<DenseMatrix>> lu(M_);
+    if (lu.rcond() > singular) return scale_.asDiagonal() * lu.solve(b_);
   }
+  assemble();
   Eigen::CompleteOrthogonalDecomposition<DenseMatrix> cod;
   cod.setThreshold(singular);
-  cod.compute(M_);
-  return scale.asDiagonal() * cod.solve(scaled);
+  return scale_.asDiagonal() * cod.compute(M_).solve(b_);
 }
 
 /// The residual of the laws on S, with c = diag(A): a small algorithmic c would flatter it.
@@ -155,11 +167,13 @@ Real SemismoothNewton::law_residual(const Vector& r) const {
   Real sum = 0;
   for (Index i = 0; i < laws.nodes(); ++i) {
     const Index N = problem_.normal(i), t = laws.tangents(i);
-    const Real normal = std::min(problem_.D[N] * (laws.gap[i] - x_[N]), r[N]);
+    const Real gap_left = problem_.D[N] * (laws.gap[i] - x_[N]);
+    const Real normal = laws.bilateral ? gap_left : std::min(gap_left, r[N]);
     sum += normal * normal / problem_.D[N];
     if (t == 0) continue;
     const Real c = problem_.D.segment(N + 1, t).mean();
-    const Real g = laws.law == Law::tresca ? laws.g[i] : laws.mu[i] * std::max(r[N], 0.0);
+    const Real pressure = laws.bilateral ? std::abs(r[N]) : std::max(r[N], 0.0);
+    const Real g = laws.law == Law::tresca ? laws.g[i] : laws.mu[i] * pressure;
     const Eigen::Matrix<Real, Eigen::Dynamic, 1, 0, 2, 1> y =
         r.segment(N + 1, t) + c * x_.segment(N + 1, t);
     const Real outside = y.norm() > g ? g / y.norm() : 1;

@@ -17,7 +17,7 @@ struct CondensedProblem {
 
 /// Semismooth Newton (primal-dual active set) on the unregularized coupled laws. With c > 0, r the
 /// force of the body on the obstacle, g = mu max(r_N, 0) or given, y = r_T + c x_T:
-///   normal:    r_N = max(0, r_N + S_NN (x_N - gap))
+///   normal:    r_N = max(0, r_N + A_NN (x_N - gap)); bilateral: x_N = gap, and g = mu |r_N|
 ///   friction:  r_T - g y / max(g, |y|) = 0
 /// One step solves the linear system of the present branches: open r_N = 0; closed x_N = gap; stick
 /// x_T = 0; slip r_T = g d + w (I - dd') x_T with d = y/|y|, w = g c/(|y| - g), g depending on x.
@@ -29,6 +29,7 @@ class SemismoothNewton {
   struct Branch {
     bool closed = true, stick = true;
     Real g = 0, w = 0;
+    Real sign = 1;  ///< of r_N, where contact is bilateral
     Eigen::Vector2d d = Eigen::Vector2d::Zero();
   };
 
@@ -50,7 +51,8 @@ class SemismoothNewton {
  private:
   void choose_branches(const Vector& x, const Vector& r);
   bool step();
-  Vector solve_branches(const Vector& b, bool symmetric);
+  bool assemble();
+  Vector solve_branches();
   Real law_residual(const Vector& r) const;
   std::size_t fingerprint() const;
   bool coupled() const { return problem_.laws.law == Law::coulomb; }
@@ -61,7 +63,7 @@ class SemismoothNewton {
   Vector x_, r_;
   std::vector<Index> unknown_;
   DenseMatrix M_;
-  Vector rhs_;
+  Vector rhs_, b_, scale_;
   Index steps_ = 0;
   Real residual_ = 0;
 };

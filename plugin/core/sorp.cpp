@@ -33,7 +33,7 @@ Outcome Sorp::minimize(Iterate& it, const Vector& g, Real, Tangents tangents, Re
   Index since_measured = 0;
   for (Index i = 0; i < problem_.nodes(); ++i) {
     const Index N = problem_.first[i];
-    it.x[N] = std::min(it.x[N], problem_.gap[i]);
+    it.x[N] = problem_.bilateral ? problem_.gap[i] : std::min(it.x[N], problem_.gap[i]);
     if (tangents == Tangents::stuck) it.x.segment(N + 1, problem_.tangents(i)).setZero();
   }
   bool done = violation(it.x, g, tangents) <= bound;
@@ -80,7 +80,8 @@ void Sorp::sweep(Vector& x, const Vector& g, Tangents tangents) {
     update(x, i, x[i] + omega_ * row_residual(x, i) / D_[i]);
   for (Index i = 0; i < problem_.nodes(); ++i) {
     const Index N = problem_.first[i];
-    update(x, N, std::min(x[N] + omega_ * row_residual(x, N) / D_[N], problem_.gap[i]));
+    if (!problem_.bilateral)
+      update(x, N, std::min(x[N] + omega_ * row_residual(x, N) / D_[N], problem_.gap[i]));
     if (tangents == Tangents::sliding && problem_.tangents(i) > 0) relax_tangents(x, i, g[i]);
   }
 }
@@ -106,7 +107,8 @@ Real Sorp::violation(const Vector& x, const Vector& g, Tangents tangents) {
       (r_.head(problem_.interior()).array().square() / D_.head(problem_.interior()).array()).sum();
   for (Index i = 0; i < problem_.nodes(); ++i) {
     const Index N = problem_.first[i], t = problem_.tangents(i);
-    const Real normal = std::min(D_[N] * (problem_.gap[i] - x[N]), r_[N]);
+    const Real gap_left = D_[N] * (problem_.gap[i] - x[N]);
+    const Real normal = problem_.bilateral ? gap_left : std::min(gap_left, r_[N]);
     sum += normal * normal / D_[N];
     if (t == 0 || tangents == Tangents::stuck) continue;
     const Eigen::Matrix<Real, Eigen::Dynamic, 1, 0, 2, 1> y =

@@ -14,6 +14,7 @@ enum Parameter {
   p_gap,
   p_normal,
   p_slidinglimit,
+  p_bilateral,
   p_uold,
   p_init,
   p_method,
@@ -42,6 +43,7 @@ inline basicAC_F0::name_and_type parameters[] = {
     {"gap", &typeid(double)},            // [length]
     {"normal", &typeid(E_Array)},        // outward from the body
     {"slidinglimit", &typeid(double)},   // [force/area]
+    {"bilateral", &typeid(bool)},        // no separation
     {"uold", &typeid(KN_<double>)},      // [length]
     {"init", &typeid(KN_<double>)},      // [length]
     {"method", &typeid(string*)},        //

@@ -13,6 +13,7 @@ inline void set_laws(Stack stack, const Arguments& args, Scene& scene) {
         "mu and slidinglimit are both given; Coulomb friction takes mu, a given limit "
         "slidinglimit");
   if (args.has(p_gap) || scene.gap.size() == 0) scene.gap = args.at_nodes(stack, p_gap, scene);
+  scene.bilateral = args.value(stack, p_bilateral, scene.bilateral);
   if (args.has(p_mu)) {
     scene.mu = args.at_nodes(stack, p_mu, scene);
     scene.law = Law::coulomb;

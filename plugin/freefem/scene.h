@@ -22,6 +22,7 @@ struct Scene {
   std::unique_ptr<LocalSystem> system;
   std::unique_ptr<Solver> solver;
   Law law = Law::frictionless;
+  bool bilateral = false;
   Vector gap, mu, limit;  ///< at the nodes; limit is a force
   double copy_seconds = 0;
 

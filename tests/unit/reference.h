@@ -78,7 +78,7 @@ inline Reference reference_solution(const ContactProblem& p) {
   const Eigen::VectorXd f = p.F.tail(contact) - A_IC.transpose() * A_II.solve(p.F.head(interior));
   Eigen::VectorXd x = Eigen::VectorXd::Zero(contact);
   Reference result;
-  for (int sweep = 0; sweep < 20000 && !result.converged; ++sweep) {
+  for (int sweep = 0; sweep < 4000 && !result.converged; ++sweep) {
     double change = 0;
     for (int i = 0; i < p.nodes(); ++i) {
       const int N = p.first[i] - interior, size = p.first[i + 1] - p.first[i];

@@ -277,3 +277,66 @@ TEST(Solver, StickAsAFaceNeedsNoRegularization) {
       EXPECT_LT((a.u - exact.u).norm(), 1e-7 * exact.u.norm()) << d << clamp;
     }
 }
+
+TEST(Solver, BilateralContactNeverOpensAndRubsUnderTensionToo) {
+  for (int d : {2, 3})
+    for (Law law : {Law::coulomb, Law::tresca}) {
+      BlockOptions o;
+      o.d = d;
+      o.cells = d == 2 ? 8 : 3;
+      o.law = law;
+      o.clamp_side = true;
+      o.pressure = -2;  // pulls
+      o.shear = 15;
+      o.mu = law == Law::tresca ? 0.1 : 0.4;
+      const Scene s = block(o);
+      LocalSystem system = s.system();
+      system.set_law(law, s.friction, true);
+      const ContactProblem& p = system.problem();
+      Vector reference;
+      for (Method m : {Method::condensed, Method::gc3, Method::gcx, Method::sorp}) {
+        Settings settings;
+        settings.method = m;
+        if (m != Method::condensed) settings.tol = 1e-7;
+        const Solution a = solve(p, settings);
+        EXPECT_EQ(a.status, Status::converged) << int(m) << d << int(law);
+        if (reference.size() == 0) reference = a.x;
+        EXPECT_LT((a.x - reference).norm(), 1e-3 * reference.norm()) << int(m);
+        bool tension = false, slip = false;
+        for (Index i = 0; i < p.nodes(); ++i) {
+          const Index N = p.first[i];
+          EXPECT_NEAR(a.x[N], 0, 1e-12);
+          const Real g = law == Law::tresca ? p.g[i] : p.mu[i] * std::abs(a.certificate.r[N]);
+          const Index t = p.tangents(i);
+          if (t == 0) continue;
+          const Real F_T = a.certificate.r.segment(N + 1, t).norm();
+          EXPECT_LE(F_T, g + 1e-4);
+          tension |= a.certificate.r[N] < -1e-3;
+          slip |= a.state[i] == NodeState::slip;
+        }
+        EXPECT_TRUE(tension);
+        EXPECT_TRUE(slip);
+      }
+    }
+}
+
+TEST(Solver, TheDefaultTurnsWithTheSceneStepByStep) {
+  for (int d : {2, 3}) {
+    BlockOptions o;
+    o.d = d;
+    o.cells = d == 2 ? 8 : 4;
+    o.shear = 2.3;
+    const Answer a = run(block(o), Settings());
+    const Real scale = a.u.cwiseAbs().maxCoeff();
+    for (Real angle : {0.1, 0.7, 1.5707963267948966, 3.0}) {
+      o.angle = angle;
+      const Answer b = run(block(o), Settings());
+      EXPECT_EQ(b.solution.iterations, a.solution.iterations) << d << " " << angle;
+      for (Index k = 0; k < a.u.size(); k += d) {
+        const Real c = std::cos(angle), s = std::sin(angle);
+        EXPECT_NEAR(b.u[k], c * a.u[k] - s * a.u[k + 1], 1e-9 * scale);
+        EXPECT_NEAR(b.u[k + 1], s * a.u[k] + c * a.u[k + 1], 1e-9 * scale);
+      }
+    }
+  }
+}
