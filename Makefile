@@ -17,6 +17,7 @@ CORE      := $(wildcard plugin/core/*.cpp)
 OBJECTS   := $(CORE:plugin/%.cpp=$(BUILD)/%.o)
 HEADERS   := $(wildcard plugin/core/*.h plugin/freefem/*.h)
 UNIT      := $(wildcard tests/unit/*.cpp)
+IDP       := $(wildcard edp/*.idp)
 SCRIPTS   := $(wildcard tests/edp/*.edp)
 EXAMPLES  := $(wildcard examples/*.edp)
 BENCHES   := $(wildcard tests/bench/*.cpp)
@@ -25,14 +26,14 @@ OWN       := $(CORE) $(HEADERS) $(wildcard plugin/*.cpp tests/unit/*.cpp tests/u
 
 # Debian's freefem++.pref names a folder that does not exist; these two make up for it.
 export FF_LOADPATH    := $(CURDIR)/$(BUILD);/usr/lib/freefem++
-export FF_INCLUDEPATH := $(CURDIR)/edp;/usr/include/freefem++/idp
+export FF_INCLUDEPATH := $(CURDIR)/$(BUILD);/usr/include/freefem++/idp
 FREEFEM   := FreeFem++-nw -nw -v 0
 PREFIX    ?= /usr
 
 .PHONY: all help setup demo check unit scripts examples bench format lint sanitize coverage \
         install clean
 
-all: $(BUILD)/frictionCG.so ## build the plugin
+all: $(BUILD)/frictionCG.so $(IDP:edp/%=$(BUILD)/%) ## build the plugin
 
 help: ## list the targets
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 18
@@ -58,6 +59,11 @@ $(BUILD)/frictionCG.o: plugin/frictionCG.cpp $(HEADERS)
 
 $(BUILD)/frictionCG.so: $(BUILD)/frictionCG.o $(OBJECTS)
 	$(CXX) -shared $(LDFLAGS) $^ -o $@ $(LIBS)
+
+# Beside the plugin: FreeFEM looks in the current folder before it looks where an older version is installed.
+$(BUILD)/%.idp: edp/%.idp
+	@mkdir -p $(@D)
+	cp $< $@
 
 demo: setup ## the block of the paper: displacement, contact forces, and their picture
 	@$(MAKE) --no-print-directory -j$$(nproc) all >/dev/null
@@ -103,9 +109,9 @@ lint: ## clang-tidy, and the core free of FreeFEM and of output
 sanitize: ## unit and scripted tests under ASan and UBSan
 	@$(MAKE) --no-print-directory BUILD=$(BUILD)/sanitize LDFLAGS="-fsanitize=address,undefined" \
 	  CXXFLAGS="-O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined" \
-	  $(BUILD)/sanitize/frictionCG.so $(BUILD)/sanitize/unit_tests
+	  all $(BUILD)/sanitize/unit_tests
 	$(BUILD)/sanitize/unit_tests
-	FF_LOADPATH="$(CURDIR)/$(BUILD)/sanitize;/usr/lib/freefem++" \
+	BUILD=$(BUILD)/sanitize \
 	LD_PRELOAD="$$($(CXX) -print-file-name=libasan.so) $$($(CXX) -print-file-name=libubsan.so)" \
 	ASAN_OPTIONS=detect_leaks=0:alloc_dealloc_mismatch=0 bash tests/run $(SCRIPTS)
 

@@ -300,8 +300,8 @@ void Condensation::read_trailing_block() {
   for_each_trailing([this](Index i, Index j, Real l) { S_(i, j) = l; });
 }
 
-/// S := S S' in place, S lower triangular: a column of the product needs the columns up to its own, so
-/// the last goes first.
+/// S := S S' in place, S lower triangular: a column of the product needs the columns up to its own,
+/// so the last goes first.
 void Condensation::multiply_by_transpose() {
   const Index n = static_cast<Index>(S_.rows());
   constexpr Index block = 64;

@@ -104,8 +104,8 @@ bool SemismoothNewton::step() {
   return true;
 }
 
-/// M and b of the unknowns on the present branches, rows and columns scaled by D^{-1/2}. True where M
-/// is symmetric.
+/// M and b of the unknowns on the present branches, rows and columns scaled by D^{-1/2}. True where
+/// M is symmetric.
 bool SemismoothNewton::assemble() {
   const ContactProblem& laws = problem_.laws;
   const DenseMatrix& S = problem_.S;
@@ -138,14 +138,13 @@ bool SemismoothNewton::assemble() {
   }
   scale_.resize(size);
   for (Index p = 0; p < size; ++p) scale_[p] = 1 / std::sqrt(problem_.D[unknown_[p]]);
-  for (Index q = 0; q < size; ++q)
-    M_.col(q).array() *= scale_[q] * scale_.array();
+  for (Index q = 0; q < size; ++q) M_.col(q).array() *= scale_[q] * scale_.array();
   b_.array() *= scale_.array();
   return symmetric;
 }
 
-/// The unknowns, by a factorization in place of M. Where the branches leave a rigid motion free, the
-/// solution of least norm: the load may be in balance with it.
+/// The unknowns, by a factorization in place of M. Where the branches leave a rigid motion free,
+/// the solution of least norm: the load may be in balance with it.
 Vector SemismoothNewton::solve_branches() {
   if (assemble()) {
     const Eigen::LLT<Eigen::Ref<DenseMatrix>> llt(M_);
