@@ -10,7 +10,8 @@ namespace {
 
 struct Run {
   std::string text;
-  double count = 0;  // 0: not reached
+  double count = 0;    // 0: not reached
+  double seconds = 0;  // CPU
 };
 
 /// One row: iterations of a method at the given sliding limit, by the paper's stopping test, and
@@ -44,21 +45,23 @@ class Tables {
     s.tol = 1e-15;
     Iterate it{Vector::Zero(problem_.dofs()), std::vector<char>(problem_.nodes(), 0)};
     const auto solver = make_tresca_solver(problem_, s, s.nbiter, nullptr);
+    const double start = cpu_seconds();
     const Outcome o = solver->minimize(it, problem_.g, eps, Tangents::sliding, 0);
+    const double seconds = cpu_seconds() - start;
     const Vector e = it.x - x_;
     const double error = std::sqrt(std::abs(e.dot(problem_.A * e)) / energy_);
     std::ostringstream text;
     if (o.status == Status::converged && error > 1e-2) {
       text << " stops wrong (" << std::setprecision(1) << std::scientific << error << ")";
-      return {text.str(), 0};
+      return {text.str(), 0, seconds};
     }
     if (o.status == Status::converged) {
       text << std::setw(6) << o.iterations << "  (" << std::setprecision(1) << std::scientific
            << error << ")";
-      return {text.str(), double(o.iterations)};
+      return {text.str(), double(o.iterations), seconds};
     }
     text << " stalls  (" << std::setprecision(1) << std::scientific << error << ")";
-    return {text.str(), 0};
+    return {text.str(), 0, seconds};
   }
 
   /// The omega of least iterations, of (0, 2) by steps of 0.02.
@@ -87,6 +90,7 @@ struct PaperCounts {
   double gc[3][3];   // GC1..3 by REG1..3, 0 where not published
   double sorp;       // at its omega
   double precon[4];  // diag(A), SSOR(A), diag(J''), SSOR(J'')
+  double seconds[5];  // their times on a VAX 6310, and that of SORP; 0 where not published
   double omega;
   Regularization precon_reg;
   double partial;
@@ -135,7 +139,8 @@ void print_tables(const Tables& t, const PaperCounts& paper, double eps) {
   const double best = t.best_omega(eps);
   const Run gc3 = t.run(Method::gc3, Regularization::polynomial, Precon::hessian_ssor, Step::exact,
                         eps, paper.partial, 1);
-  std::cout << "\n  SORP                                      paper      ours/GC3  paper/GC3\n";
+  std::cout << "\n  SORP                               paper   ratios to GC3, SSOR(J''): iterations, ours and "
+               "paper's; time, ours and paper's\n";
   for (double omega : {paper.omega, best}) {
     const Run r = t.run(Method::sorp, Regularization::polynomial, Precon::none, Step::exact, eps,
                         paper.partial, omega);
@@ -146,7 +151,9 @@ void print_tables(const Tables& t, const PaperCounts& paper, double eps) {
     else
       std::cout << "our best";
     print_ratio(gc3.count > 0 ? r.count / gc3.count : 0,
-                omega == paper.omega && paper.gc[2][2] > 0 ? paper.sorp / paper.gc[2][2] : 0);
+                omega == paper.omega && paper.precon[3] > 0 ? paper.sorp / paper.precon[3] : 0);
+    print_ratio(r.seconds / gc3.seconds,
+                omega == paper.omega && paper.seconds[3] > 0 ? paper.seconds[4] / paper.seconds[3] : 0);
     std::cout << "\n";
   }
 
@@ -157,7 +164,8 @@ void print_tables(const Tables& t, const PaperCounts& paper, double eps) {
     std::cout
         << "\n  preconditioners of GC3, step "
         << (step == Step::newton ? "(14) as printed" : "exact, with the safeguards") << "\n"
-        << "                                            paper ours/SSOR(J'') paper/SSOR(J'')\n";
+        << "                                     paper   ratios to SSOR(J''): iterations, ours and "
+                 "paper's; time, ours and paper's\n";
     std::array<Run, 4> rows;
     for (int p = 0; p < 4; ++p)
       rows[p] = t.run(Method::gc3, paper.precon_reg, precons[p], step, eps, paper.partial, 1);
@@ -170,6 +178,8 @@ void print_tables(const Tables& t, const PaperCounts& paper, double eps) {
         std::cout << "-";
       print_ratio(rows[3].count > 0 ? rows[p].count / rows[3].count : 0,
                   paper.precon[p] / paper.precon[3]);
+      print_ratio(rows[p].count > 0 ? rows[p].seconds / rows[3].seconds : 0,
+                  paper.seconds[3] > 0 ? paper.seconds[p] / paper.seconds[3] : 0);
       std::cout << "\n";
     }
   }
@@ -204,18 +214,21 @@ class PaperTables : public E_F0mps {
       const PaperCounts counts[] = {{{{102, 71, 93}, {98, 93, 90}, {50, 49, 47}},
                                      225,
                                      {115, 49, 113, 47},
+           {30, 28, 30, 27, 30},
                                      1.58,
                                      Regularization::square_root,
                                      1e-3},
                                     {{{289, 227, 257}, {0, 0, 0}, {241, 223, 220}},
                                      776,
                                      {0, 0, 0, 241},
+           {0, 0, 0, 0, 0},
                                      1.96,
                                      Regularization::square_root,
                                      0.5e-3},
                                     {{{0, 0, 0}, {0, 0, 0}, {0, 277, 0}},
                                      3646,
                                      {676, 305, 584, 277},
+           {742, 588, 680, 560, 1579},
                                      1.86,
                                      Regularization::log_cosh,
                                      0.5e-3}};
