@@ -11,6 +11,24 @@ namespace {
 
 constexpr Real sigma = 0.5;
 
+/// CHOLMOD's view of the upper triangle of a symmetric matrix, or of its pattern (value null).
+cholmod_sparse symmetric_view(Index n, std::vector<Index>& column, std::vector<Index>& row,
+                              Real* value) {
+  cholmod_sparse view{};
+  view.nrow = view.ncol = n;
+  view.nzmax = row.size();
+  view.p = column.data();
+  view.i = row.data();
+  view.x = value;
+  view.stype = 1;
+  view.itype = CHOLMOD_INT;
+  view.xtype = value ? CHOLMOD_REAL : CHOLMOD_PATTERN;
+  view.dtype = CHOLMOD_DOUBLE;
+  view.sorted = value != nullptr;  // the rows of a pattern come as the graph was walked
+  view.packed = 1;
+  return view;
+}
+
 /// Rows of A up to the diagonal: by columns, the upper triangle that CHOLMOD reads. The contact
 /// dofs, last, get the shift, and are chained by entries (zero if need be) next to the diagonal: so
 /// each is the parent of the one before in the elimination tree. `roots` are interior dofs that
@@ -43,16 +61,7 @@ struct UpperTriangle {
       value.push_back(j < interior ? p.D[j] : (1 + sigma) * p.D[j]);
       column.push_back(static_cast<Index>(row.size()));
     }
-    view.nrow = view.ncol = n;
-    view.nzmax = row.size();
-    view.p = column.data();
-    view.i = row.data();
-    view.x = value.data();
-    view.stype = 1;
-    view.itype = CHOLMOD_INT;
-    view.xtype = CHOLMOD_REAL;
-    view.dtype = CHOLMOD_DOUBLE;
-    view.sorted = view.packed = 1;
+    view = symmetric_view(n, column, row, value.data());
   }
 
  private:
@@ -96,15 +105,7 @@ struct NodeGraph {
         }
       column.push_back(static_cast<Index>(row.size()));
     }
-    view.nrow = view.ncol = nodes;
-    view.nzmax = row.size();
-    view.p = column.data();
-    view.i = row.data();
-    view.stype = 1;
-    view.itype = CHOLMOD_INT;
-    view.xtype = CHOLMOD_PATTERN;
-    view.dtype = CHOLMOD_DOUBLE;
-    view.packed = 1;
+    view = symmetric_view(nodes, column, row, nullptr);
   }
 
   void restrict_to_interior() {

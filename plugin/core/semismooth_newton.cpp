@@ -110,37 +110,50 @@ bool SemismoothNewton::assemble() {
   const ContactProblem& laws = problem_.laws;
   const DenseMatrix& S = problem_.S;
   const Index size = static_cast<Index>(unknown_.size());
-  M_.resize(size, size);
-  for (Index q = 0; q < size; ++q)
-    for (Index p = 0; p < size; ++p) M_(p, q) = S(unknown_[p], unknown_[q]);
   b_.resize(size);
-  for (Index p = 0; p < size; ++p) b_[p] = rhs_[unknown_[p]];
+  scale_.resize(size);
+  factor_.setZero(size);
+  normal_.assign(size, 0);
+  for (Index p = 0; p < size; ++p) {
+    b_[p] = rhs_[unknown_[p]];
+    scale_[p] = 1 / std::sqrt(problem_.D[unknown_[p]]);
+  }
+  // rows of slip: r_T = factor r_N + ..., factor = mu d, or r_T = g d + ...
+  for_each_slip([&](const Branch& n, Index i, Index p, Index t) {
+    const Real mu = coupled() && n.closed ? n.sign * laws.mu[i] : 0;
+    for (Index k = 0; k < t; ++k) {
+      factor_[p + k] = mu * n.d[k];
+      normal_[p + k] = problem_.normal(i);
+      b_[p + k] -= mu != 0 ? factor_[p + k] * rhs_[normal_[p + k]] : n.g * n.d[k];
+    }
+  });
+  M_.resize(size, size);
+  for (Index q = 0; q < size; ++q) {
+    const auto column = S.col(unknown_[q]);
+    for (Index p = 0; p < size; ++p)
+      M_(p, q) = scale_[p] * scale_[q] * (column[unknown_[p]] - factor_[p] * column[normal_[p]]);
+  }
+  for_each_slip([&](const Branch& n, Index, Index p, Index t) {
+    for (Index k = 0; k < t; ++k)
+      for (Index l = 0; l < t; ++l)
+        M_(p + k, p + l) += scale_[p + k] * scale_[p + l] * n.w * ((k == l) - n.d[k] * n.d[l]);
+  });
+  b_.array() *= scale_.array();
+  return factor_.isZero(0);
+}
 
-  bool symmetric = true;
-  for (Index i = 0, p = 0; i < laws.nodes(); ++i) {
+/// Visits the nodes whose tangential dofs are unknowns: branch, node, first of those unknowns,
+/// number.
+template <class Visit>
+void SemismoothNewton::for_each_slip(Visit visit) const {
+  for (Index i = 0, p = 0; i < problem_.laws.nodes(); ++i) {
     const Branch& n = branch_[i];
-    const Index N = problem_.normal(i), t = laws.tangents(i);
+    const Index t = problem_.laws.tangents(i);
     if (!n.closed) ++p;
     if (n.stick || t == 0) continue;
-    const Real mu = coupled() && n.closed ? laws.mu[i] : 0;
-    for (Index k = 0; k < t; ++k) {
-      if (mu != 0) {  // r_T = mu r_N d + ...
-        const Real factor = mu * n.sign * n.d[k];
-        for (Index q = 0; q < size; ++q) M_(p + k, q) -= factor * S(N, unknown_[q]);
-        b_[p + k] -= factor * rhs_[N];
-        symmetric = false;
-      } else {
-        b_[p + k] -= n.g * n.d[k];
-      }
-      for (Index l = 0; l < t; ++l) M_(p + k, p + l) += n.w * ((k == l) - n.d[k] * n.d[l]);
-    }
+    visit(n, i, p, t);
     p += t;
   }
-  scale_.resize(size);
-  for (Index p = 0; p < size; ++p) scale_[p] = 1 / std::sqrt(problem_.D[unknown_[p]]);
-  for (Index q = 0; q < size; ++q) M_.col(q).array() *= scale_[q] * scale_.array();
-  b_.array() *= scale_.array();
-  return symmetric;
 }
 
 /// The unknowns, by a factorization in place of M. Where the branches leave a rigid motion free,

@@ -51,6 +51,8 @@ class SemismoothNewton {
  private:
   void choose_branches(const Vector& x, const Vector& r);
   bool step();
+  template <class Visit>
+  void for_each_slip(Visit visit) const;
   bool assemble();
   Vector solve_branches();
   Real law_residual(const Vector& r) const;
@@ -63,7 +65,8 @@ class SemismoothNewton {
   Vector x_, r_;
   std::vector<Index> unknown_;
   DenseMatrix M_;
-  Vector rhs_, b_, scale_;
+  Vector rhs_, b_, scale_, factor_;
+  std::vector<Index> normal_;  ///< of the unknowns, the normal dof that factor_ refers to
   Index steps_ = 0;
   Real residual_ = 0;
 };

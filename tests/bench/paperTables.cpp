@@ -87,9 +87,9 @@ class Tables {
 };
 
 struct PaperCounts {
-  double gc[3][3];   // GC1..3 by REG1..3, 0 where not published
-  double sorp;       // at its omega
-  double precon[4];  // diag(A), SSOR(A), diag(J''), SSOR(J'')
+  double gc[3][3];    // GC1..3 by REG1..3, 0 where not published
+  double sorp;        // at its omega
+  double precon[4];   // diag(A), SSOR(A), diag(J''), SSOR(J'')
   double seconds[5];  // their times on a VAX 6310, and that of SORP; 0 where not published
   double omega;
   Regularization precon_reg;
@@ -139,7 +139,8 @@ void print_tables(const Tables& t, const PaperCounts& paper, double eps) {
   const double best = t.best_omega(eps);
   const Run gc3 = t.run(Method::gc3, Regularization::polynomial, Precon::hessian_ssor, Step::exact,
                         eps, paper.partial, 1);
-  std::cout << "\n  SORP                               paper   ratios to GC3, SSOR(J''): iterations, ours and "
+  std::cout << "\n  SORP                               paper   ratios to GC3, SSOR(J''): "
+               "iterations, ours and "
                "paper's; time, ours and paper's\n";
   for (double omega : {paper.omega, best}) {
     const Run r = t.run(Method::sorp, Regularization::polynomial, Precon::none, Step::exact, eps,
@@ -152,8 +153,9 @@ void print_tables(const Tables& t, const PaperCounts& paper, double eps) {
       std::cout << "our best";
     print_ratio(gc3.count > 0 ? r.count / gc3.count : 0,
                 omega == paper.omega && paper.precon[3] > 0 ? paper.sorp / paper.precon[3] : 0);
-    print_ratio(r.seconds / gc3.seconds,
-                omega == paper.omega && paper.seconds[3] > 0 ? paper.seconds[4] / paper.seconds[3] : 0);
+    print_ratio(r.seconds / gc3.seconds, omega == paper.omega && paper.seconds[3] > 0
+                                             ? paper.seconds[4] / paper.seconds[3]
+                                             : 0);
     std::cout << "\n";
   }
 
@@ -165,7 +167,7 @@ void print_tables(const Tables& t, const PaperCounts& paper, double eps) {
         << "\n  preconditioners of GC3, step "
         << (step == Step::newton ? "(14) as printed" : "exact, with the safeguards") << "\n"
         << "                                     paper   ratios to SSOR(J''): iterations, ours and "
-                 "paper's; time, ours and paper's\n";
+           "paper's; time, ours and paper's\n";
     std::array<Run, 4> rows;
     for (int p = 0; p < 4; ++p)
       rows[p] = t.run(Method::gc3, paper.precon_reg, precons[p], step, eps, paper.partial, 1);
@@ -214,21 +216,21 @@ class PaperTables : public E_F0mps {
       const PaperCounts counts[] = {{{{102, 71, 93}, {98, 93, 90}, {50, 49, 47}},
                                      225,
                                      {115, 49, 113, 47},
-           {30, 28, 30, 27, 30},
+                                     {30, 28, 30, 27, 30},
                                      1.58,
                                      Regularization::square_root,
                                      1e-3},
                                     {{{289, 227, 257}, {0, 0, 0}, {241, 223, 220}},
                                      776,
                                      {0, 0, 0, 241},
-           {0, 0, 0, 0, 0},
+                                     {0, 0, 0, 0, 0},
                                      1.96,
                                      Regularization::square_root,
                                      0.5e-3},
                                     {{{0, 0, 0}, {0, 0, 0}, {0, 277, 0}},
                                      3646,
                                      {676, 305, 584, 277},
-           {742, 588, 680, 560, 1579},
+                                     {742, 588, 680, 560, 1579},
                                      1.86,
                                      Regularization::log_cosh,
                                      0.5e-3}};
