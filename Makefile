@@ -8,7 +8,7 @@ WARN      := -Wall -Wextra -Wshadow -Werror
 INCLUDE   := -DEIGEN_USE_BLAS -isystem /usr/include/eigen3 -isystem /usr/include/suitesparse
 FF_HEADER := -isystem /usr/include/freefem++
 FLAGS      = -std=c++17 -fPIC $(CXXFLAGS) $(WARN) $(INCLUDE)
-LIBS      := -lcholmod -llapack -lblas
+LIBS      := -lcholmod -lblas
 
 PACKAGES  := freefem++ libfreefem++-dev libeigen3-dev libsuitesparse-dev libopenblas0-pthread \
              libopenblas-dev libgtest-dev gnuplot-nox ghostscript g++

@@ -19,10 +19,4 @@ Real load_norm(const ContactProblem& problem) {
   return penetration > 0 ? std::sqrt(penetration) : 1;
 }
 
-Real energy(const ContactProblem& problem, const Vector& g, const Vector& x) {
-  Real J = x.dot(0.5 * (problem.A * x) - problem.F);
-  for (Index i = 0; i < problem.nodes(); ++i) J += g[i] * tangential_norm(problem, i, x);
-  return J;
-}
-
 }  // namespace frictioncg

@@ -44,9 +44,6 @@ Real norm_D(const ContactProblem& problem, const Vector& r);
 /// the initial penetration; 1 where there is neither.
 Real load_norm(const ContactProblem& problem);
 
-/// J of (5) at the sliding limits g (m). [force * length]
-Real energy(const ContactProblem& problem, const Vector& g, const Vector& x);
-
 /// |x_T| at contact node i.
 inline Real tangential_norm(const ContactProblem& p, Index i, const Vector& x) {
   return x.segment(p.first[i] + 1, p.tangents(i)).norm();
