@@ -29,8 +29,6 @@ class Anderson {
     return image - dimage_.leftCols(used) * theta;
   }
 
-  void forget() { *this = Anderson(); }
-
  private:
   static constexpr Index depth = 5;
   Index count_ = 0;

@@ -15,22 +15,28 @@ namespace {
 constexpr Index newton_steps = 40;
 constexpr Real least_stiffness = 1e-8;  ///< of diag(S) over diag(A)
 
+/// The laws and the layout of the nodes, without matrix and load; the first contact dof becomes
+/// number `interior`.
+ContactProblem laws_of(const ContactProblem& problem, Index interior) {
+  ContactProblem p;
+  p.dimension = problem.dimension;
+  for (Index first : problem.first) p.first.push_back(first - problem.interior() + interior);
+  p.gap = problem.gap;
+  p.law = problem.law;
+  p.bilateral = problem.bilateral;
+  p.mu = problem.mu;
+  p.g = problem.g;
+  p.force_scale = problem.force_scale;
+  return p;
+}
+
 /// The condensed problem in the form the conjugate gradient takes: all dofs are contact dofs.
 ContactProblem on_contact_dofs(const CondensedProblem& condensed) {
-  ContactProblem p = {};
-  const ContactProblem& laws = condensed.laws;
-  p.dimension = laws.dimension;
+  ContactProblem p = laws_of(condensed.laws, 0);
   p.A = condensed.S.sparseView(0, 0);
   p.A.makeCompressed();
   p.D = condensed.S.diagonal();
   p.F = condensed.f;
-  for (Index first : laws.first) p.first.push_back(first - laws.interior());
-  p.gap = laws.gap;
-  p.law = laws.law;
-  p.bilateral = laws.bilateral;
-  p.mu = laws.mu;
-  p.g = laws.g;
-  p.force_scale = laws.force_scale;
   return p;
 }
 
@@ -117,13 +123,7 @@ CondensedSolver::Attempt CondensedSolver::by_continuation(const CondensedProblem
                                                           Solution& s) {
   Attempt last;
   if (problem_.law != Law::coulomb) return last;
-  ContactProblem laws;
-  laws.dimension = problem_.dimension;
-  laws.first = problem_.first;
-  laws.gap = problem_.gap;
-  laws.law = problem_.law;
-  laws.bilateral = problem_.bilateral;
-  laws.force_scale = problem_.force_scale;
+  ContactProblem laws = laws_of(problem_, problem_.interior());
   const CondensedProblem scaled{condensed.S, condensed.f, condensed.D, laws};
   Real reached = 0, step = 0.25;
   Vector x;

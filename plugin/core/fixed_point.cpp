@@ -87,12 +87,12 @@ bool FixedPoint::update_sliding_limit() {
     const Real d = image[i] - g_[i];
     if (problem_.tangents(i) > 0) sum += d * d / problem_.D[N + 1];
   }
-  mismatch_ = std::sqrt(sum) / problem_.force_scale;
-  if (mismatch_ <= 0.3 * settings_.tol && inner_ <= settings_.tol / 3) return false;
+  const Real mismatch = std::sqrt(sum) / problem_.force_scale;
+  if (mismatch <= 0.3 * settings_.tol && inner_ <= settings_.tol / 3) return false;
 
-  inner_ = std::min(inner_, std::max(0.1 * mismatch_, settings_.tol / 3));
-  if (mismatch_ < 0.5 * best_) {
-    best_ = mismatch_;
+  inner_ = std::min(inner_, std::max(0.1 * mismatch, settings_.tol / 3));
+  if (mismatch < 0.5 * best_) {
+    best_ = mismatch;
     since_best_ = 0;
   } else {
     inner_ = std::max(inner_ / 2, least_tolerance);  // forces may be less precise than the residual
@@ -104,7 +104,7 @@ bool FixedPoint::update_sliding_limit() {
       return true;
     }
     damped_ = true;
-    best_ = mismatch_;
+    best_ = mismatch;
     since_best_ = -3 * patience;
   }
   g_ = damped_ ? Vector(0.5 * (g_ + image)) : Vector(anderson_.next(g_, image).cwiseMax(0));

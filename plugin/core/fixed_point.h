@@ -29,8 +29,7 @@ class FixedPoint {
   Solution solution_;
   Real relative_eps_;  ///< eps over the displacement scale, where eps is ours to choose
   Real inner_ = 0;     ///< tolerance of the next minimization
-  Real mismatch_ = 0;  ///< |mu r_N - g|, in norm_D over the load
-  Real best_ = 0;      ///< least mismatch so far
+  Real best_ = 0;      ///< least mismatch |mu r_N - g| so far, in norm_D over the load
   Index since_best_ = 0;
   bool damped_ = false;
 };

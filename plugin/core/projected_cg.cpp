@@ -154,13 +154,17 @@ bool ProjectedCG::close_gaps(Iterate& it, Real rho, Real rho_gap) {
   return true;
 }
 
+/// Violations of a face up to here, in norm_D, are left to the tolerance.
+Real ProjectedCG::release_threshold(Real tolerance) const {
+  if (settings_.stop_on_step > 0) return 0;
+  return 0.1 * tolerance * problem_.force_scale / std::sqrt(Real(problem_.nodes()));
+}
+
 /// Opens the nodes in contact on which the obstacle would have to pull by more than rounding and
 /// the tolerance explain.
 bool ProjectedCG::release_tensile(Iterate& it, Real tolerance) {
   if (problem_.bilateral) return false;
-  const Real threshold = settings_.stop_on_step > 0 ? 0
-                                                    : 0.1 * tolerance * problem_.force_scale /
-                                                          std::sqrt(Real(problem_.nodes()));
+  const Real threshold = release_threshold(tolerance);
   bool released = false;
   for (Index i = 0; i < problem_.nodes(); ++i) {
     const Index c = problem_.first[i] - problem_.interior();
@@ -174,7 +178,7 @@ bool ProjectedCG::release_tensile(Iterate& it, Real tolerance) {
 
 /// Opens the faces x_T = 0 whose force exceeds the sliding limit.
 bool ProjectedCG::release_stick(const Vector& g, Real tolerance) {
-  const Real threshold = 0.1 * tolerance * problem_.force_scale / std::sqrt(Real(problem_.nodes()));
+  const Real threshold = release_threshold(tolerance);
   bool released = false;
   for (Index i = 0; i < problem_.nodes(); ++i) {
     const Index T = problem_.first[i] + 1, t = problem_.tangents(i);

@@ -25,6 +25,7 @@ class ProjectedCG final : public TrescaSolver {
   bool hold_inward(Iterate& it, const Vector& g, const Phi& phi);
   Real step_to_gap(const Iterate& it) const;
   bool close_gaps(Iterate& it, Real rho, Real rho_gap);
+  Real release_threshold(Real tolerance) const;
   bool release_tensile(Iterate& it, Real tolerance);
   bool release_stick(const Vector& g, Real tolerance);
   bool freeze_stick(Iterate& it, const Vector& g, Real rho);

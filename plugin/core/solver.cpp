@@ -16,9 +16,9 @@ Plan make_plan(const ContactProblem& problem, const Settings& settings) {
   plan.tangents = problem.contact_dofs() - problem.nodes();
   plan.law = problem.law;
   plan.fixed_point = problem.law == Law::coulomb;
-  plan.regularization = problem.law != Law::frictionless && settings.method != Method::sorp &&
-                        (settings.method == Method::gc1 || settings.method == Method::gc2 ||
-                         settings.method == Method::gc3 || !settings.polish);
+  const bool direct = settings.method == Method::automatic || settings.method == Method::condensed;
+  const bool smooths = settings.method != Method::sorp && settings.method != Method::gcx;
+  plan.regularization = problem.law != Law::frictionless && (direct ? !settings.polish : smooths);
   return plan;
 }
 

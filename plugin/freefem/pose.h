@@ -41,8 +41,7 @@ std::shared_ptr<Scene> pose(Stack stack, const Arguments& args, Matrice_Creuse<d
   for (std::size_t k = 0; k < scene->nodes.size(); ++k)
     any |= scene->nodes[k].point.friction = friction && (everywhere || (*strength)[k] > 0);
   if (!any) scene->law = Law::frictionless;
-  scene->assemble(t, mesh_nodes(static_cast<const typename V::FESpace&>(
-                         *static_cast<typename V::FESpace*>(**pVh))));
+  scene->assemble(t);
   return scene;
 }
 

@@ -17,6 +17,7 @@ struct Scene {
   int d = 2;
   long ndof = 0;
   std::vector<BoundaryNode> nodes;
+  std::vector<Index> mesh_node;  ///< of each dof of Vh
   /// Makes a contact node the point at which expressions are evaluated.
   std::function<void(MeshPoint*, const BoundaryNode&)> go_to;
   std::unique_ptr<LocalSystem> system;
@@ -27,7 +28,7 @@ struct Scene {
   double copy_seconds = 0;
 
   /// Copies A into the local frames; the nodes carry their normals and whether they have friction.
-  void assemble(const Triplets& A, const std::vector<Index>& node_of_dof) {
+  void assemble(const Triplets& A) {
     const double start = cpu_seconds();
     std::vector<ContactPoint> points;
     for (const BoundaryNode& n : nodes) points.push_back(n.point);
@@ -36,11 +37,20 @@ struct Scene {
       throw IllegalInput(
           "labels name no node that could touch: Dirichlet conditions hold the normal displacement "
           "of all of them");
-    system->set_mesh_nodes(node_of_dof);
+    system->set_mesh_nodes(mesh_node);
     solver = std::make_unique<Solver>(system->problem());
     copy_seconds = cpu_seconds() - start;
   }
 };
+
+/// Which node of the mesh each dof belongs to.
+template <class Space>
+std::vector<Index> mesh_nodes(const Space& Vh) {
+  std::vector<Index> node(Vh.NbOfDF);
+  for (int k = 0; k < Vh.NbOfNodes; ++k)
+    for (int i = Vh.FirstDFOfNode(k); i < Vh.LastDFOfNode(k); ++i) node[i] = k;
+  return node;
+}
 
 /// The geometry of a scene: the contact nodes of the labels, and how to evaluate expressions there.
 template <class V>
@@ -52,21 +62,13 @@ std::shared_ptr<Scene> make_scene(typename V::pfes* pVh, const std::vector<long>
   scene->d = Dimension<Space>::d;
   scene->ndof = Vh->NbOfDF;
   scene->nodes = contact_nodes(*Vh, labels);
+  scene->mesh_node = mesh_nodes(*Vh);
   const CountPointer<Space> keep(Vh);
   scene->go_to = [keep](MeshPoint* mp, const BoundaryNode& node) {
     const Space* space = keep;
     Dimension<Space>::set_point(mp, *space, node);
   };
   return scene;
-}
-
-/// Which node of the mesh each dof belongs to.
-template <class Space>
-std::vector<Index> mesh_nodes(const Space& Vh) {
-  std::vector<Index> node(Vh.NbOfDF);
-  for (int k = 0; k < Vh.NbOfNodes; ++k)
-    for (int i = Vh.FirstDFOfNode(k); i < Vh.LastDFOfNode(k); ++i) node[i] = k;
-  return node;
 }
 
 }  // namespace frictioncg

@@ -86,12 +86,11 @@ class LinearSolve : public E_F0mps {
                               {}, scene->gap);
       const ContactProblem& p = scene->system->problem();
       KN<double>* t = Add2StackOfPtr2Free(stack, new KN<double>(5));
-      const double before = peak_megabytes(true);
+      peak_megabytes(true);
       (*t)[1] = cholmod_solve_seconds(p, CHOLMOD_AMD);
       const double with_amd = peak_megabytes(true);
       (*t)[2] = cholmod_solve_seconds(p, CHOLMOD_METIS);
       const double with_metis = peak_megabytes(true);
-      (void)before;
       (*t)[0] = std::min((*t)[1], (*t)[2]);
       Vector x = Vector::Ones(p.dofs()), y(p.dofs());
       const int products = 1 + static_cast<int>(2e8 / (1 + p.A.nonZeros()));
