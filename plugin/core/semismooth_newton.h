@@ -55,6 +55,7 @@ class SemismoothNewton {
   void for_each_slip(Visit visit) const;
   bool assemble();
   Vector solve_branches();
+  Vector solve_in_single_precision() const;
   Real law_residual(const Vector& r) const;
   std::size_t fingerprint() const;
   bool coupled() const { return problem_.laws.law == Law::coulomb; }
