@@ -234,8 +234,8 @@ class Construct : public E_F0mps {
         Vh_(to<typename V::pfes*>(args[1])),
         labels_(args[2]) {
     for (int p = 0; p < parameter_count; ++p)
-      if (arguments_.has(Parameter(p)) && p != p_mu && p != p_gap && p != p_normal &&
-          p != p_slidinglimit && p != p_bilateral)
+      if (arguments_.has(Parameter(p)) && p != p_mu && p != p_mu2 && p != p_direction &&
+          p != p_gap && p != p_normal && p != p_slidinglimit && p != p_bilateral)
         CompileError(std::string(constructor_name) + ": " + parameters[p].name +
                      " belongs to frictionalContactCG(C, b, ...)");
   }

@@ -1,5 +1,7 @@
 #include "local_system.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -117,9 +119,29 @@ void LocalSystem::add_frame(Index point) {
     }
     for (int c = 0; c < d_; ++c) f.Q[c][k] = t[c] / length;
   }
+  orient(f);
   for (int c = 0; c < d_; ++c)
     for (int k = 0; k < f.size; ++k) rotated_ |= f.Q[c][k] != 0 && std::abs(f.Q[c][k]) != 1;
   frames_.push_back(f);
+}
+
+/// Turns the tangents to the principal directions of orthotropic friction, and scales them. Where
+/// Dirichlet conditions leave one tangent t, the dissipation along it decides: g |(t_1, across
+/// t_2)|.
+void LocalSystem::orient(Frame& f) const {
+  const ContactPoint& p = points_[f.point];
+  if (p.across == 1 || f.size < 2) return;
+  const Eigen::Map<const Eigen::Vector3d> normal(p.normal.data()), direction(p.direction.data());
+  const Eigen::Vector3d along = (direction - normal * normal.dot(direction)).normalized();
+  const Eigen::Vector3d across = normal.cross(along);
+  if (f.size == 3) {
+    for (int c = 0; c < 3; ++c) f.Q[c][1] = std::abs(along[c]) > aligned ? along[c] : 0;
+    for (int c = 0; c < 3; ++c) f.Q[c][2] = std::abs(across[c]) > aligned ? across[c] : 0;
+    f.scale[2] = p.across;
+  } else {
+    const Eigen::Vector3d t(f.Q[0][1], f.Q[1][1], f.Q[2][1]);
+    f.scale[1] = std::hypot(t.dot(along), p.across * t.dot(across));
+  }
 }
 
 /// Local dofs: the interior in its order, tangential dofs without a law, then node by node.
@@ -147,7 +169,7 @@ void LocalSystem::number(Index n) {
   problem_.first.push_back(static_cast<Index>(original_.size()));
 }
 
-template <class Visit>
+template <LocalSystem::Direction direction, class Visit>
 void LocalSystem::for_each_image(Index dof, Visit visit) const {
   const Index image = image_[dof];
   if (image >= 0) {
@@ -155,8 +177,11 @@ void LocalSystem::for_each_image(Index dof, Visit visit) const {
   } else if (image != fixed_dof) {
     const Index k = -2 - image;
     const Frame& f = frames_[k / 3];
-    for (int q = 0; q < f.size; ++q)
-      if (f.Q[k % 3][q] != 0) visit(f.local[q], f.Q[k % 3][q]);
+    for (int q = 0; q < f.size; ++q) {
+      const Real Q = f.Q[k % 3][q];
+      if (Q == 0) continue;
+      visit(f.local[q], direction == Direction::from_frame ? Q / f.scale[q] : Q * f.scale[q]);
+    }
   }
 }
 
@@ -309,7 +334,7 @@ void LocalSystem::set_load(const Vector& b, const Vector& u_old, const Vector& g
     }
   }
   // F = b - A_D u_D - A u_old: the load of the increment
-  problem_.F = to_local(b);
+  problem_.F = load_to_local(b);
   for (const Coupling& c : couplings_) problem_.F[c.local] -= c.a * data[c.fixed];
   const Real total_load = norm_D(problem_, problem_.F);
   if (u_old.size() > 0) {
@@ -343,8 +368,15 @@ void LocalSystem::set_law(Law law, const Vector& friction, bool bilateral) {
 Vector LocalSystem::to_local(const Vector& u) const {
   Vector x = Vector::Zero(static_cast<Index>(original_.size()));
   for (Index i = 0; i < u.size(); ++i)
-    for_each_image(i, [&](Index p, Real Q) { x[p] += Q * u[i]; });
+    for_each_image<Direction::to_frame>(i, [&](Index p, Real Q) { x[p] += Q * u[i]; });
   return x;
+}
+
+Vector LocalSystem::load_to_local(const Vector& b) const {
+  Vector F = Vector::Zero(static_cast<Index>(original_.size()));
+  for (Index i = 0; i < b.size(); ++i)
+    for_each_image(i, [&](Index p, Real Q) { F[p] += Q * b[i]; });
+  return F;
 }
 
 Vector LocalSystem::to_global(const Vector& x) const {
@@ -358,7 +390,7 @@ Vector LocalSystem::force_to_global(const Vector& r) const {
   Vector force = Vector::Zero(static_cast<Index>(image_.size()));
   for (const Frame& f : frames_)
     for (int c = 0; c < d_; ++c)
-      for_each_image(points_[f.point].dof[c], [&](Index p, Real Q) {
+      for_each_image<Direction::to_frame>(points_[f.point].dof[c], [&](Index p, Real Q) {
         if (p >= problem_.interior()) force[points_[f.point].dof[c]] -= Q * r[p];
       });
   return force;

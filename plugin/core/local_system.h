@@ -22,6 +22,10 @@ struct ContactPoint {
   std::array<Index, 3> dof{{-1, -1, -1}};  ///< of each component of the displacement
   std::array<Real, 3> normal{{0, 0, 0}};   ///< unit, outward from the body
   bool friction = false;                   ///< has a tangential law
+  /// Orthotropic friction in 3D: |(F_1, F_2/across)| <= g, F_1 along this tangent (unit), F_2
+  /// across.
+  std::array<Real, 3> direction{{0, 0, 0}};
+  Real across = 1;  ///< coefficient across over coefficient along, > 0
 };
 
 /// From the assembled system to the contact problem in local frames, and back.
@@ -59,13 +63,14 @@ class LocalSystem {
   Vector force_to_global(const Vector& r) const;  ///< force of the obstacle on the body, -r, (n)
 
  private:
-  /// Orthonormal frame of a contact node: u_c = sum_k Q[c][k] x_local[k] over the free components
-  /// c.
+  /// Orthonormal frame of a contact node, and the lengths of its directions:
+  /// u_c = sum_k Q[c][k] x[local[k]]/scale[k] over the free components c.
   struct Frame {
-    Index point = 0;                           ///< contact point
-    Real share = 1;                            ///< length of the projected normal
-    int size = 0;                              ///< free components = directions
-    std::array<std::array<Real, 3>, 3> Q{};    ///< columns n, t1, t2
+    Index point = 0;                         ///< contact point
+    Real share = 1;                          ///< length of the projected normal
+    int size = 0;                            ///< free components = directions
+    std::array<std::array<Real, 3>, 3> Q{};  ///< columns n, t1, t2
+    std::array<Real, 3> scale{{1, 1, 1}};
     std::array<Index, 3> local{{-1, -1, -1}};  ///< local dof of each direction
   };
   struct Fixed {
@@ -79,12 +84,17 @@ class LocalSystem {
   };
   void find_fixed(const Triplets& A);
   void add_frame(Index point);
+  void orient(Frame& frame) const;
   void number(Index n);
   void copy(const Triplets& A);
   void merge_duplicates();
   void check_symmetry() const;
-  template <class Visit>
+  /// Displacements of the script from those of the frames, and forces the other way, take Q/scale;
+  /// their inverses take Q scale.
+  enum class Direction { from_frame, to_frame };
+  template <Direction direction = Direction::from_frame, class Visit>
   void for_each_image(Index dof, Visit visit) const;
+  Vector load_to_local(const Vector& b) const;
 
   int d_;
   std::vector<ContactPoint> points_;

@@ -11,6 +11,8 @@ constexpr const char* operator_name = "frictionalContactCG";
 
 enum Parameter {
   p_mu,
+  p_mu2,
+  p_direction,
   p_gap,
   p_normal,
   p_slidinglimit,
@@ -40,6 +42,8 @@ enum Parameter {
 
 inline basicAC_F0::name_and_type parameters[] = {
     {"mu", &typeid(double)},             // friction coefficient
+    {"mu2", &typeid(double)},            // across direction, mu being along it
+    {"direction", &typeid(E_Array)},     // of orthotropic friction
     {"gap", &typeid(double)},            // [length]
     {"normal", &typeid(E_Array)},        // outward from the body
     {"slidinglimit", &typeid(double)},   // [force/area]
@@ -111,14 +115,15 @@ class Arguments {
  public:
   Arguments(const basicAC_F0& args, int d, bool geometry) : d_(d) {
     args.SetNameParam(parameter_count, parameters, named_);
-    if (!named_[p_normal]) return;
-    if (!geometry)
-      CompileError("frictionalContactCG: normal belongs to the contactproblem; give it there");
-    const E_Array* n = dynamic_cast<const E_Array*>(named_[p_normal]);
-    if (!n || n->size() != d)
-      CompileError(d == 2 ? "frictionalContactCG: normal = [nx, ny] on a 2D mesh"
-                          : "frictionalContactCG: normal = [nx, ny, nz] on a 3D mesh");
-    for (int c = 0; c < d; ++c) normal_[c] = to<double>((*n)[c]);
+    for (Parameter p : {p_normal, p_mu2, p_direction})
+      if (has(p) && !geometry) refuse(p, "belongs to the contactproblem; give it there");
+    if (has(p_normal)) components(p_normal, "[nx, ny, nz]", "[nx, ny]", normal_);
+    if (!has(p_mu2) && !has(p_direction)) return;
+    if (d == 2)
+      refuse(p_mu2, "is friction across a direction of the contact plane; in 2D there is mu alone");
+    if (!has(p_mu) || !has(p_mu2) || !has(p_direction))
+      refuse(p_mu2, "goes with mu and direction: mu along the direction, mu2 across it");
+    components(p_direction, "[dx, dy, dz]", "", direction_);
   }
 
   bool has(Parameter p) const { return named_[p] != nullptr; }
@@ -140,7 +145,35 @@ class Arguments {
 
   void set_normals(Stack stack, Scene& scene) const;
 
+  /// Orthotropic friction: the ratio of the coefficients, and the direction of the first.
+  void set_orthotropy(Stack stack, Scene& scene) const;
+
  private:
+  using Components = std::array<Expression, 3>;
+  using Vector3 = std::array<double, 3>;
+
+  static void refuse(Parameter p, const char* rule) {
+    CompileError(std::string(operator_name) + ": " + parameters[p].name + " " + rule);
+  }
+  /// The expressions of a parameter that is a vector.
+  void components(Parameter p, const char* in_3d, const char* in_2d, Components& out) const {
+    const E_Array* list = dynamic_cast<const E_Array*>(named_[p]);
+    if (!list || list->size() != d_)
+      refuse(p, (std::string("= ") + (d_ == 2 ? in_2d : in_3d) + " on a " + (d_ == 2 ? "2" : "3") +
+                 "D mesh")
+                    .c_str());
+    for (int c = 0; c < d_; ++c) out[c] = to<double>((*list)[c]);
+  }
+  /// Their values at the present point, scaled to length 1; false where they have no direction.
+  bool unit_vector(Stack stack, const Components& components, Vector3& n) const {
+    double norm = 0;
+    for (int c = 0; c < d_; ++c) {
+      n[c] = GetAny<double>((*components[c])(stack));
+      norm = std::hypot(norm, n[c]);
+    }
+    for (int c = 0; c < d_; ++c) n[c] /= norm;
+    return norm > 0 && std::isfinite(norm);
+  }
   template <class T, std::size_t count>
   T chosen(Stack stack, Parameter p, const Choice<T> (&choices)[count], T otherwise) const {
     return has(p) ? choose(parameters[p].name, *value<string*>(stack, p, nullptr), choices)
@@ -149,7 +182,7 @@ class Arguments {
 
   int d_;
   Expression named_[parameter_count];
-  Expression normal_[3] = {nullptr, nullptr, nullptr};
+  Components normal_{}, direction_{};
 };
 
 /// Saves where expressions are evaluated, and restores it, whatever happens between.
@@ -240,16 +273,36 @@ inline void Arguments::set_normals(Stack stack, Scene& scene) const {
   PointGuard guard(stack);
   for (BoundaryNode& node : scene.nodes) {
     scene.go_to(guard.point(), node);
-    std::array<double, 3> n{};
-    double norm = 0;
-    for (int c = 0; c < d_; ++c) {
-      n[c] = GetAny<double>((*normal_[c])(stack));
-      norm = std::hypot(norm, n[c]);
-    }
-    if (!(norm > 0) || !std::isfinite(norm))
+    Vector3 n{};
+    if (!unit_vector(stack, normal_, n))
       throw IllegalInput("normal has no direction at " + place(node, d_) +
                          "; give the outward normal of the body, of any length > 0");
-    for (int c = 0; c < d_; ++c) node.point.normal[c] = n[c] / norm;
+    node.point.normal = n;
+  }
+}
+
+inline void Arguments::set_orthotropy(Stack stack, Scene& scene) const {
+  if (!has(p_mu2)) return;
+  const Vector mu2 = at_nodes(stack, p_mu2, scene);
+  PointGuard guard(stack);
+  for (std::size_t k = 0; k < scene.nodes.size(); ++k) {
+    BoundaryNode& node = scene.nodes[k];
+    if ((scene.mu[k] > 0) != (mu2[k] > 0)) {
+      std::ostringstream m;
+      m << "mu = " << scene.mu[k] << " but mu2 = " << mu2[k] << " at " << place(node, d_)
+        << "; both coefficients are > 0, or both are 0";
+      throw IllegalInput(m.str());
+    }
+    if (scene.mu[k] == 0) continue;
+    ContactPoint& p = node.point;
+    scene.go_to(guard.point(), node);
+    double along_normal = 0;
+    const bool has_direction = unit_vector(stack, direction_, p.direction);
+    for (int c = 0; c < d_; ++c) along_normal += p.direction[c] * p.normal[c];
+    if (!has_direction || std::abs(along_normal) > 1 - 1e-10)
+      throw IllegalInput("direction has no part in the contact plane at " + place(node, d_) +
+                         "; give a direction, of any length > 0, that is not the normal");
+    p.across = mu2[k] / scene.mu[k];
   }
 }
 

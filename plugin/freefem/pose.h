@@ -35,6 +35,7 @@ std::shared_ptr<Scene> pose(Stack stack, const Arguments& args, Matrice_Creuse<d
   const Triplets t = triplets(A, scene->ndof);
   args.set_normals(stack, *scene);
   set_laws(stack, args, *scene);
+  args.set_orthotropy(stack, *scene);
   const bool friction = scene->law != Law::frictionless;
   const Vector* strength = scene->law == Law::coulomb ? &scene->mu : &scene->limit;
   bool any = false;

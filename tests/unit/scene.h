@@ -1,5 +1,6 @@
 #pragma once
 // Scenes for the tests: P1 elasticity on a block of simplices, assembled here, without FreeFEM.
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include <random>

@@ -88,6 +88,55 @@ TEST(Solver, LawsHoldForEachLawWithAndWithoutDirichletSupport) {
       }
 }
 
+TEST(Solver, OrthotropicFrictionObeysItsEllipseInEveryMethod) {
+  BlockOptions o;
+  o.d = 3;
+  o.cells = 3;
+  for (Real angle : {0.0, 0.4})
+    for (bool clamped : {false, true}) {
+      if (clamped && angle != 0) continue;
+      o.angle = angle;
+      o.clamp_side = clamped;
+      o.shear = clamped ? 3.5 : 1.1;
+      // where Dirichlet conditions hold u_x, the force along x is theirs: the ellipse shows only
+      // along y
+      const Real turned = clamped ? 0 : angle + 0.9;
+      Scene s = block(o);
+      for (ContactPoint& p : s.points) {
+        p.direction = {std::cos(turned), std::sin(turned), 0.2};
+        p.across = 0.4;
+      }
+      for (Method method : {Method::automatic, Method::gc3, Method::gcx, Method::sorp}) {
+        Settings settings = tight();
+        settings.method = method;
+        const Answer a = run(s, settings);
+        EXPECT_EQ(a.solution.status, Status::converged) << int(method);
+        EXPECT_LT(verify(s, a.u, a.force).worst(), 1e-5) << int(method);
+        const Answer isotropic = run(block(o), settings);
+        EXPECT_GT((a.u - isotropic.u).norm(), 0.01 * a.u.norm());  // the ellipse matters
+      }
+    }
+}
+
+TEST(Solver, OrthotropicFrictionDeflectsASlidingBlockTowardsItsEasyDirection) {
+  // pulled along x at 45 degrees to the axes of the ellipse, the block drifts to where mu is small
+  BlockOptions o;
+  o.d = 3;
+  o.cells = 2;
+  o.shear = 0.7;
+  o.mu = 0.3;
+  Scene s = block(o);
+  for (ContactPoint& p : s.points) {
+    p.direction = {1, 1, 0};
+    p.across = 0.2;
+  }
+  const Answer a = run(s, tight());
+  ASSERT_EQ(a.solution.status, Status::converged);
+  Real drift = 0;
+  for (const ContactPoint& p : s.points) drift += a.u[p.dof[1]];
+  EXPECT_LT(drift, 0);  // across = normal x (1,1,0)/sqrt(2) is parallel to (1,-1,0)
+}
+
 TEST(Solver, ReportedResidualIsTheCertificateOfTheReturnedField) {
   const Scene s = block(BlockOptions());
   const LocalSystem system = s.system();

@@ -68,9 +68,20 @@ inline Verdict verify(const Scene& s, const Vector& u, const Vector& force) {
     const double g = s.law == Law::coulomb  ? s.friction[p] * std::abs(F_N)
                      : s.law == Law::tresca ? s.friction[p]
                                             : 0;
-    v.cone = std::max(v.cone, (F_T.norm() - g) / force_unit);
+    // orthotropic friction: an ellipse with the half-axes g along e and g across in the plane's
+    // other direction; the slip that goes with a force on it is its outward normal, reversed
+    const double q = s.points[p].across;
+    Eigen::Vector3d normal(s.points[p].normal.data()), e(s.points[p].direction.data());
+    e -= normal * normal.dot(e);
+    if (q == 1) e = F_T;
+    if (e.norm() > 0) e.normalize();
+    const Eigen::Vector3d cross = normal.cross(e);
+    const Eigen::Vector3d F_unit = F_T + (1 / q - 1) * F_T.dot(cross) * cross;
+    const Eigen::Vector3d u_unit = u_T + (q - 1) * u_T.dot(cross) * cross;
+    v.cone = std::max(v.cone, (F_unit.norm() - g) / force_unit);
     // where it slips, the force is at its limit and against the slip
-    const double limit = (F_T + g * u_T / std::max(u_T.norm(), 1e-300)).norm() / force_unit;
+    const double limit =
+        (F_unit + g * u_unit / std::max(u_unit.norm(), 1e-300)).norm() / force_unit;
     v.slip = std::max(v.slip, std::min(u_T.norm() / length_unit, limit));
   }
   for (Index i = 0; i < s.n; ++i)
