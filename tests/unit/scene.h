@@ -37,8 +37,9 @@ struct BlockOptions {
   Law law = Law::coulomb;  // tresca: mu is then the limit per node
   Real pressure = 10, shear = 2;
   bool clamp_side = false;  // u_x = 0 on the face x = size; without it contact alone holds the body
-  Real angle = 0;           // rotates the whole scene about z
-  Real distortion = 0;      // random displacement of interior mesh nodes, in cells
+  Real angle = 0;           // rotates the whole scene about the axis (2D: z)
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
+  Real distortion = 0;  // random displacement of interior mesh nodes, in cells
   unsigned seed = 1;
   bool tgv_minus_one = false;
 };
@@ -66,8 +67,7 @@ inline Scene block(const BlockOptions& o) {
   // up is the last axis, the load shears along the first
   const int up = d - 1;
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-  R.block<2, 2>(0, 0) << std::cos(o.angle), -std::sin(o.angle), std::sin(o.angle),
-      std::cos(o.angle);
+  R = Eigen::AngleAxisd(o.angle, o.axis.normalized()).toRotationMatrix();
 
   std::vector<std::vector<Index>> simplices;
   for (int z = 0; z < (d == 3 ? m - 1 : 1); ++z)
