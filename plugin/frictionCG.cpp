@@ -77,6 +77,8 @@ void report_plan(const Arguments& args, const Scene& scene, const Settings& s) {
       break;
   }
   if (scene.bilateral) std::cout << ", bilateral";
+  if (plan.nodes == 0)
+    std::cout << "; Dirichlet conditions hold every normal displacement: a plain linear solve";
   std::cout << "; " << name_of(s.method, methods);
   if (plan.regularization) std::cout << ", " << name_of(s.reg, regularizations);
   std::cout << "; left out:";

@@ -60,8 +60,9 @@ Solution CondensedSolver::solve(const Settings& settings, const Vector& x0) {
     start = cpu_seconds();
     if (refinement > 0) condensed.f.noalias() += condensation_.S() * done_C;
     Attempt a;
-    if (settings.polish) a = polish(condensed, warm ? &x_C : nullptr, s);
-    if (settings.polish && !a.solved) a = by_continuation(condensed, s);
+    a.solved = problem_.nodes() == 0;  // a plain linear solve
+    if (!a.solved && settings.polish) a = polish(condensed, warm ? &x_C : nullptr, s);
+    if (!a.solved && settings.polish) a = by_continuation(condensed, s);
     if (!a.solved) a = by_fixed_point(condensed, settings, x_C, s);
     if (!a.solved) name_failure(condensed, settings.polish, a);
     s.times.contact += cpu_seconds() - start;

@@ -294,6 +294,22 @@ TEST(Solver, AGivenLimitRunsNoFixedPointAndAFrictionlessSceneHasNoTangents) {
   EXPECT_EQ(solve(system.problem(), gc3()).eps, 0);
 }
 
+TEST(Solver, WhereNoNodeCanTouchThePlainLinearSolveIsAllThatRuns) {
+  BlockOptions o;
+  Scene s = block(o);
+  for (const ContactPoint& p : s.points)  // Dirichlet rows on the whole bottom
+    for (int c = 0; c < 2; ++c)
+      for (std::size_t k = 0; k < s.a.size(); ++k)
+        if (s.i[k] == p.dof[c] && s.j[k] == p.dof[c]) s.a[k] = 1e30;
+  const LocalSystem system = s.system();
+  EXPECT_EQ(system.nodes(), 0);
+  const Solution a = solve(system.problem(), Settings());
+  EXPECT_EQ(a.status, Status::converged);
+  EXPECT_EQ(a.iterations, 0);
+  EXPECT_EQ(a.passes, 0);
+  EXPECT_LT(a.certificate.residual, 1e-12);
+}
+
 TEST(Solver, AnInitialGapOpensOrCloses) {
   for (Real gap : {-0.002, 0.002}) {
     BlockOptions o;
