@@ -50,7 +50,7 @@ SemismoothNewton::Outcome SemismoothNewton::solve(Index max_steps) {
     const std::size_t before = fingerprint();
     choose_branches(x_, r_);
     const std::size_t after = fingerprint();
-    if (after == before && residual_ <= 1e-12) return Outcome::converged;
+    if (residual_ <= 1e-12) return Outcome::converged;  // a node that grazes is on either branch
     if (after == before && residual_ > 0.5 * best && residual_ < 1e-9)
       return Outcome::converged;  // rounding
     best = std::min(best, residual_);

@@ -40,7 +40,7 @@ class SemismoothNewton {
 
   void start_from(const std::vector<Branch>& branches) { branch_ = branches; }
 
-  /// At most max_steps steps; converged where the branches repeat and the laws hold to rounding.
+  /// At most max_steps steps; converged where the laws hold to rounding.
   Outcome solve(Index max_steps);
 
   const Vector& x() const { return x_; }

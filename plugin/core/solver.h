@@ -37,6 +37,7 @@ class Solver {
 
  private:
   bool condense(const Settings& settings);
+  void second_opinion(const Settings& settings, Observer* observer, Solution& s);
   Solution iterate(const Settings& settings, const Vector& x0, Observer* observer);
 
   const ContactProblem& problem_;

@@ -35,8 +35,12 @@ inline Verdict verify(const Scene& s, const Vector& u, const Vector& force) {
   }
   for (std::size_t k = 0; k < s.a.size(); ++k)  // prescribed displacements load the body, too
     if (s.a[k] < 1e20) force_unit = std::max(force_unit, std::abs(s.a[k] * u[s.j[k]]) * 1e-3);
-  const double length_unit = std::max(u.cwiseAbs().maxCoeff(), 1e-300);
   force_unit = std::max(force_unit, 1e-300);
+  double stiffest =
+      1e-300;  // where all sticks, u = 0 is no unit of length, but the load over the stiffness is
+  for (Index i = 0; i < s.n; ++i)
+    if (diagonal[i] <= 1e20 && others[i] > 0) stiffest = std::max(stiffest, diagonal[i]);
+  const double length_unit = std::max({u.cwiseAbs().maxCoeff(), force_unit / stiffest, 1e-300});
 
   Verdict v;
   for (Index i = 0; i < s.n; ++i)

@@ -1,0 +1,101 @@
+// Random scenes against the verifier: whatever is called converged must obey the unregularized
+// laws. RANDOM_SCENES and RANDOM_SEED in the environment choose how many, and which.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <iostream>
+#include <map>
+
+#include "core/solver.h"
+#include "random_scene.h"
+#include "verifier.h"
+
+using namespace frictioncg;
+using namespace frictioncg::test;
+
+namespace {
+
+unsigned from_environment(const char* name, unsigned otherwise) {
+  const char* value = std::getenv(name);
+  return value ? static_cast<unsigned>(std::strtoul(value, nullptr, 10)) : otherwise;
+}
+
+struct Result {
+  Status status;
+  Real worst = 0;  ///< of the laws, by the verifier, where converged
+};
+
+Result judge(const Recipe& recipe, const Settings& settings) {
+  const Scene s = make_scene(recipe);
+  const LocalSystem system = s.system();
+  const Solution a = solve(system.problem(), settings);
+  Result r{a.status};
+  if (a.status == Status::converged)
+    r.worst = verify(s, system.to_global(a.x), system.force_to_global(a.certificate.r)).worst();
+  return r;
+}
+
+const char* const status_name[] = {
+    "converged",      "max_iterations",        "stagnated",
+    "no_equilibrium", "not_positive_definite", "fixed_point_diverged",
+    "regularized"};
+
+/// How many of the scenes end how; fails for each one that is converged and wrong.
+void run_scenes(const char* title, unsigned count, unsigned seed, const Settings& settings,
+                Real accuracy) {
+  std::map<Status, unsigned> ends;
+  const bool verbose = from_environment("RANDOM_VERBOSE", 0) != 0;
+  for (unsigned k = 0; k < count; ++k) {
+    const Recipe recipe = random_recipe(seed + k);
+    const Result result = judge(recipe, settings);
+    ++ends[result.status];
+    const auto wrong = [&](const Recipe& q) { return !(judge(q, settings).worst <= accuracy); };
+    if (verbose && result.status != Status::converged && result.status != Status::no_equilibrium)
+      std::cout << "  " << status_name[int(result.status)] << ": " << recipe << std::endl;
+    if (result.status == Status::no_equilibrium && recipe.has_solution())
+      ADD_FAILURE() << title << ": no_equilibrium where there is one\n  " << recipe;
+    if (result.worst <= accuracy) continue;
+    const Recipe small = shrink(recipe, wrong);
+    const std::string file = "random_scene_" + std::to_string(recipe.seed) + ".txt";
+    write(make_scene(small), file);
+    ADD_FAILURE() << title << ": converged, but off by " << result.worst << "\n  " << recipe
+                  << "\n  shrunk to " << small << "\n  off by " << judge(small, settings).worst
+                  << ", written to " << file;
+  }
+  std::cout << title << ": " << count << " scenes from seed " << seed << ":";
+  for (const auto& [status, n] : ends) std::cout << " " << status_name[int(status)] << " " << n;
+  std::cout << std::endl;
+}
+
+}  // namespace
+
+TEST(RandomScenes, WhatTheDefaultCallsConvergedObeysTheLaws) {
+  Settings settings;
+  settings.nbiter = 3000;
+  run_scenes("default", from_environment("RANDOM_SCENES", 1000), from_environment("RANDOM_SEED", 1),
+             settings, 1e-6);
+}
+
+TEST(RandomScenes, WhatTheIterativeMethodsCallConvergedObeysTheLaws) {
+  const unsigned count = from_environment("RANDOM_SCENES", 1000) / 10,
+                 seed = from_environment("RANDOM_SEED", 1);
+  for (const auto& [method, name] :
+       {std::pair{Method::gc3, "GC3"}, {Method::gcx, "GCX"}, {Method::sorp, "SORP"}}) {
+    Settings settings;
+    settings.method = method;
+    settings.tol = 1e-7;
+    settings.nbiter = 3000;
+    run_scenes(name, count, seed, settings, 1e-4);
+  }
+}
+
+TEST(RandomScenes, ShrinkingKeepsTheFailureAndDropsTheRest) {
+  Recipe r = random_recipe(7);
+  r.algebraic = true;
+  r.nodes = 37;
+  r.gaps = true;
+  const Recipe small = shrink(r, [](const Recipe& q) { return q.nodes >= 5; });
+  EXPECT_EQ(small.nodes, 5);
+  EXPECT_FALSE(small.gaps);
+  EXPECT_FALSE(small.mu_varies);
+}
