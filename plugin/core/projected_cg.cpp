@@ -48,6 +48,7 @@ Outcome ProjectedCG::minimize(Iterate& it, const Vector& g, Real eps, Tangents t
     if (gamma != 0 && P_->r_v(v_) <= 0) P_->direction(0, v_);
     while (hold_inward(it, g, phi)) P_->direction(0, v_);
     const Real r_v = P_->r_v(v_);
+    if (!(r_v > 0)) return end(Status::stagnated);  // all is held again: no way down
     const Curvature vAv = P_->curvature(v_);
     if (vAv.A < indefinite * vAv.D) return end(Status::not_positive_definite);
 
