@@ -83,7 +83,10 @@ examples: all ## every example, on coarse meshes
 	@bash tests/run $(EXAMPLES)
 
 $(BUILD)/unit_tests: $(UNIT:tests/%.cpp=$(BUILD)/%.o) $(OBJECTS)
-	$(CXX) $(LDFLAGS) $^ -o $@ -lgtest -lgtest_main -lpthread $(LIBS)
+	$(CXX) $(LDFLAGS) $(WRAP) $^ -o $@ -lgtest -lgtest_main -lpthread $(LIBS) -lsuitesparseconfig
+
+# test_faults.cpp counts allocations, and makes them fail
+WRAP := -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
 $(BUILD)/unit/%.o: tests/unit/%.cpp $(HEADERS) $(wildcard tests/unit/*.h)
 	@mkdir -p $(@D)

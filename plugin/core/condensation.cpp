@@ -324,6 +324,13 @@ Vector Condensation::solve(int system, const Vector& rhs) {
   b.x = const_cast<Real*>(rhs.data());
   b.xtype = CHOLMOD_REAL;
   b.dtype = CHOLMOD_DOUBLE;
+  // cholmod_solve2 would make its own, but goes on without where there is no memory
+  const auto ensure = [this](cholmod_dense*& workspace, std::size_t rows) {
+    check(cholmod_ensure_dense(&workspace, rows, 1, rows, CHOLMOD_REAL, &common_), common_);
+  };
+  ensure(X_, n_);
+  ensure(Y_, n_);
+  ensure(E_, L_->maxesize);
   check(cholmod_solve2(system, L_, &b, nullptr, &X_, nullptr, &Y_, &E_, &common_), common_);
   return Eigen::Map<const Vector>(static_cast<Real*>(X_->x), n_);
 }
