@@ -42,7 +42,8 @@ ContactProblem on_contact_dofs(const CondensedProblem& condensed) {
 
 }  // namespace
 
-/// Newton on the laws, inside iterative refinement of the equilibrium: the first pass has r = F.
+/// Newton on the laws, inside iterative refinement of the equilibrium: the first pass has r = F. A
+/// load that cannot be held is told by a rigid motion, before anything else is tried.
 Solution CondensedSolver::solve(const Settings& settings, const Vector& x0) {
   Solution s;
   s.route = Route::condensed;
@@ -60,11 +61,17 @@ Solution CondensedSolver::solve(const Settings& settings, const Vector& x0) {
     start = cpu_seconds();
     if (refinement > 0) condensed.f.noalias() += condensation_.S() * done_C;
     Attempt a;
+    a.x = x_C;
     a.solved = problem_.nodes() == 0;  // a plain linear solve
     if (!a.solved && settings.polish) a = polish(condensed, warm ? &x_C : nullptr, s);
-    if (!a.solved && settings.polish) a = by_continuation(condensed, s);
-    if (!a.solved) a = by_fixed_point(condensed, settings, x_C, s);
-    if (!a.solved) name_failure(condensed, settings.polish, a);
+    if (!a.solved && cannot_be_held(condensed)) {
+      a.status = Status::no_equilibrium;
+    } else {
+      if (!a.solved && settings.polish) a = by_continuation(condensed, s);
+      if (!a.solved) a = by_fixed_point(condensed, settings, x_C, s);
+      if (!a.solved && settings.polish && a.status == Status::regularized)
+        a.status = Status::fixed_point_diverged;
+    }
     s.times.contact += cpu_seconds() - start;
 
     start = cpu_seconds();
@@ -177,16 +184,6 @@ CondensedSolver::Attempt CondensedSolver::by_fixed_point(const CondensedProblem&
     return polished;
   }
   return a;
-}
-
-/// A load that cannot be held is told by a rigid motion, however the iterations ended.
-void CondensedSolver::name_failure(const CondensedProblem& condensed, bool polishing,
-                                   Attempt& a) const {
-  if (a.status == Status::no_equilibrium) return;  // at the contact pressures of the iterate
-  if (cannot_be_held(condensed))
-    a.status = Status::no_equilibrium;
-  else if (polishing && a.status == Status::regularized)
-    a.status = Status::fixed_point_diverged;
 }
 
 }  // namespace frictioncg

@@ -33,7 +33,6 @@ class CondensedSolver {
   Attempt by_continuation(const CondensedProblem& condensed, Solution& s);
   Attempt by_fixed_point(const CondensedProblem& condensed, const Settings& settings,
                          const Vector& x_C, Solution& s);
-  void name_failure(const CondensedProblem& condensed, bool polishing, Attempt& a) const;
 
   const ContactProblem& problem_;
   Condensation condensation_;

@@ -3,6 +3,8 @@
 //   real[int] t = linearSolve(A, b, Vh, label);
 //     CPU seconds of CHOLMOD, analyse + factor + solve: best, with AMD, with METIS; then of one
 //     product A x, and the peak memory of the factorization [MB]
+//   real a = attainableResidual(A, b, Vh, label, u);
+//     the certificate that rounding allows at u: eps_machine ||A||u|| in its norm
 //   real m = peakMemory(reset);  peak memory of the process since the last reset [MB]
 #include "../../plugin/freefem/pose.h"
 
@@ -32,6 +34,7 @@ double cholmod_solve_seconds(const ContactProblem& p, int ordering) {
   cholmod_common common;
   cholmod_start(&common);
   common.supernodal = CHOLMOD_SUPERNODAL;
+  common.print = 0;
   common.nmethods = 1;
   common.method[0].ordering = ordering;
   cholmod_sparse A{};
@@ -110,11 +113,51 @@ class LinearSolve : public E_F0mps {
   Expression A_, b_, Vh_, label_;
 };
 
+/// eps_machine | |A| |x| | over the norm of the load, both in the norm of D^{-1/2}.
+template <class V>
+class AttainableResidual : public E_F0mps {
+ public:
+  using Result = double;
+  explicit AttainableResidual(const basicAC_F0& args)
+      : arguments_(args, Dimension<typename V::FESpace>::d, true),
+        A_(to<Matrice_Creuse<double>*>(args[0])),
+        b_(to<KN_<double>>(args[1])),
+        Vh_(to<typename V::pfes*>(args[2])),
+        label_(to<long>(args[3])),
+        u_(to<KN_<double>>(args[4])) {}
+  static ArrayOfaType typeargs() {
+    return ArrayOfaType(atype<Matrice_Creuse<double>*>(), atype<KN_<double>>(),
+                        atype<typename V::pfes*>(), atype<long>(), atype<KN_<double>>());
+  }
+  static E_F0* f(const basicAC_F0& args) { return new AttainableResidual(args); }
+  AnyType operator()(Stack stack) const override {
+    return translated("attainableResidual", [&] {
+      const auto scene =
+          pose<V>(stack, arguments_, GetAny<Matrice_Creuse<double>*>((*A_)(stack)),
+                  GetAny<typename V::pfes*>((*Vh_)(stack)), {GetAny<long>((*label_)(stack))}, true);
+      scene->system->set_load(checked_vector(GetAny<KN_<double>>((*b_)(stack)), "b", scene->ndof),
+                              {}, scene->gap);
+      const ContactProblem& p = scene->system->problem();
+      const Vector x = scene->system->to_local(
+          checked_vector(GetAny<KN_<double>>((*u_)(stack)), "u", scene->ndof));
+      const Vector size = p.A.cwiseAbs() * x.cwiseAbs();
+      return SetAny<double>(std::numeric_limits<double>::epsilon() * norm_D(p, size) /
+                            p.force_scale);
+    });
+  }
+
+ private:
+  Arguments arguments_;
+  Expression A_, b_, Vh_, label_, u_;
+};
+
 double peak_memory(const long& reset) { return peak_megabytes(reset != 0); }
 
 void load() {
   Global.Add("linearSolve", "(", new OneOperatorCode<LinearSolve<v_fes>>());
   Global.Add("linearSolve", "(", new OneOperatorCode<LinearSolve<v_fes3>>());
+  Global.Add("attainableResidual", "(", new OneOperatorCode<AttainableResidual<v_fes>>());
+  Global.Add("attainableResidual", "(", new OneOperatorCode<AttainableResidual<v_fes3>>());
   Global.Add("peakMemory", "(", new OneOperator1_<double, long>(peak_memory));
 }
 
