@@ -59,7 +59,7 @@ Solution CondensedSolver::solve(const Settings& settings, const Vector& x0) {
     CondensedProblem condensed{condensation_.S(), condensation_.reduce(r), D_C, problem_};
     s.times.back_substitution += cpu_seconds() - start;
     start = cpu_seconds();
-    if (refinement > 0) condensed.f.noalias() += condensation_.S() * done_C;
+    if (refinement > 0 && contact > 0) condensed.f.noalias() += condensation_.S() * done_C;
     Attempt a;
     a.x = x_C;
     a.solved = problem_.nodes() == 0;  // a plain linear solve

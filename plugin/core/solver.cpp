@@ -19,11 +19,11 @@ Plan make_plan(const ContactProblem& problem, const Settings& settings) {
   plan.dofs = problem.dofs();
   plan.nodes = problem.nodes();
   plan.tangents = problem.contact_dofs() - problem.nodes();
-  plan.law = problem.law;
-  plan.fixed_point = problem.law == Law::coulomb;
+  plan.law = problem.nodes() > 0 ? problem.law : Law::frictionless;
+  plan.fixed_point = plan.law == Law::coulomb;
   const bool direct = settings.method == Method::automatic || settings.method == Method::condensed;
   const bool smooths = settings.method != Method::sorp && settings.method != Method::gcx;
-  plan.regularization = problem.law != Law::frictionless && (direct ? !settings.polish : smooths);
+  plan.regularization = plan.law != Law::frictionless && (direct ? !settings.polish : smooths);
   return plan;
 }
 

@@ -5,8 +5,18 @@
 //     product A x, and the peak memory of the factorization [MB]
 //   real a = attainableResidual(A, b, Vh, label, u);
 //     the certificate that rounding allows at u: eps_machine ||A||u|| in its norm
+//   real e = energyError(A, u, v);
+//     |u - v| over |v| in the energy norm of the dofs that no Dirichlet condition holds
+//   real t = exportSystem(A, b, Vh, label, file, u, mu=.., gap=..);
+//     writes the contact problem in local frames, its condensed form, and u for the peers; CPU
+//     seconds of the condensation
+//   real t = frictionlessSolve(A, b, Vh, label, u);
+//     CPU seconds of the same frictionless scene without any code for friction: copy, factor,
+//     active set on S, back-substitution, residual; u becomes the field
 //   real m = peakMemory(reset);  peak memory of the process since the last reset [MB]
 #include "../../plugin/freefem/pose.h"
+
+#include "../../plugin/core/condensation.h"
 
 #include <cholmod.h>
 
@@ -151,6 +161,173 @@ class AttainableResidual : public E_F0mps {
   Expression A_, b_, Vh_, label_, u_;
 };
 
+double energy_error(Matrice_Creuse<double>* const& A, const KN_<double>& u, const KN_<double>& v) {
+  HashMatrix<int, double>* H = A->pHM();
+  Vector diagonal = Vector::Zero(H->n);
+  for (std::size_t k = 0; k < H->nnz; ++k)
+    if (H->i[k] == H->j[k]) diagonal[H->i[k]] += H->aij[k];
+  const auto is_free = [&](Index i) { return diagonal[i] < 1e20; };
+  double error = 0, size = 0;
+  for (std::size_t k = 0; k < H->nnz; ++k) {
+    const Index i = H->i[k], j = H->j[k];
+    if (!is_free(i) || !is_free(j)) continue;
+    const double twice = H->half && i != j ? 2 : 1;
+    error += twice * H->aij[k] * (u[i] - v[i]) * (u[j] - v[j]);
+    size += twice * H->aij[k] * v[i] * v[j];
+  }
+  return std::sqrt(std::max(error, 0.0) / size);
+}
+
+/// Little-endian arrays, each with its length before it as a 64-bit integer.
+class ArrayFile {
+ public:
+  explicit ArrayFile(const std::string& name) : out_(name, std::ios::binary) {}
+  template <class T>
+  void write(const T* values, std::int64_t size) {
+    out_.write(reinterpret_cast<const char*>(&size), sizeof size);
+    out_.write(reinterpret_cast<const char*>(values), size * sizeof(T));
+  }
+
+ private:
+  std::ofstream out_;
+};
+
+template <class V>
+class ExportSystem : public E_F0mps {
+ public:
+  using Result = double;
+  explicit ExportSystem(const basicAC_F0& args)
+      : arguments_(args, Dimension<typename V::FESpace>::d, true),
+        A_(to<Matrice_Creuse<double>*>(args[0])),
+        b_(to<KN_<double>>(args[1])),
+        Vh_(to<typename V::pfes*>(args[2])),
+        label_(to<long>(args[3])),
+        file_(to<string*>(args[4])),
+        u_(to<KN_<double>>(args[5])) {}
+  static ArrayOfaType typeargs() {
+    return ArrayOfaType(atype<Matrice_Creuse<double>*>(), atype<KN_<double>>(),
+                        atype<typename V::pfes*>(), atype<long>(), atype<string*>(),
+                        atype<KN_<double>>());
+  }
+  static E_F0* f(const basicAC_F0& args) { return new ExportSystem(args); }
+  AnyType operator()(Stack stack) const override {
+    return translated("exportSystem", [&] {
+      const auto scene =
+          pose<V>(stack, arguments_, GetAny<Matrice_Creuse<double>*>((*A_)(stack)),
+                  GetAny<typename V::pfes*>((*Vh_)(stack)), {GetAny<long>((*label_)(stack))}, true);
+      LocalSystem& system = *scene->system;
+      system.set_load(checked_vector(GetAny<KN_<double>>((*b_)(stack)), "b", scene->ndof), {},
+                      scene->gap);
+      system.set_law(scene->law, scene->mu);
+      const ContactProblem& p = system.problem();
+      const Vector x =
+          system.to_local(checked_vector(GetAny<KN_<double>>((*u_)(stack)), "u", scene->ndof));
+      const double start = cpu_seconds();
+      Condensation condensation;
+      condensation.factor(p, 1e11);
+      const Vector f = condensation.reduce(p.F);
+      const double seconds = cpu_seconds() - start;
+      ArrayFile out(*GetAny<string*>((*file_)(stack)));
+      const Index head[] = {p.dimension, p.dofs(), p.nodes()};
+      const Vector mu = p.law == Law::coulomb ? p.mu : Vector::Zero(p.nodes());
+      out.write(head, 3);
+      out.write(p.A.outerIndexPtr(), p.dofs() + 1);
+      out.write(p.A.innerIndexPtr(), p.A.nonZeros());
+      out.write(p.A.valuePtr(), p.A.nonZeros());
+      out.write(p.F.data(), p.dofs());
+      out.write(p.first.data(), p.nodes() + 1);
+      out.write(p.gap.data(), p.nodes());
+      out.write(mu.data(), p.nodes());
+      out.write(x.data(), p.dofs());
+      out.write(condensation.S().data(), condensation.S().size());
+      out.write(f.data(), f.size());
+      return SetAny<double>(seconds);
+    });
+  }
+
+ private:
+  Arguments arguments_;
+  Expression A_, b_, Vh_, label_, file_, u_;
+};
+
+/// Unilateral contact alone, S x = f - r: primal-dual active set, no friction anywhere.
+Vector obstacle_on_S(const DenseMatrix& S, const Vector& f, const Vector& D, const Vector& gap) {
+  const Index m = static_cast<Index>(f.size());
+  std::vector<char> closed(m, 1);
+  Vector x;
+  for (int step = 0; step < 40; ++step) {
+    std::vector<Index> open;
+    x = Vector::Zero(m);
+    for (Index i = 0; i < m; ++i) {
+      if (closed[i])
+        x[i] = gap[i];
+      else
+        open.push_back(i);
+    }
+    const Vector rhs = f - S * x;
+    const Index n = static_cast<Index>(open.size());
+    DenseMatrix M(n, n);
+    Vector y(n);
+    for (Index q = 0; q < n; ++q) {
+      y[q] = rhs[open[q]];
+      for (Index p = 0; p < n; ++p) M(p, q) = S(open[p], open[q]);
+    }
+    if (n > 0) Eigen::LLT<Eigen::Ref<DenseMatrix>>(M).solveInPlace(y);
+    for (Index q = 0; q < n; ++q) x[open[q]] = y[q];
+    const Vector r = f - S * x;
+    bool same = true;
+    for (Index i = 0; i < m; ++i) {
+      const char now = r[i] + D[i] * (x[i] - gap[i]) > 0;
+      same &= now == closed[i];
+      closed[i] = now;
+    }
+    if (same) break;
+  }
+  return x;
+}
+
+template <class V>
+class FrictionlessSolve : public E_F0mps {
+ public:
+  using Result = double;
+  explicit FrictionlessSolve(const basicAC_F0& args)
+      : arguments_(args, Dimension<typename V::FESpace>::d, true),
+        A_(to<Matrice_Creuse<double>*>(args[0])),
+        b_(to<KN_<double>>(args[1])),
+        Vh_(to<typename V::pfes*>(args[2])),
+        label_(to<long>(args[3])),
+        u_(to<KN_<double>>(args[4])) {}
+  static ArrayOfaType typeargs() {
+    return ArrayOfaType(atype<Matrice_Creuse<double>*>(), atype<KN_<double>>(),
+                        atype<typename V::pfes*>(), atype<long>(), atype<KN_<double>>());
+  }
+  static E_F0* f(const basicAC_F0& args) { return new FrictionlessSolve(args); }
+  AnyType operator()(Stack stack) const override {
+    return translated("frictionlessSolve", [&] {
+      const auto scene =
+          pose<V>(stack, arguments_, GetAny<Matrice_Creuse<double>*>((*A_)(stack)),
+                  GetAny<typename V::pfes*>((*Vh_)(stack)), {GetAny<long>((*label_)(stack))}, true);
+      const double start = cpu_seconds();
+      scene->system->set_load(checked_vector(GetAny<KN_<double>>((*b_)(stack)), "b", scene->ndof),
+                              {}, scene->gap);
+      const ContactProblem& p = scene->system->problem();
+      Condensation condensation;
+      condensation.factor(p, 1e11);
+      const Vector x = condensation.expand(obstacle_on_S(condensation.S(), condensation.reduce(p.F),
+                                                         p.D.tail(p.contact_dofs()), p.gap));
+      const Vector r = p.F - p.A * x;
+      const Vector field = scene->system->to_global(x);
+      KN_<double> u = GetAny<KN_<double>>((*u_)(stack));
+      for (Index i = 0; i < scene->ndof; ++i) u[i] = field[i];
+      return SetAny<double>(scene->copy_seconds + cpu_seconds() - start + 0 * r[0]);
+    });
+  }
+
+ private:
+  Arguments arguments_;
+  Expression A_, b_, Vh_, label_, u_;
+};
+
 double peak_memory(const long& reset) { return peak_megabytes(reset != 0); }
 
 void load() {
@@ -158,6 +335,13 @@ void load() {
   Global.Add("linearSolve", "(", new OneOperatorCode<LinearSolve<v_fes3>>());
   Global.Add("attainableResidual", "(", new OneOperatorCode<AttainableResidual<v_fes>>());
   Global.Add("attainableResidual", "(", new OneOperatorCode<AttainableResidual<v_fes3>>());
+  Global.Add(
+      "energyError", "(",
+      new OneOperator3_<double, Matrice_Creuse<double>*, KN_<double>, KN_<double>>(energy_error));
+  Global.Add("exportSystem", "(", new OneOperatorCode<ExportSystem<v_fes>>());
+  Global.Add("exportSystem", "(", new OneOperatorCode<ExportSystem<v_fes3>>());
+  Global.Add("frictionlessSolve", "(", new OneOperatorCode<FrictionlessSolve<v_fes>>());
+  Global.Add("frictionlessSolve", "(", new OneOperatorCode<FrictionlessSolve<v_fes3>>());
   Global.Add("peakMemory", "(", new OneOperator1_<double, long>(peak_memory));
 }
 
