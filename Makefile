@@ -30,7 +30,7 @@ export FF_INCLUDEPATH := $(CURDIR)/$(BUILD);/usr/include/freefem++/idp
 FREEFEM   := FreeFem++-nw -nw -v 0
 PREFIX    ?= /usr
 
-.PHONY: all help setup demo check unit scripts examples bench format lint sanitize coverage \
+.PHONY: all help setup demo check unit scripts examples bench report format lint sanitize coverage \
         install clean
 
 all: $(BUILD)/frictionCG.so $(IDP:edp/%=$(BUILD)/%) ## build the plugin
@@ -98,8 +98,17 @@ $(BUILD)/%.so: tests/bench/%.cpp $(OBJECTS) $(HEADERS)
 
 bench: setup ## the paper's tables, and costs as ratios to one linear solve
 	@$(MAKE) --no-print-directory -j$$(nproc) all $(BENCHES:tests/bench/%.cpp=$(BUILD)/%.so) >/dev/null
-	@for script in $(wildcard tests/bench/*.edp); do \
+	@for script in tests/bench/paper.edp tests/bench/cost.edp; do \
 	  (cd $(BUILD) && OPENBLAS_NUM_THREADS=1 $(FREEFEM) ../$$script) || exit 1; done
+
+# Peers and tools of the report; one that cannot be installed is left out, and the report says so.
+PEERS := python3-numpy python3-scipy python3-getfem++ python3-siconos valgrind
+
+report: setup ## error against run time with the peers, stability, what is left out: report/report.md
+	@$(MAKE) --no-print-directory setup PACKAGES="python3 fonts-dejavu-core"
+	@for p in $(PEERS); do $(MAKE) --no-print-directory setup PACKAGES=$$p || true; done
+	@$(MAKE) --no-print-directory -j$$(nproc) all $(BUILD)/costUnit.so $(BUILD)/unit_tests >/dev/null
+	@bash tests/bench/report
 
 format: ## clang-format on our own code
 	clang-format -i $(OWN)

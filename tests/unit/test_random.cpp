@@ -69,11 +69,13 @@ void run_scenes(const char* title, unsigned count, unsigned seed, const Settings
 
 }  // namespace
 
+// tol bounds a sum of squares in units of the load, or of stiffness times penetration where there
+// is none; the verifier looks at single nodes, in units that may be a thousand times smaller.
 TEST(RandomScenes, WhatTheDefaultCallsConvergedObeysTheLaws) {
   Settings settings;
   settings.nbiter = 3000;
   run_scenes("default", from_environment("RANDOM_SCENES", 1000), from_environment("RANDOM_SEED", 1),
-             settings, 1e-6);
+             settings, 1e-5);
 }
 
 TEST(RandomScenes, WhatTheIterativeMethodsCallConvergedObeysTheLaws) {
