@@ -4,7 +4,7 @@
 namespace frictioncg {
 
 enum class Method {
-  automatic,  ///< condensed where it fits in memory, else gc3
+  automatic,  ///< condensed where it fits in memory, else gcx
   condensed,  ///< the interior eliminated by one factorization
   gc1,        ///< release tensile nodes at each iteration and restart (Jeusette-Sonzogni)
   gc2,        ///< release tensile nodes at each iteration, keep conjugating (Dilintas)
@@ -28,7 +28,7 @@ struct Settings {
   Regularization reg = Regularization::polynomial;
   Real regeps = 0;  ///< [length]; 0: from the scene, 1e-8 max|x| and less if tol asks for it
   Precon precon = Precon::hessian_ssor;
-  Real omega = 0;  ///< relaxation of SSOR or SORP, in (0, 2); 0: 1 for SSOR, 1.8 for SORP
+  Real omega = 0;  ///< relaxation, in (0, 2); 0: 1 as in the paper, gcx 1.5, sorp 1.8
   Step step = Step::exact;
   Real tol = 1e-8;     ///< on the certificate, dimensionless
   Index nbiter = 0;    ///< bound on all iterations of a call; 0: 10 sqrt(n) + 20 m + 10000

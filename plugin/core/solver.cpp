@@ -10,9 +10,17 @@
 namespace frictioncg {
 
 namespace {
-constexpr Real rounding =
-    1e-10;  ///< a residual below this is the limit of the matrix, not of the method
+
+/// A residual below this is the limit of the matrix, not of the method.
+constexpr Real rounding = 1e-10;
+
+/// What stands in for the condensed route: not regularized either, unless the settings ask for it.
+Settings on_A(Settings settings) {
+  settings.method = settings.polish ? Method::gcx : Method::gc3;
+  return settings;
 }
+
+}  // namespace
 
 Plan make_plan(const ContactProblem& problem, const Settings& settings) {
   Plan plan;
@@ -58,9 +66,7 @@ Solution Solver::solve(const Settings& settings, const Vector& x0, Observer* obs
     if (observer) observer->iterate(s.iterations, s.x);
     return s;
   }
-  Settings gc3 = settings;
-  gc3.method = Method::gc3;
-  return iterate(gc3, x0, observer);
+  return iterate(on_A(settings), x0, observer);
 }
 
 /// Where the condensed route fails short of rounding, stick as a face on A itself: it needs no
@@ -68,9 +74,7 @@ Solution Solver::solve(const Settings& settings, const Vector& x0, Observer* obs
 void Solver::second_opinion(const Settings& settings, Observer* observer, Solution& s) {
   if (s.status == Status::converged || s.status == Status::no_equilibrium) return;
   if (s.certificate.residual <= rounding) return;
-  Settings gcx = settings;
-  gcx.method = Method::gcx;
-  Solution t = iterate(gcx, {}, observer);
+  Solution t = iterate(on_A(settings), {}, observer);
   if (t.status != Status::converged && t.status != Status::no_equilibrium) return;
   t.times = s.times;
   t.iterations += s.iterations;
