@@ -246,14 +246,16 @@ Condensation::Outcome Condensation::factor(const ContactProblem& problem, double
   const std::vector<Index> order = contact_last(problem, ordering, common_);
   const auto analyze = [&] {
     L_ = cholmod_analyze_p(&A.view, const_cast<Index*>(order.data()), nullptr, 0, &common_);
-    check(L_ != nullptr, common_);
+    const bool fits = common_.status != CHOLMOD_TOO_LARGE;  // CHOLMOD indexes the factor by 32 bits
+    if (fits) check(L_ != nullptr, common_);
+    return fits;
   };
-  analyze();
+  if (!analyze()) return Outcome::too_large;
   if (!contact_is_last()) {
     // Several bodies: a postordering may end one body, its contact included, before the next.
     A = UpperTriangle(problem, last_of_each_body(problem, order));
     cholmod_free_factor(&L_, &common_);
-    analyze();
+    if (!analyze()) return Outcome::too_large;
     if (!contact_is_last())
       throw std::logic_error("condensation: the contact dofs are not last in the factor");
   }
