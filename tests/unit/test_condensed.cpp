@@ -4,6 +4,7 @@
 
 #include "core/condensed.h"
 #include "core/solver.h"
+#include "random_scene.h"
 #include "reference.h"
 #include "verifier.h"
 
@@ -251,4 +252,49 @@ TEST(Condensed, FrictionlessContactCondensesTheNormalsOnly) {
   const ContactProblem p = problem_of(o);
   EXPECT_EQ(p.contact_dofs(), p.nodes());
   EXPECT_LT(solve(p, Settings()).certificate.residual, 1e-12);
+}
+
+TEST(Condensed, OrderingMeshNodesInPlaceOfDofsChangesNoAnswer) {
+  for (int d : {2, 3}) {
+    BlockOptions o;
+    o.d = d;
+    const Scene s = block(o);
+    LocalSystem by_dofs = s.system(), by_nodes = s.system();
+    std::vector<Index> node(s.n);
+    for (Index i = 0; i < s.n; ++i) node[i] = i / d;
+    by_nodes.set_mesh_nodes(node);
+    const Vector u = by_dofs.to_global(solve(by_dofs.problem(), Settings()).x);
+    const Vector v = by_nodes.to_global(solve(by_nodes.problem(), Settings()).x);
+    EXPECT_LT((u - v).norm(), 1e-11 * u.norm());
+  }
+}
+
+TEST(Condensed, LargeSlipSystemsAreSolvedToRoundingThroughSinglePrecision) {
+  // 300 nodes that all slide: 600 unknowns; with a contrast of 1e7 single precision does not
+  // suffice, and the step is taken in double
+  for (Real contrast : {1.0, 1e14}) {
+    Recipe r;
+    r.algebraic = true;
+    r.nodes = 300;
+    r.contrast = contrast;
+    r.block.d = 3;
+    r.block.mu = 0.01;
+    r.block.shear = 5;
+    const Scene s = make_scene(r);
+    const LocalSystem system = s.system();
+    const Solution a = solve(system.problem(), Settings());
+    EXPECT_EQ(a.status, Status::converged);
+    EXPECT_EQ(a.route, Route::condensed);
+    EXPECT_LT(a.certificate.residual, 1e-10);
+    EXPECT_LT(verify(s, system.to_global(a.x), system.force_to_global(a.certificate.r)).worst(),
+              1e-6);
+  }
+}
+
+TEST(Condensed, AToleranceBelowRoundingEndsStagnatedWithTheBestField) {
+  Settings settings;
+  settings.tol = 1e-17;
+  const Solution a = solve(problem_of(BlockOptions()), settings);
+  EXPECT_EQ(a.status, Status::stagnated);
+  EXPECT_LT(a.certificate.residual, 1e-12);
 }
