@@ -21,6 +21,7 @@
 #include <cholmod.h>
 
 #include <fstream>
+#include <utility>
 
 using namespace frictioncg;
 
@@ -75,90 +76,90 @@ double cholmod_solve_seconds(const ContactProblem& p, int ordering) {
   return seconds;
 }
 
-template <class V>
-class LinearSolve : public E_F0mps {
+/// name(A, b, Vh, label, extra ..., mu=.., gap=..): poses the contact problem, and hands it to
+/// Body::run(stack, scene, extra ...).
+template <class V, class Body, class... Extra>
+class OnScene : public E_F0mps {
  public:
-  using Result = KN_<double>;
-  explicit LinearSolve(const basicAC_F0& args)
+  using Result = typename Body::Result;
+  explicit OnScene(const basicAC_F0& args)
       : arguments_(args, Dimension<typename V::FESpace>::d, true),
         A_(to<Matrice_Creuse<double>*>(args[0])),
         b_(to<KN_<double>>(args[1])),
         Vh_(to<typename V::pfes*>(args[2])),
-        label_(to<long>(args[3])) {}
+        label_(to<long>(args[3])) {
+    int next = 4;
+    (extra_.push_back(to<Extra>(args[next++])), ...);
+  }
   static ArrayOfaType typeargs() {
     return ArrayOfaType(atype<Matrice_Creuse<double>*>(), atype<KN_<double>>(),
-                        atype<typename V::pfes*>(), atype<long>());
+                        atype<typename V::pfes*>(), atype<long>(), atype<Extra>()...);
   }
-  static E_F0* f(const basicAC_F0& args) { return new LinearSolve(args); }
+  static E_F0* f(const basicAC_F0& args) { return new OnScene(args); }
   AnyType operator()(Stack stack) const override {
-    return translated("linearSolve", [&] {
+    return translated(Body::name, [&] {
       const auto scene =
           pose<V>(stack, arguments_, GetAny<Matrice_Creuse<double>*>((*A_)(stack)),
                   GetAny<typename V::pfes*>((*Vh_)(stack)), {GetAny<long>((*label_)(stack))}, true);
       scene->system->set_load(checked_vector(GetAny<KN_<double>>((*b_)(stack)), "b", scene->ndof),
                               {}, scene->gap);
-      const ContactProblem& p = scene->system->problem();
-      KN<double>* t = Add2StackOfPtr2Free(stack, new KN<double>(5));
-      peak_megabytes(true);
-      (*t)[1] = cholmod_solve_seconds(p, CHOLMOD_AMD);
-      const double with_amd = peak_megabytes(true);
-      (*t)[2] = cholmod_solve_seconds(p, CHOLMOD_METIS);
-      const double with_metis = peak_megabytes(true);
-      (*t)[0] = std::min((*t)[1], (*t)[2]);
-      Vector x = Vector::Ones(p.dofs()), y(p.dofs());
-      const int products = 1 + static_cast<int>(2e8 / (1 + p.A.nonZeros()));
-      const double start = cpu_seconds();
-      for (int k = 0; k < products; ++k) {
-        y.noalias() = p.A * x;
-        x[k % p.dofs()] += 1e-9 * y[0];
-      }
-      (*t)[3] = (cpu_seconds() - start) / products;
-      (*t)[4] = (*t)[1] < (*t)[2] ? with_amd : with_metis;
-      return SetAny<KN_<double>>(*t);
+      scene->system->set_law(scene->law, scene->mu);
+      return SetAny<Result>(run(stack, *scene, std::index_sequence_for<Extra...>()));
     });
   }
 
  private:
+  template <std::size_t... k>
+  Result run(Stack stack, Scene& scene, std::index_sequence<k...>) const {
+    return Body::run(stack, scene, GetAny<Extra>((*extra_[k])(stack))...);
+  }
+
   Arguments arguments_;
   Expression A_, b_, Vh_, label_;
+  std::vector<Expression> extra_;
+};
+
+template <class Body, class... Extra>
+void add_on_scene() {
+  Global.Add(Body::name, "(", new OneOperatorCode<OnScene<v_fes, Body, Extra...>>());
+  Global.Add(Body::name, "(", new OneOperatorCode<OnScene<v_fes3, Body, Extra...>>());
+}
+
+struct LinearSolve {
+  static constexpr const char* name = "linearSolve";
+  using Result = KN_<double>;
+  static Result run(Stack stack, Scene& scene) {
+    const ContactProblem& p = scene.system->problem();
+    KN<double>* t = Add2StackOfPtr2Free(stack, new KN<double>(5));
+    peak_megabytes(true);
+    (*t)[1] = cholmod_solve_seconds(p, CHOLMOD_AMD);
+    const double with_amd = peak_megabytes(true);
+    (*t)[2] = cholmod_solve_seconds(p, CHOLMOD_METIS);
+    const double with_metis = peak_megabytes(true);
+    (*t)[0] = std::min((*t)[1], (*t)[2]);
+    Vector x = Vector::Ones(p.dofs()), y(p.dofs());
+    const int products = 1 + static_cast<int>(2e8 / (1 + p.A.nonZeros()));
+    const double start = cpu_seconds();
+    for (int k = 0; k < products; ++k) {
+      y.noalias() = p.A * x;
+      x[k % p.dofs()] += 1e-9 * y[0];
+    }
+    (*t)[3] = (cpu_seconds() - start) / products;
+    (*t)[4] = (*t)[1] < (*t)[2] ? with_amd : with_metis;
+    return *t;
+  }
 };
 
 /// eps_machine | |A| |x| | over the norm of the load, both in the norm of D^{-1/2}.
-template <class V>
-class AttainableResidual : public E_F0mps {
- public:
+struct AttainableResidual {
+  static constexpr const char* name = "attainableResidual";
   using Result = double;
-  explicit AttainableResidual(const basicAC_F0& args)
-      : arguments_(args, Dimension<typename V::FESpace>::d, true),
-        A_(to<Matrice_Creuse<double>*>(args[0])),
-        b_(to<KN_<double>>(args[1])),
-        Vh_(to<typename V::pfes*>(args[2])),
-        label_(to<long>(args[3])),
-        u_(to<KN_<double>>(args[4])) {}
-  static ArrayOfaType typeargs() {
-    return ArrayOfaType(atype<Matrice_Creuse<double>*>(), atype<KN_<double>>(),
-                        atype<typename V::pfes*>(), atype<long>(), atype<KN_<double>>());
+  static Result run(Stack, Scene& scene, KN_<double> u) {
+    const ContactProblem& p = scene.system->problem();
+    const Vector x = scene.system->to_local(checked_vector(u, "u", scene.ndof));
+    const Vector size = p.A.cwiseAbs() * x.cwiseAbs();
+    return std::numeric_limits<double>::epsilon() * norm_D(p, size) / p.force_scale;
   }
-  static E_F0* f(const basicAC_F0& args) { return new AttainableResidual(args); }
-  AnyType operator()(Stack stack) const override {
-    return translated("attainableResidual", [&] {
-      const auto scene =
-          pose<V>(stack, arguments_, GetAny<Matrice_Creuse<double>*>((*A_)(stack)),
-                  GetAny<typename V::pfes*>((*Vh_)(stack)), {GetAny<long>((*label_)(stack))}, true);
-      scene->system->set_load(checked_vector(GetAny<KN_<double>>((*b_)(stack)), "b", scene->ndof),
-                              {}, scene->gap);
-      const ContactProblem& p = scene->system->problem();
-      const Vector x = scene->system->to_local(
-          checked_vector(GetAny<KN_<double>>((*u_)(stack)), "u", scene->ndof));
-      const Vector size = p.A.cwiseAbs() * x.cwiseAbs();
-      return SetAny<double>(std::numeric_limits<double>::epsilon() * norm_D(p, size) /
-                            p.force_scale);
-    });
-  }
-
- private:
-  Arguments arguments_;
-  Expression A_, b_, Vh_, label_, u_;
 };
 
 double energy_error(Matrice_Creuse<double>* const& A, const KN_<double>& u, const KN_<double>& v) {
@@ -192,62 +193,33 @@ class ArrayFile {
   std::ofstream out_;
 };
 
-template <class V>
-class ExportSystem : public E_F0mps {
- public:
+struct ExportSystem {
+  static constexpr const char* name = "exportSystem";
   using Result = double;
-  explicit ExportSystem(const basicAC_F0& args)
-      : arguments_(args, Dimension<typename V::FESpace>::d, true),
-        A_(to<Matrice_Creuse<double>*>(args[0])),
-        b_(to<KN_<double>>(args[1])),
-        Vh_(to<typename V::pfes*>(args[2])),
-        label_(to<long>(args[3])),
-        file_(to<string*>(args[4])),
-        u_(to<KN_<double>>(args[5])) {}
-  static ArrayOfaType typeargs() {
-    return ArrayOfaType(atype<Matrice_Creuse<double>*>(), atype<KN_<double>>(),
-                        atype<typename V::pfes*>(), atype<long>(), atype<string*>(),
-                        atype<KN_<double>>());
+  static Result run(Stack, Scene& scene, string* file, KN_<double> u) {
+    const ContactProblem& p = scene.system->problem();
+    const Vector x = scene.system->to_local(checked_vector(u, "u", scene.ndof));
+    const double start = cpu_seconds();
+    Condensation condensation;
+    condensation.factor(p, 1e11);
+    const Vector f = condensation.reduce(p.F);
+    const double seconds = cpu_seconds() - start;
+    ArrayFile out(*file);
+    const Index head[] = {p.dimension, p.dofs(), p.nodes()};
+    const Vector mu = p.law == Law::coulomb ? p.mu : Vector::Zero(p.nodes());
+    out.write(head, 3);
+    out.write(p.A.outerIndexPtr(), p.dofs() + 1);
+    out.write(p.A.innerIndexPtr(), p.A.nonZeros());
+    out.write(p.A.valuePtr(), p.A.nonZeros());
+    out.write(p.F.data(), p.dofs());
+    out.write(p.first.data(), p.nodes() + 1);
+    out.write(p.gap.data(), p.nodes());
+    out.write(mu.data(), p.nodes());
+    out.write(x.data(), p.dofs());
+    out.write(condensation.S().data(), condensation.S().size());
+    out.write(f.data(), f.size());
+    return seconds;
   }
-  static E_F0* f(const basicAC_F0& args) { return new ExportSystem(args); }
-  AnyType operator()(Stack stack) const override {
-    return translated("exportSystem", [&] {
-      const auto scene =
-          pose<V>(stack, arguments_, GetAny<Matrice_Creuse<double>*>((*A_)(stack)),
-                  GetAny<typename V::pfes*>((*Vh_)(stack)), {GetAny<long>((*label_)(stack))}, true);
-      LocalSystem& system = *scene->system;
-      system.set_load(checked_vector(GetAny<KN_<double>>((*b_)(stack)), "b", scene->ndof), {},
-                      scene->gap);
-      system.set_law(scene->law, scene->mu);
-      const ContactProblem& p = system.problem();
-      const Vector x =
-          system.to_local(checked_vector(GetAny<KN_<double>>((*u_)(stack)), "u", scene->ndof));
-      const double start = cpu_seconds();
-      Condensation condensation;
-      condensation.factor(p, 1e11);
-      const Vector f = condensation.reduce(p.F);
-      const double seconds = cpu_seconds() - start;
-      ArrayFile out(*GetAny<string*>((*file_)(stack)));
-      const Index head[] = {p.dimension, p.dofs(), p.nodes()};
-      const Vector mu = p.law == Law::coulomb ? p.mu : Vector::Zero(p.nodes());
-      out.write(head, 3);
-      out.write(p.A.outerIndexPtr(), p.dofs() + 1);
-      out.write(p.A.innerIndexPtr(), p.A.nonZeros());
-      out.write(p.A.valuePtr(), p.A.nonZeros());
-      out.write(p.F.data(), p.dofs());
-      out.write(p.first.data(), p.nodes() + 1);
-      out.write(p.gap.data(), p.nodes());
-      out.write(mu.data(), p.nodes());
-      out.write(x.data(), p.dofs());
-      out.write(condensation.S().data(), condensation.S().size());
-      out.write(f.data(), f.size());
-      return SetAny<double>(seconds);
-    });
-  }
-
- private:
-  Arguments arguments_;
-  Expression A_, b_, Vh_, label_, file_, u_;
 };
 
 /// Unilateral contact alone, S x = f - r: primal-dual active set, no friction anywhere.
@@ -286,62 +258,33 @@ Vector obstacle_on_S(const DenseMatrix& S, const Vector& f, const Vector& D, con
   return x;
 }
 
-template <class V>
-class FrictionlessSolve : public E_F0mps {
- public:
+struct FrictionlessSolve {
+  static constexpr const char* name = "frictionlessSolve";
   using Result = double;
-  explicit FrictionlessSolve(const basicAC_F0& args)
-      : arguments_(args, Dimension<typename V::FESpace>::d, true),
-        A_(to<Matrice_Creuse<double>*>(args[0])),
-        b_(to<KN_<double>>(args[1])),
-        Vh_(to<typename V::pfes*>(args[2])),
-        label_(to<long>(args[3])),
-        u_(to<KN_<double>>(args[4])) {}
-  static ArrayOfaType typeargs() {
-    return ArrayOfaType(atype<Matrice_Creuse<double>*>(), atype<KN_<double>>(),
-                        atype<typename V::pfes*>(), atype<long>(), atype<KN_<double>>());
+  static Result run(Stack, Scene& scene, KN_<double> u) {
+    const double start = cpu_seconds();
+    const ContactProblem& p = scene.system->problem();
+    Condensation condensation;
+    condensation.factor(p, 1e11);
+    const Vector x = condensation.expand(obstacle_on_S(condensation.S(), condensation.reduce(p.F),
+                                                       p.D.tail(p.contact_dofs()), p.gap));
+    const Vector r = p.F - p.A * x;
+    const Vector field = scene.system->to_global(x);
+    for (Index i = 0; i < scene.ndof; ++i) u[i] = field[i];
+    return scene.copy_seconds + cpu_seconds() - start + 0 * r[0];
   }
-  static E_F0* f(const basicAC_F0& args) { return new FrictionlessSolve(args); }
-  AnyType operator()(Stack stack) const override {
-    return translated("frictionlessSolve", [&] {
-      const auto scene =
-          pose<V>(stack, arguments_, GetAny<Matrice_Creuse<double>*>((*A_)(stack)),
-                  GetAny<typename V::pfes*>((*Vh_)(stack)), {GetAny<long>((*label_)(stack))}, true);
-      const double start = cpu_seconds();
-      scene->system->set_load(checked_vector(GetAny<KN_<double>>((*b_)(stack)), "b", scene->ndof),
-                              {}, scene->gap);
-      const ContactProblem& p = scene->system->problem();
-      Condensation condensation;
-      condensation.factor(p, 1e11);
-      const Vector x = condensation.expand(obstacle_on_S(condensation.S(), condensation.reduce(p.F),
-                                                         p.D.tail(p.contact_dofs()), p.gap));
-      const Vector r = p.F - p.A * x;
-      const Vector field = scene->system->to_global(x);
-      KN_<double> u = GetAny<KN_<double>>((*u_)(stack));
-      for (Index i = 0; i < scene->ndof; ++i) u[i] = field[i];
-      return SetAny<double>(scene->copy_seconds + cpu_seconds() - start + 0 * r[0]);
-    });
-  }
-
- private:
-  Arguments arguments_;
-  Expression A_, b_, Vh_, label_, u_;
 };
 
 double peak_memory(const long& reset) { return peak_megabytes(reset != 0); }
 
 void load() {
-  Global.Add("linearSolve", "(", new OneOperatorCode<LinearSolve<v_fes>>());
-  Global.Add("linearSolve", "(", new OneOperatorCode<LinearSolve<v_fes3>>());
-  Global.Add("attainableResidual", "(", new OneOperatorCode<AttainableResidual<v_fes>>());
-  Global.Add("attainableResidual", "(", new OneOperatorCode<AttainableResidual<v_fes3>>());
+  add_on_scene<LinearSolve>();
+  add_on_scene<AttainableResidual, KN_<double>>();
+  add_on_scene<ExportSystem, string*, KN_<double>>();
+  add_on_scene<FrictionlessSolve, KN_<double>>();
   Global.Add(
       "energyError", "(",
       new OneOperator3_<double, Matrice_Creuse<double>*, KN_<double>, KN_<double>>(energy_error));
-  Global.Add("exportSystem", "(", new OneOperatorCode<ExportSystem<v_fes>>());
-  Global.Add("exportSystem", "(", new OneOperatorCode<ExportSystem<v_fes3>>());
-  Global.Add("frictionlessSolve", "(", new OneOperatorCode<FrictionlessSolve<v_fes>>());
-  Global.Add("frictionlessSolve", "(", new OneOperatorCode<FrictionlessSolve<v_fes3>>());
   Global.Add("peakMemory", "(", new OneOperator1_<double, long>(peak_memory));
 }
 
