@@ -77,6 +77,7 @@ void report_plan(const Arguments& args, const Scene& scene, const Settings& s) {
       break;
   }
   if (scene.bilateral) std::cout << ", bilateral";
+  if (scene.system->rotated()) std::cout << ", frames rotated";
   if (plan.nodes == 0)
     std::cout << "; Dirichlet conditions hold every normal displacement: a plain linear solve";
   std::cout << "; " << name_of(s.method, methods);
@@ -144,7 +145,8 @@ KN_<double> solve_scene(Stack stack, const Arguments& args, Scene& scene, const 
   const StatusText text = describe(solution.status);
   if (verb > 0) {
     std::cout << " -- " << operator_name << ": " << text.name
-              << (solution.route == Route::condensed ? " by the condensed route" : "")
+              << (solution.route == Route::condensed ? " by the condensed route"
+                                                     : " by iterations on A")
               << ", residual " << solution.certificate.residual << ", " << solution.iterations
               << " iterations";
     if (solution.passes > 0) std::cout << " in " << solution.passes << " passes of the fixed point";

@@ -53,9 +53,11 @@ def getfem_runs(s):
     C = sp.block_diag([s["A"], stiffness * sp.identity(idle)]).tocsc() if idle else s["A"].tocsc()
     F = np.concatenate([s["F"], np.zeros(idle)])
     K = gf.Spmat("load", "mm", matrix_market(C))
-    for r in (stiffness, stiffness / 10, stiffness * 10):
+    for r in (stiffness / 10, stiffness, stiffness * 10):
+        if n > 40000 and r != stiffness / 10:
+            continue  # the best of the three; each run of the others takes minutes there
         label = f"nodal Newton; r = {r / stiffness:g} diag A"
-        for steps in (1, 2, 3, 4, 5, 6, 8, 10, 15, 25, 40):
+        for steps in (1, 2, 3, 4, 5, 6, 8, 10, 15, 25):
             BN, BT = gf.Spmat("empty", m, n + idle), gf.Spmat("empty", m * (d - 1), n + idle)
             for i in range(m):
                 BN.add(i, int(normal[i]), 1.0)
