@@ -96,13 +96,13 @@ scenes = list(dict.fromkeys(r["scene"] for r in error))
 def figure(name, wanted, x, label):
     wanted = [s for s in wanted if s in scenes] or scenes[:4]
     text = (f"set multiplot layout {(len(wanted) + 1) // 2},2; set logscale xy; set yrange [1e-15:2]; set xlabel '{label}'\n"
-            "set ylabel 'error in the energy norm'; set key font ',9' right top samplen 1 maxrows 12\n")
+            "set ylabel 'error in the energy norm'; set key font ',9' outside right center samplen 1 Left reverse\n")
     for scene in wanted:
         text += f"set title '{TITLE.get(scene, scene.replace('_', ' '))}'\n"
         if x == "units":
             text += "set arrow 1 from 1, graph 0 to 1, graph 1 nohead lw 2 lc rgb '#bbbbbb' back\nset xrange [0.08:200]\n"
         text += curves(panel(scene, x))
-    plot(name, f"1300,{560 * ((len(wanted) + 1) // 2)}", text + "unset multiplot\n")
+    plot(name, f"1600,{560 * ((len(wanted) + 1) // 2)}", text + "unset multiplot\n")
 
 
 FRONT = ["block2d_n160_mu1", "block3d_n16_mu0.3", "dovetail_q36", "hertz_c16"]
@@ -215,8 +215,7 @@ if total:
 if stress:
     md.append("\n## Stability\n")
     bad = [r for r in stress if r["method"] == "default" and r["status"] not in ("converged", "no_equilibrium")]
-    md.append(f"{sum(r['method'] == 'default' for r in stress)} scenes by the default, as many by GC3 (at most 10 000 + ... iterations, "
-              f"omega 1); {len(bad)} unsolved by the default. 'attainable' is what rounding allows, eps_machine | |A||u| | in the norm "
+    md.append(f"{sum(r['method'] == 'default' for r in stress)} scenes by the default, as many by GC3 (omega 1); {len(bad)} unsolved by the default. 'attainable' is what rounding allows, eps_machine | |A||u| | in the norm "
               "of the certificate; 'violation' is the independent judge's.\n")
     md.append("| scene | parameter | default: status | certificate | attainable | steps | units | violation | GC3: status | "
               "certificate | iterations | units |\n" + "|---" * 12 + "|")
