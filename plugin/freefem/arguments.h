@@ -258,9 +258,9 @@ inline Vector Arguments::at_nodes(Stack stack, Parameter p, const Scene& scene) 
     if (!std::isfinite(x) || (p != p_gap && x < 0)) {
       std::ostringstream m;
       m << parameters[p].name << " = " << x << " at " << place(scene.nodes[k], d_) << "; "
-        << (p == p_mu    ? "a friction coefficient is a number >= 0"
-            : p == p_gap ? "a gap is a finite length"
-                         : "a sliding limit is a traction >= 0");
+        << (p == p_mu || p == p_mu2 ? "a friction coefficient is a number >= 0"
+            : p == p_gap            ? "a gap is a finite length"
+                                    : "a sliding limit is a traction >= 0");
       throw IllegalInput(m.str());
     }
     result[k] = x;
