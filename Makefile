@@ -127,11 +127,15 @@ sanitize: ## unit and scripted tests under ASan and UBSan
 	LD_PRELOAD="$$($(CXX) -print-file-name=libasan.so) $$($(CXX) -print-file-name=libubsan.so)" \
 	ASAN_OPTIONS=detect_leaks=0:alloc_dealloc_mismatch=0 bash tests/run $(SCRIPTS)
 
+# What stays unreached: messages of internal errors and of more than 2^31 entries; closing braces that only an
+# exception passes; a field of NaN; a fixed point that diverges although damped, or whose inner tolerance alone
+# is left to tighten; stop_on_step, which only the paper's tables (make bench) use; one branch of a template
+# in one of its instances.
 coverage: ## lines of plugin/core that no unit test reaches
 	@$(MAKE) --no-print-directory -j$$(nproc) BUILD=$(BUILD)/coverage LDFLAGS=--coverage \
 	  CORE_FLAGS="-O1 --coverage" $(BUILD)/coverage/unit_tests >/dev/null
 	@find $(BUILD)/coverage -name '*.gcda' -delete
-	@RANDOM_SCENES=300 $(BUILD)/coverage/unit_tests >/dev/null
+	@$(BUILD)/coverage/unit_tests >/dev/null
 	@gcov -r -t $(BUILD)/coverage/core/*.gcda 2>/dev/null | awk -F: '/Source:/ {name = $$4} \
 	  /^ *[#=]+:/ {print "  " name ":" $$2 + 0 ":" substr($$0, 17); missed++} /^ *[0-9]+\*?:/ {reached++} \
 	  END {printf "%d of %d lines of plugin/core reached\n", reached, reached + missed}'
