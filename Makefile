@@ -108,7 +108,7 @@ report: setup ## error against run time with the peers, stability, what is left 
 	@$(MAKE) --no-print-directory setup PACKAGES="python3 fonts-dejavu-core"
 	@for p in $(PEERS); do $(MAKE) --no-print-directory setup PACKAGES=$$p || true; done
 	@$(MAKE) --no-print-directory -j$$(nproc) all $(BUILD)/costUnit.so $(BUILD)/unit_tests >/dev/null
-	@bash tests/bench/report
+	@bash tests/bench/report.sh
 
 format: ## clang-format on our own code
 	clang-format -i $(OWN)

@@ -207,7 +207,7 @@ if total:
                         for n, c in zip(ns, colours)])
     plot("total_error", "1300,560", text + "unset multiplot\n")
     md.append("\n![total error](total_error.png)\n")
-    md.append("\nThe rule: a mesh of relative error delta deserves regeps = delta max|u| and tol = delta/10; beyond, the run time buys "
+    md.append("\nThe rule: a mesh of relative error delta deserves regeps = delta max|u|/3 and tol = delta/10; beyond, the run time buys "
               "nothing. The defaults stay out of the way of any mesh: the default route does not regularize at all, and GC3 takes "
               "1e-8 max|u|, less where tol asks for it.\n")
 
