@@ -5,11 +5,11 @@ namespace frictioncg {
 
 /// How far x is from the unregularized laws of contact and friction, whatever method found it.
 ///
-///   r = F - Ax                                                       interior: r = 0
-///   normal:    min(A_NN (gap - x_N), r_N) = 0                        r_N >= 0 presses on the
-///              bilateral: A_NN (gap - x_N) = 0, and g = mu |r_N|
-///   obstacle friction:  r_T - proj_{|.| <= g}(r_T + A_TT x_T) = 0             g = mu max(r_N, 0),
-///   or given
+///   r = F - Ax                                     interior: r = 0
+///   normal:    min(A_NN (gap - x_N), r_N) = 0      r_N >= 0 presses on the obstacle
+///              bilateral: A_NN (gap - x_N) = 0
+///   friction:  r_T - proj_{|.| <= g}(r_T + A_TT x_T) = 0
+///              g = mu max(r_N, 0), bilateral mu |r_N|, or given
 ///
 /// residual = norm of the three, each scaled by D^{-1/2}, over the norm of the load: dimensionless,
 /// invariant under a change of units and under rotation.
