@@ -5,7 +5,7 @@ CXX       ?= g++
 BUILD     := build
 CXXFLAGS  ?= -O3
 WARN      := -Wall -Wextra -Wshadow -Werror
-INCLUDE   := -DEIGEN_USE_BLAS -isystem /usr/include/eigen3 -isystem /usr/include/suitesparse
+INCLUDE   := -Iplugin/core -DEIGEN_USE_BLAS -isystem /usr/include/eigen3 -isystem /usr/include/suitesparse
 FF_HEADER := -isystem /usr/include/freefem++
 FLAGS      = -std=c++17 -fPIC $(CXXFLAGS) $(WARN) $(INCLUDE)
 LIBS      := -lcholmod -lblas
@@ -13,16 +13,16 @@ LIBS      := -lcholmod -lblas
 PACKAGES  := freefem++ libfreefem++-dev libeigen3-dev libsuitesparse-dev libopenblas0-pthread \
              libopenblas-dev libgtest-dev gnuplot-nox ghostscript g++
 
-CORE      := $(wildcard plugin/core/*.cpp)
+CORE      := $(wildcard plugin/core/*.cpp plugin/core/*/*.cpp)
 OBJECTS   := $(CORE:plugin/%.cpp=$(BUILD)/%.o)
-HEADERS   := $(wildcard plugin/core/*.h plugin/freefem/*.h)
-UNIT      := $(wildcard tests/unit/*.cpp)
+HEADERS   := $(wildcard plugin/core/*.h plugin/core/*/*.h plugin/freefem/*.h)
+UNIT      := $(wildcard tests/unit/*.cpp tests/unit/*/*.cpp)
 IDP       := $(wildcard edp/*.idp)
 SCRIPTS   := $(wildcard tests/edp/*.edp)
 EXAMPLES  := $(wildcard examples/*.edp)
 BENCHES   := $(wildcard tests/bench/*.cpp)
 OWN       := $(CORE) $(HEADERS) $(wildcard plugin/*.cpp tests/unit/*.cpp tests/unit/*.h \
-               tests/bench/*.cpp tests/bench/*.h)
+               tests/unit/*/*.cpp tests/unit/*/*.h tests/bench/*.cpp tests/bench/*.h)
 
 # Debian's freefem++.pref names a folder that does not exist; these two make up for it.
 export FF_LOADPATH    := $(CURDIR)/$(BUILD);/usr/lib/freefem++
@@ -114,7 +114,7 @@ format: ## clang-format on our own code
 	clang-format -i $(OWN)
 
 lint: ## clang-tidy, and the core free of FreeFEM and of output
-	@! grep -lE 'ff\+\+|freefem|<iostream>|printf' plugin/core/*.h plugin/core/*.cpp
+	@! grep -rlE 'ff\+\+|freefem|<iostream>|printf' plugin/core
 	clang-format --dry-run -Werror $(OWN)
 	clang-tidy --quiet $(CORE) -- -std=c++17 $(INCLUDE)
 
@@ -136,7 +136,7 @@ coverage: ## lines of plugin/core that no unit test reaches
 	  CORE_FLAGS="-O1 --coverage" $(BUILD)/coverage/unit_tests >/dev/null
 	@find $(BUILD)/coverage -name '*.gcda' -delete
 	@$(BUILD)/coverage/unit_tests >/dev/null
-	@gcov -r -t $(BUILD)/coverage/core/*.gcda 2>/dev/null | awk -F: '/Source:/ {name = $$4} \
+	@gcov -r -t $$(find $(BUILD)/coverage/core -name '*.gcda') 2>/dev/null | awk -F: '/Source:/ {name = $$4} \
 	  /^ *[#=]+:/ {print "  " name ":" $$2 + 0 ":" substr($$0, 17); missed++} /^ *[0-9]+\*?:/ {reached++} \
 	  END {printf "%d of %d lines of plugin/core reached\n", reached, reached + missed}'
 
