@@ -1,5 +1,5 @@
 #pragma once
-#include "regularization.h"
+#include "gradient/regularization.h"
 
 namespace frictioncg {
 

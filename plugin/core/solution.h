@@ -1,5 +1,5 @@
 #pragma once
-#include "certificate.h"
+#include "model/certificate.h"
 #include "settings.h"
 
 namespace frictioncg {

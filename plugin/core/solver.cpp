@@ -2,10 +2,10 @@
 
 #include <cmath>
 
-#include "condensed.h"
-#include "fixed_point.h"
-#include "projected_cg.h"
-#include "sorp.h"
+#include "condensed/condensed.h"
+#include "gradient/fixed_point.h"
+#include "gradient/projected_cg.h"
+#include "gradient/sorp.h"
 
 namespace frictioncg {
 

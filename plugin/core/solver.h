@@ -2,7 +2,7 @@
 #include <memory>
 
 #include "solution.h"
-#include "tresca.h"
+#include "gradient/tresca.h"
 
 namespace frictioncg {
 

@@ -7,7 +7,7 @@
 #include <sstream>
 #include <vector>
 
-#include "../core/local_system.h"
+#include "../core/assembly/local_system.h"
 
 namespace frictioncg {
 

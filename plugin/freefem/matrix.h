@@ -3,7 +3,7 @@
 
 #include <sstream>
 
-#include "../core/local_system.h"
+#include "../core/assembly/local_system.h"
 
 namespace frictioncg {
 

@@ -16,7 +16,7 @@
 //   real m = peakMemory(reset);  peak memory of the process since the last reset [MB]
 #include "../../plugin/freefem/pose.h"
 
-#include "../../plugin/core/condensation.h"
+#include "core/condensed/condensation.h"
 
 #include <cholmod.h>
 

@@ -3,7 +3,7 @@
 // Schur complement, each node's laws solved exactly by cases. It shares no code with the plugin's.
 #include <Eigen/Dense>
 
-#include "core/contact_problem.h"
+#include "core/model/contact_problem.h"
 
 namespace frictioncg::test {
 

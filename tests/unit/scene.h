@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "core/local_system.h"
+#include "core/assembly/local_system.h"
 
 namespace frictioncg::test {
 

@@ -2,7 +2,7 @@
 
 #include <numeric>
 
-#include "core/condensed.h"
+#include "core/condensed/condensed.h"
 #include "core/solver.h"
 #include "random_scene.h"
 #include "reference.h"

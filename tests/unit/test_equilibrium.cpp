@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "core/equilibrium.h"
+#include "core/condensed/equilibrium.h"
 #include "scene.h"
 
 using namespace frictioncg;

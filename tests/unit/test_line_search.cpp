@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "core/line_search.h"
+#include "core/gradient/line_search.h"
 #include "scene.h"
 
 using namespace frictioncg;

@@ -2,7 +2,7 @@
 
 #include <Eigen/LU>
 
-#include "core/preconditioner.h"
+#include "core/gradient/preconditioner.h"
 #include "scene.h"
 
 using namespace frictioncg;

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "core/regularization.h"
+#include "core/gradient/regularization.h"
 
 using namespace frictioncg;
 

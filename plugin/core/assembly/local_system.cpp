@@ -1,4 +1,4 @@
-#include "local_system.h"
+#include "assembly/local_system.h"
 
 #include <Eigen/Geometry>
 

@@ -1,8 +1,8 @@
 #pragma once
 #include <array>
 
-#include "certificate.h"
-#include "contact_problem.h"
+#include "model/certificate.h"
+#include "model/contact_problem.h"
 
 namespace frictioncg {
 

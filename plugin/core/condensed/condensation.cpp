@@ -1,4 +1,4 @@
-#include "condensation.h"
+#include "condensed/condensation.h"
 
 #include <algorithm>
 #include <stdexcept>

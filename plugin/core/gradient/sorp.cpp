@@ -1,4 +1,4 @@
-#include "sorp.h"
+#include "gradient/sorp.h"
 
 #include <cmath>
 #include <limits>

@@ -1,5 +1,5 @@
 #pragma once
-#include "tresca.h"
+#include "gradient/tresca.h"
 
 namespace frictioncg {
 

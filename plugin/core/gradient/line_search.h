@@ -1,6 +1,6 @@
 #pragma once
-#include "contact_problem.h"
-#include "preconditioner.h"
+#include "model/contact_problem.h"
+#include "gradient/preconditioner.h"
 #include "settings.h"
 
 namespace frictioncg {

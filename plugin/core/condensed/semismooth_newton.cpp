@@ -1,4 +1,4 @@
-#include "semismooth_newton.h"
+#include "condensed/semismooth_newton.h"
 
 #include <cmath>
 #include <limits>

@@ -1,6 +1,6 @@
 #pragma once
-#include "condensation.h"
-#include "semismooth_newton.h"
+#include "condensed/condensation.h"
+#include "condensed/semismooth_newton.h"
 #include "solution.h"
 
 namespace frictioncg {

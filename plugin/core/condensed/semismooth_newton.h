@@ -1,6 +1,6 @@
 #pragma once
-#include "certificate.h"
-#include "condensation.h"
+#include "model/certificate.h"
+#include "condensed/condensation.h"
 
 namespace frictioncg {
 

@@ -1,4 +1,4 @@
-#include "line_search.h"
+#include "gradient/line_search.h"
 
 #include <algorithm>
 #include <limits>

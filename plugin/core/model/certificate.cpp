@@ -1,4 +1,4 @@
-#include "certificate.h"
+#include "model/certificate.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "projected_cg.h"
+#include "gradient/projected_cg.h"
 
 #include <cmath>
 #include <limits>

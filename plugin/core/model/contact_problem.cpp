@@ -1,4 +1,4 @@
-#include "contact_problem.h"
+#include "model/contact_problem.h"
 
 #include <cmath>
 

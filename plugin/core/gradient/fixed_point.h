@@ -1,7 +1,7 @@
 #pragma once
-#include "anderson.h"
+#include "gradient/anderson.h"
 #include "solution.h"
-#include "tresca.h"
+#include "gradient/tresca.h"
 
 namespace frictioncg {
 

@@ -1,4 +1,4 @@
-#include "fixed_point.h"
+#include "gradient/fixed_point.h"
 
 #include <cmath>
 #include <limits>

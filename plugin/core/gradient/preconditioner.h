@@ -2,7 +2,7 @@
 #include <memory>
 
 #include "settings.h"
-#include "contact_problem.h"
+#include "model/contact_problem.h"
 
 namespace frictioncg {
 

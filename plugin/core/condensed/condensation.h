@@ -3,7 +3,7 @@
 
 #include <Eigen/Dense>
 
-#include "contact_problem.h"
+#include "model/contact_problem.h"
 
 namespace frictioncg {
 

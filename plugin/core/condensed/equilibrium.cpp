@@ -1,4 +1,4 @@
-#include "equilibrium.h"
+#include "condensed/equilibrium.h"
 
 #include <algorithm>
 #include <cmath>

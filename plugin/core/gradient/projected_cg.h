@@ -1,7 +1,7 @@
 #pragma once
-#include "line_search.h"
-#include "preconditioner.h"
-#include "tresca.h"
+#include "gradient/line_search.h"
+#include "gradient/preconditioner.h"
+#include "gradient/tresca.h"
 
 namespace frictioncg {
 

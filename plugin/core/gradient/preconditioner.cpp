@@ -1,4 +1,4 @@
-#include "preconditioner.h"
+#include "gradient/preconditioner.h"
 
 #include <cmath>
 

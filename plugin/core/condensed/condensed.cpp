@@ -1,12 +1,12 @@
-#include "condensed.h"
+#include "condensed/condensed.h"
 
 #include <cmath>
 #include <limits>
 
 #include "clock.h"
-#include "equilibrium.h"
-#include "fixed_point.h"
-#include "projected_cg.h"
+#include "condensed/equilibrium.h"
+#include "gradient/fixed_point.h"
+#include "gradient/projected_cg.h"
 
 namespace frictioncg {
 

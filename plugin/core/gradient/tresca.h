@@ -1,5 +1,5 @@
 #pragma once
-#include "contact_problem.h"
+#include "model/contact_problem.h"
 #include "settings.h"
 
 namespace frictioncg {

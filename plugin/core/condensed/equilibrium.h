@@ -1,5 +1,5 @@
 #pragma once
-#include "semismooth_newton.h"
+#include "condensed/semismooth_newton.h"
 
 namespace frictioncg {
 
