@@ -94,7 +94,7 @@ $(BUILD)/unit/%.o: tests/unit/%.cpp $(HEADERS) $(wildcard tests/unit/*.h)
 
 # The benchmarks run in FreeFEM, with one thread, in the same process as what they compare with.
 $(BUILD)/%.so: tests/bench/%.cpp $(OBJECTS) $(HEADERS)
-	$(CXX) $(FLAGS) $(FF_HEADER) -Wno-mismatched-new-delete -Wno-shadow -Wno-use-after-free -shared $< $(OBJECTS) -o $@ $(LIBS)
+	$(CXX) $(FLAGS) $(FF_HEADER) -Wno-mismatched-new-delete -Wno-shadow -Wno-use-after-free -Iplugin -shared $< $(OBJECTS) -o $@ $(LIBS)
 
 bench: setup ## the paper's tables, and costs as ratios to one linear solve
 	@$(MAKE) --no-print-directory -j$$(nproc) all $(BENCHES:tests/bench/%.cpp=$(BUILD)/%.so) >/dev/null

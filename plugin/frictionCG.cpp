@@ -61,8 +61,9 @@ class History final : public Observer {
 };
 
 /// What the scene needs, and what it does not.
-void report_plan(const Arguments& args, const Scene& scene, const Settings& s) {
-  const Plan plan = make_plan(scene.system->problem(), s);
+void report_plan(const Arguments& args, const Scene& scene, const ContactProblem& problem,
+                 const Settings& s) {
+  const Plan plan = make_plan(problem, s);
   std::cout << " -- " << operator_name << ": " << scene.d << "D, " << plan.dofs << " dofs, "
             << plan.nodes << " contact nodes, ";
   switch (plan.law) {
@@ -130,17 +131,18 @@ KN_<double> solve_scene(Stack stack, const Arguments& args, Scene& scene, const 
   if (args.has(p_init))
     u_init = checked_vector(args.value<KN_<double>>(stack, p_init, KN_<double>(load)), "init",
                             scene.ndof);
-  LocalSystem& system = *scene.system;
-  system.set_load(b, u_old, scene.gap);
-  system.set_law(scene.law, scene.law == Law::coulomb ? scene.mu : scene.limit, scene.bilateral);
+  const LocalSystem& system = *scene.system;
+  const LocalIncrement now = scene.increment(b, u_old);
+  const ContactProblem problem{system.system(), now.increment};
 
   const long verb = args.value<long>(stack, p_verb, std::min(verbosity, 1L));
-  if (verb > 0) report_plan(args, scene, s);
-  History history(system.problem());
+  if (verb > 0) report_plan(args, scene, problem, s);
+  History history(problem);
   KNM<double>* history_out = args.output<KNM<double>>(stack, p_history);
   Vector x0;
   if (u_init.size() > 0) x0 = system.to_local(u_old.size() == 0 ? u_init : Vector(u_init - u_old));
-  const Solution solution = scene.solver->solve(s, x0, history_out ? &history : nullptr);
+  const Solution solution =
+      scene.solver->solve(now.increment, s, x0, history_out ? &history : nullptr);
 
   const StatusText text = describe(solution.status);
   if (verb > 0) {
@@ -166,7 +168,7 @@ KN_<double> solve_scene(Stack stack, const Arguments& args, Scene& scene, const 
   if (history_out) history.write(history_out);
 
   KN<double>* u = Add2StackOfPtr2Free(stack, new KN<double>(scene.ndof));
-  const Vector field = system.to_global(solution.x);
+  const Vector field = system.to_global(solution.x, now.u0);
   for (long i = 0; i < scene.ndof; ++i) (*u)[i] = field[i];
   if (KN<double>* out = args.output<KN<double>>(stack, p_times)) {
     const Times& t = solution.times;

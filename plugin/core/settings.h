@@ -1,5 +1,6 @@
 #pragma once
-#include "gradient/regularization.h"
+#include "status.h"
+#include "types.h"
 
 namespace frictioncg {
 
@@ -14,6 +15,9 @@ enum class Method {
 };
 
 enum class Precon { none, diagonal, ssor, hessian_diagonal, hessian_ssor };
+
+/// phi_eps of section 4.1, REG1, REG2 and REG3.
+enum class Regularization { square_root, log_cosh, polynomial };
 
 enum class Step {
   exact,          ///< root of (13): finite walk for REG3 in 2D, else bracketed Newton to rounding
@@ -35,17 +39,6 @@ struct Settings {
   Real partial = 100;  ///< eps_1/eps_0 of section 3: GC3 tests for release at `partial` times tol
   /// Only to repeat the paper's tables: stop at |dx| <= stop_on_step |x|. Proves nothing; 0: off.
   Real stop_on_step = 0;
-};
-
-/// How a legal run ended. Illegal input is an exception.
-enum class Status {
-  converged = 0,
-  max_iterations = 1,
-  stagnated = 2,
-  no_equilibrium = 3,
-  not_positive_definite = 4,
-  fixed_point_diverged = 5,
-  regularized = 6  ///< the regularized problem is solved; regeps keeps the certificate above tol
 };
 
 /// Hears of the iterations; the core never prints.

@@ -20,6 +20,26 @@ Settings on_A(Settings settings) {
   return settings;
 }
 
+Solution iterate(const ContactProblem& problem, const Settings& settings, const Vector& x0,
+                 Observer* observer) {
+  const Index bound = settings.nbiter > 0 ? settings.nbiter : default_iterations(problem);
+  const auto tresca = make_tresca_solver(problem, settings, bound, observer);
+  return FixedPoint(problem, settings, *tresca).solve(x0);
+}
+
+/// Where the condensed route fails short of rounding, stick as a face on A itself: it needs no
+/// factor, which a nearly singular A spoils, and tells a load that nothing holds.
+void second_opinion(const ContactProblem& problem, const Settings& settings, Observer* observer,
+                    Solution& s) {
+  if (s.status == Status::converged || s.status == Status::no_equilibrium) return;
+  if (s.certificate.residual <= rounding) return;
+  Solution t = iterate(problem, on_A(settings), {}, observer);
+  if (t.status != Status::converged && t.status != Status::no_equilibrium) return;
+  t.times = s.times;
+  t.iterations += s.iterations;
+  s = std::move(t);
+}
+
 }  // namespace
 
 Plan make_plan(const ContactProblem& problem, const Settings& settings) {
@@ -27,7 +47,7 @@ Plan make_plan(const ContactProblem& problem, const Settings& settings) {
   plan.dofs = problem.dofs();
   plan.nodes = problem.nodes();
   plan.tangents = problem.contact_dofs() - problem.nodes();
-  plan.law = problem.nodes() > 0 ? problem.law : Law::frictionless;
+  plan.law = problem.nodes() > 0 ? problem.increment.law : Law::frictionless;
   plan.fixed_point = plan.law == Law::coulomb;
   const bool direct = settings.method == Method::automatic || settings.method == Method::condensed;
   const bool smooths = settings.method != Method::sorp && settings.method != Method::gcx;
@@ -47,58 +67,40 @@ std::unique_ptr<TrescaSolver> make_tresca_solver(const ContactProblem& problem,
   return std::make_unique<ProjectedCG>(problem, settings, max_iterations, observer);
 }
 
-Solver::Solver(const ContactProblem& problem) : problem_(problem) {}
+Solver::Solver(SystemPtr system) : system_(std::move(system)) {}
 Solver::~Solver() = default;
 
-Solution Solver::solve(const Settings& settings, const Vector& x0, Observer* observer) {
+Solution Solver::solve(const Increment& increment, const Settings& settings, const Vector& x0,
+                       Observer* observer) {
+  const ContactProblem problem{system_, increment};
   if (settings.method != Method::automatic && settings.method != Method::condensed)
-    return iterate(settings, x0, observer);
+    return iterate(problem, settings, x0, observer);
   const bool kept = tried_;
-  if (condense(settings)) {
-    Solution s = condensed_->solve(settings, x0);
-    if (settings.polish) second_opinion(settings, observer, s);
-    if (!kept) {
-      const CondensationTimes& t = condensed_->condensation().times();
-      s.times.order = t.order;
-      s.times.factor = t.factor;
-      s.times.condense = t.condense;
-    }
-    if (observer) observer->iterate(s.iterations, s.x);
-    return s;
+  if (!condense(settings)) return iterate(problem, on_A(settings), x0, observer);
+  Solution s = condensed_->solve(problem, settings, x0);
+  if (settings.polish) second_opinion(problem, settings, observer, s);
+  if (!kept) {
+    const CondensationTimes& t = condensed_->condensation().times();
+    s.times.order = t.order;
+    s.times.factor = t.factor;
+    s.times.condense = t.condense;
   }
-  return iterate(on_A(settings), x0, observer);
-}
-
-/// Where the condensed route fails short of rounding, stick as a face on A itself: it needs no
-/// factor, which a nearly singular A spoils, and tells a load that nothing holds.
-void Solver::second_opinion(const Settings& settings, Observer* observer, Solution& s) {
-  if (s.status == Status::converged || s.status == Status::no_equilibrium) return;
-  if (s.certificate.residual <= rounding) return;
-  Solution t = iterate(on_A(settings), {}, observer);
-  if (t.status != Status::converged && t.status != Status::no_equilibrium) return;
-  t.times = s.times;
-  t.iterations += s.iterations;
-  s = std::move(t);
+  if (observer) observer->iterate(s.iterations, s.x);
+  return s;
 }
 
 bool Solver::condense(const Settings& settings) {
   if (tried_) return factored_;
   tried_ = true;
-  condensed_ = std::make_unique<CondensedSolver>(problem_);
+  condensed_ = std::make_unique<CondensedSolver>(system_);
   factored_ = condensed_->factor(settings.memory) == Condensation::Outcome::done;
   if (!factored_) condensed_.reset();
   return factored_;
 }
 
-Solution Solver::iterate(const Settings& settings, const Vector& x0, Observer* observer) {
-  const Index bound = settings.nbiter > 0 ? settings.nbiter : default_iterations(problem_);
-  const auto tresca = make_tresca_solver(problem_, settings, bound, observer);
-  return FixedPoint(problem_, settings, *tresca).solve(x0);
-}
-
 Solution solve(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                Observer* observer) {
-  return Solver(problem).solve(settings, x0, observer);
+  return Solver(problem.system).solve(problem.increment, settings, x0, observer);
 }
 
 }  // namespace frictioncg

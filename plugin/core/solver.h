@@ -23,24 +23,22 @@ std::unique_ptr<TrescaSolver> make_tresca_solver(const ContactProblem& problem,
 
 class CondensedSolver;
 
-/// Solves one contact problem, again and again if its load, gap or law change: a factorization is
-/// made at the first call that wants it, and kept.
+/// Solves increment after increment of one system: a factorization is made at the first call that
+/// wants it, and kept.
 class Solver {
  public:
-  /// problem must outlive the solver; its A, D and layout must not change.
-  explicit Solver(const ContactProblem& problem);
+  explicit Solver(SystemPtr system);
   ~Solver();
 
   /// Solves by the method of the settings, and certifies the answer. x0 (n), or empty to start from
   /// the scene.
-  Solution solve(const Settings& settings, const Vector& x0 = {}, Observer* observer = nullptr);
+  Solution solve(const Increment& increment, const Settings& settings, const Vector& x0 = {},
+                 Observer* observer = nullptr);
 
  private:
   bool condense(const Settings& settings);
-  void second_opinion(const Settings& settings, Observer* observer, Solution& s);
-  Solution iterate(const Settings& settings, const Vector& x0, Observer* observer);
 
-  const ContactProblem& problem_;
+  SystemPtr system_;
   std::unique_ptr<CondensedSolver> condensed_;
   bool tried_ = false;  ///< the factorization was attempted
   bool factored_ = false;

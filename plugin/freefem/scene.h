@@ -32,10 +32,14 @@ struct Scene {
     const double start = cpu_seconds();
     std::vector<ContactPoint> points;
     for (const BoundaryNode& n : nodes) points.push_back(n.point);
-    system = std::make_unique<LocalSystem>(A, d, std::move(points));
-    system->set_mesh_nodes(mesh_node);
-    solver = std::make_unique<Solver>(system->problem());
+    system = std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node);
+    solver = std::make_unique<Solver>(system->system());
     copy_seconds = cpu_seconds() - start;
+  }
+
+  /// The increment under the load b from the state u_old (ndof, or empty for 0).
+  LocalIncrement increment(const Vector& b, const Vector& u_old) const {
+    return system->increment(b, u_old, {law, bilateral, gap, law == Law::coulomb ? mu : limit});
   }
 };
 

@@ -39,7 +39,7 @@ double peak_megabytes(bool reset) {
 
 /// CHOLMOD as a user would call it: on the dofs, supernodal. The contact dofs get half their
 /// diagonal added, without which a body held by contact alone has no factor.
-double cholmod_solve_seconds(const ContactProblem& p, int ordering) {
+double cholmod_solve_seconds(const System& p, int ordering) {
   Matrix half = p.A.triangularView<Eigen::Lower>();
   for (Index i = p.interior(); i < p.dofs(); ++i) half.coeffRef(i, i) *= 1.5;
   cholmod_common common;
@@ -62,7 +62,7 @@ double cholmod_solve_seconds(const ContactProblem& p, int ordering) {
   cholmod_dense b{};
   b.nrow = b.d = b.nzmax = p.dofs();
   b.ncol = 1;
-  b.x = const_cast<Real*>(p.F.data());
+  b.x = const_cast<Real*>(posed.increment.F.data());
   b.xtype = CHOLMOD_REAL;
   b.dtype = CHOLMOD_DOUBLE;
   const double start = cpu_seconds();
@@ -76,8 +76,16 @@ double cholmod_solve_seconds(const ContactProblem& p, int ordering) {
   return seconds;
 }
 
+/// A scene under its load.
+struct PosedScene {
+  Scene& scene;
+  const Increment& increment;
+  const Vector& u0;
+  const System& system() const { return *scene.system->system(); }
+};
+
 /// name(A, b, Vh, label, extra ..., mu=.., gap=..): poses the contact problem, and hands it to
-/// Body::run(stack, scene, extra ...).
+/// Body::run(stack, posed, extra ...).
 template <class V, class Body, class... Extra>
 class OnScene : public E_F0mps {
  public:
@@ -101,17 +109,17 @@ class OnScene : public E_F0mps {
       const auto scene =
           pose<V>(stack, arguments_, GetAny<Matrice_Creuse<double>*>((*A_)(stack)),
                   GetAny<typename V::pfes*>((*Vh_)(stack)), {GetAny<long>((*label_)(stack))}, true);
-      scene->system->set_load(checked_vector(GetAny<KN_<double>>((*b_)(stack)), "b", scene->ndof),
-                              {}, scene->gap);
-      scene->system->set_law(scene->law, scene->mu);
-      return SetAny<Result>(run(stack, *scene, std::index_sequence_for<Extra...>()));
+      const LocalIncrement now =
+          scene->increment(checked_vector(GetAny<KN_<double>>((*b_)(stack)), "b", scene->ndof), {});
+      return SetAny<Result>(
+          run(stack, {*scene, now.increment, now.u0}, std::index_sequence_for<Extra...>()));
     });
   }
 
  private:
   template <std::size_t... k>
-  Result run(Stack stack, Scene& scene, std::index_sequence<k...>) const {
-    return Body::run(stack, scene, GetAny<Extra>((*extra_[k])(stack))...);
+  Result run(Stack stack, const PosedScene& posed, std::index_sequence<k...>) const {
+    return Body::run(stack, posed, GetAny<Extra>((*extra_[k])(stack))...);
   }
 
   Arguments arguments_;
@@ -128,8 +136,8 @@ void add_on_scene() {
 struct LinearSolve {
   static constexpr const char* name = "linearSolve";
   using Result = KN_<double>;
-  static Result run(Stack stack, Scene& scene) {
-    const ContactProblem& p = scene.system->problem();
+  static Result run(Stack stack, const PosedScene& posed) {
+    const System& p = posed.system();
     KN<double>* t = Add2StackOfPtr2Free(stack, new KN<double>(5));
     peak_megabytes(true);
     (*t)[1] = cholmod_solve_seconds(p, CHOLMOD_AMD);
@@ -154,11 +162,11 @@ struct LinearSolve {
 struct AttainableResidual {
   static constexpr const char* name = "attainableResidual";
   using Result = double;
-  static Result run(Stack, Scene& scene, KN_<double> u) {
-    const ContactProblem& p = scene.system->problem();
-    const Vector x = scene.system->to_local(checked_vector(u, "u", scene.ndof));
+  static Result run(Stack, const PosedScene& posed, KN_<double> u) {
+    const System& p = posed.system();
+    const Vector x = posed.scene.system->to_local(checked_vector(u, "u", posed.scene.ndof));
     const Vector size = p.A.cwiseAbs() * x.cwiseAbs();
-    return std::numeric_limits<double>::epsilon() * norm_D(p, size) / p.force_scale;
+    return std::numeric_limits<double>::epsilon() * norm_D(p, size) / posed.increment.force_scale;
   }
 };
 
@@ -196,24 +204,25 @@ class ArrayFile {
 struct ExportSystem {
   static constexpr const char* name = "exportSystem";
   using Result = double;
-  static Result run(Stack, Scene& scene, string* file, KN_<double> u) {
-    const ContactProblem& p = scene.system->problem();
-    const Vector x = scene.system->to_local(checked_vector(u, "u", scene.ndof));
+  static Result run(Stack, const PosedScene& posed, string* file, KN_<double> u) {
+    const System& p = posed.system();
+    const Vector x = posed.scene.system->to_local(checked_vector(u, "u", posed.scene.ndof));
     const double start = cpu_seconds();
     Condensation condensation;
     condensation.factor(p, 1e11);
-    const Vector f = condensation.reduce(p.F);
+    const Vector f = condensation.reduce(posed.increment.F);
     const double seconds = cpu_seconds() - start;
     ArrayFile out(*file);
     const Index head[] = {p.dimension, p.dofs(), p.nodes()};
-    const Vector mu = p.law == Law::coulomb ? p.mu : Vector::Zero(p.nodes());
+    const Vector mu =
+        posed.increment.law == Law::coulomb ? posed.increment.mu : Vector::Zero(p.nodes());
     out.write(head, 3);
     out.write(p.A.outerIndexPtr(), p.dofs() + 1);
     out.write(p.A.innerIndexPtr(), p.A.nonZeros());
     out.write(p.A.valuePtr(), p.A.nonZeros());
-    out.write(p.F.data(), p.dofs());
+    out.write(posed.increment.F.data(), p.dofs());
     out.write(p.first.data(), p.nodes() + 1);
-    out.write(p.gap.data(), p.nodes());
+    out.write(posed.increment.gap.data(), p.nodes());
     out.write(mu.data(), p.nodes());
     out.write(x.data(), p.dofs());
     out.write(condensation.S().data(), condensation.S().size());
@@ -261,17 +270,18 @@ Vector obstacle_on_S(const DenseMatrix& S, const Vector& f, const Vector& D, con
 struct FrictionlessSolve {
   static constexpr const char* name = "frictionlessSolve";
   using Result = double;
-  static Result run(Stack, Scene& scene, KN_<double> u) {
+  static Result run(Stack, const PosedScene& posed, KN_<double> u) {
     const double start = cpu_seconds();
-    const ContactProblem& p = scene.system->problem();
+    const System& p = posed.system();
     Condensation condensation;
     condensation.factor(p, 1e11);
-    const Vector x = condensation.expand(obstacle_on_S(condensation.S(), condensation.reduce(p.F),
-                                                       p.D.tail(p.contact_dofs()), p.gap));
-    const Vector r = p.F - p.A * x;
-    const Vector field = scene.system->to_global(x);
-    for (Index i = 0; i < scene.ndof; ++i) u[i] = field[i];
-    return scene.copy_seconds + cpu_seconds() - start + 0 * r[0];
+    const Vector x =
+        condensation.expand(obstacle_on_S(condensation.S(), condensation.reduce(posed.increment.F),
+                                          p.D.tail(p.contact_dofs()), posed.increment.gap));
+    const Vector r = posed.increment.F - p.A * x;
+    const Vector field = posed.scene.system->to_global(x, posed.u0);
+    for (Index i = 0; i < posed.scene.ndof; ++i) u[i] = field[i];
+    return posed.scene.copy_seconds + cpu_seconds() - start + 0 * r[0];
   }
 };
 

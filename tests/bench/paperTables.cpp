@@ -21,12 +21,14 @@ class Tables {
   explicit Tables(const ContactProblem& coulomb) : problem_(coulomb) {
     const Solution exact = solve(problem_, Settings());
     if (exact.status != Status::converged) throw IllegalInput("the scene has no exact solution");
-    problem_.law = Law::tresca;
-    problem_.g.resize(problem_.nodes());
+    Increment& given = problem_.increment;
+    given.law = Law::tresca;
+    given.g.resize(problem_.nodes());
     for (Index i = 0; i < problem_.nodes(); ++i)
-      problem_.g[i] = sliding_limit(coulomb, i, exact.certificate.r);
+      given.g[i] =
+          law_of(coulomb.increment, i).limit(exact.certificate.r[problem_.system->first[i]]);
     x_ = exact.x;
-    energy_ = x_.dot(problem_.A * x_);
+    energy_ = x_.dot(problem_.system->A * x_);
   }
 
   /// eps [length]; stop on |dx| <= 0.5e-5 |x|, partial convergence at `partial`
@@ -46,10 +48,10 @@ class Tables {
     Iterate it{Vector::Zero(problem_.dofs()), std::vector<char>(problem_.nodes(), 0)};
     const auto solver = make_tresca_solver(problem_, s, s.nbiter, nullptr);
     const double start = cpu_seconds();
-    const Outcome o = solver->minimize(it, problem_.g, eps, Tangents::sliding, 0);
+    const Outcome o = solver->minimize(it, problem_.increment.g, eps, Tangents::sliding, 0);
     const double seconds = cpu_seconds() - start;
     const Vector e = it.x - x_;
-    const double error = std::sqrt(std::abs(e.dot(problem_.A * e)) / energy_);
+    const double error = std::sqrt(std::abs(e.dot(problem_.system->A * e)) / energy_);
     std::ostringstream text;
     if (o.status == Status::converged && error > 1e-2) {
       text << " stops wrong (" << std::setprecision(1) << std::scientific << error << ")";
@@ -209,10 +211,9 @@ class PaperTables : public E_F0mps {
       const auto scene =
           pose<v_fes>(stack, arguments_, GetAny<Matrice_Creuse<double>*>((*A_)(stack)),
                       GetAny<pfes*>((*Vh_)(stack)), {GetAny<long>((*label_)(stack))}, true);
-      scene->system->set_load(checked_vector(GetAny<KN_<double>>((*b_)(stack)), "b", scene->ndof),
-                              {}, scene->gap);
-      scene->system->set_law(scene->law, scene->mu);
-      const Tables tables(scene->system->problem());
+      const LocalIncrement now =
+          scene->increment(checked_vector(GetAny<KN_<double>>((*b_)(stack)), "b", scene->ndof), {});
+      const Tables tables({scene->system->system(), now.increment});
       const PaperCounts counts[] = {{{{102, 71, 93}, {98, 93, 90}, {50, 49, 47}},
                                      225,
                                      {115, 49, 113, 47},

@@ -69,25 +69,27 @@ inline Eigen::VectorXd solve_node(const Eigen::MatrixXd& S, const Eigen::VectorX
 }
 
 inline Reference reference_solution(const ContactProblem& p) {
-  const Eigen::MatrixXd A = p.A;
+  const Eigen::MatrixXd A = p.system->A;
   const int interior = p.interior(), n = p.dofs(), contact = n - interior;
   const Eigen::LDLT<Eigen::MatrixXd> A_II(A.topLeftCorner(interior, interior));
   const Eigen::MatrixXd A_IC = A.topRightCorner(interior, contact);
   const Eigen::MatrixXd S =
       A.bottomRightCorner(contact, contact) - A_IC.transpose() * A_II.solve(A_IC);
-  const Eigen::VectorXd f = p.F.tail(contact) - A_IC.transpose() * A_II.solve(p.F.head(interior));
+  const Eigen::VectorXd f =
+      p.increment.F.tail(contact) - A_IC.transpose() * A_II.solve(p.increment.F.head(interior));
   Eigen::VectorXd x = Eigen::VectorXd::Zero(contact);
   Reference result;
   for (int sweep = 0; sweep < 4000 && !result.converged; ++sweep) {
     double change = 0;
     for (int i = 0; i < p.nodes(); ++i) {
-      const int N = p.first[i] - interior, size = p.first[i + 1] - p.first[i];
+      const int N = p.system->first[i] - interior,
+                size = p.system->first[i + 1] - p.system->first[i];
       const Eigen::MatrixXd S_ii = S.block(N, N, size, size);
       const Eigen::VectorXd f_i =
           f.segment(N, size) - S.middleRows(N, size) * x + S_ii * x.segment(N, size);
-      const Eigen::VectorXd x_i =
-          solve_node(S_ii, f_i, p.gap[i], p.law == Law::coulomb ? p.mu[i] : 0,
-                     p.law == Law::tresca ? p.g[i] : 0, p.law == Law::coulomb);
+      const Eigen::VectorXd x_i = solve_node(
+          S_ii, f_i, p.increment.gap[i], p.increment.law == Law::coulomb ? p.increment.mu[i] : 0,
+          p.increment.law == Law::tresca ? p.increment.g[i] : 0, p.increment.law == Law::coulomb);
       change = std::max(change, (x_i - x.segment(N, size)).norm());
       x.segment(N, size) = x_i;
     }
@@ -95,7 +97,7 @@ inline Reference reference_solution(const ContactProblem& p) {
   }
   result.x.resize(n);
   result.x.tail(contact) = x;
-  result.x.head(interior) = A_II.solve(p.F.head(interior) - A_IC * x);
+  result.x.head(interior) = A_II.solve(p.increment.F.head(interior) - A_IC * x);
   return result;
 }
 

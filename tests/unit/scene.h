@@ -9,6 +9,33 @@
 
 namespace frictioncg::test {
 
+/// A scene in local frames, and the way back.
+class Posed {
+ public:
+  Posed(LocalSystem local, const Vector& b, const Vector& u_old, const PointLaws& laws)
+      : local_(std::move(local)) {
+    pose(b, u_old, laws);
+  }
+  void pose(const Vector& b, const Vector& u_old, const PointLaws& laws) {
+    LocalIncrement now = local_.increment(b, u_old, laws);
+    u0_ = now.u0;
+    problem_ = {local_.system(), now.increment};
+  }
+  const ContactProblem& problem() const { return problem_; }
+  const LocalSystem& local() const { return local_; }
+  Index nodes() const { return local_.nodes(); }
+  bool rotated() const { return local_.rotated(); }
+  Index fixed_dofs() const { return local_.fixed_dofs(); }
+  Vector to_local(const Vector& u) const { return local_.to_local(u); }
+  Vector to_global(const Vector& x) const { return local_.to_global(x, u0_); }
+  Vector force_to_global(const Vector& r) const { return local_.force_to_global(r); }
+
+ private:
+  LocalSystem local_;
+  Vector u0_;
+  ContactProblem problem_;
+};
+
 /// An assembled scene in global components, the way a script would hand it over.
 struct Scene {
   int d = 2;
@@ -20,13 +47,13 @@ struct Scene {
   Law law = Law::coulomb;
 
   Triplets triplets() const { return {n, a.size(), i.data(), j.data(), a.data(), 0, false}; }
-  LocalSystem system() const {
-    LocalSystem s(triplets(), d, points);
-    s.set_load(b, u_old, gap);
-    s.set_law(law, friction);
-    return s;
-  }
+  PointLaws laws() const { return {law, false, gap, friction}; }
+  Posed system(const std::vector<Index>& mesh_node = {}) const;
 };
+
+inline Posed Scene::system(const std::vector<Index>& mesh_node) const {
+  return {LocalSystem(triplets(), d, points, mesh_node), b, u_old, laws()};
+}
 
 struct BlockOptions {
   int d = 2;

@@ -25,18 +25,18 @@ Scene solved_scene(Vector& x) {
 TEST(Certificate, IsTheScaledNormOfTheThreeLawsInDenseArithmetic) {
   Vector x;
   const Scene s = solved_scene(x);
-  const LocalSystem system = s.system();
+  const Posed system = s.system();
   const ContactProblem& p = system.problem();
   x += 1e-4 * Vector::Random(x.size());
-  const Eigen::MatrixXd A = p.A;
-  const Vector r = p.F - A * x;
+  const Eigen::MatrixXd A = p.system->A;
+  const Vector r = p.increment.F - A * x;
   Real sum = 0, load = 0;
-  for (Index i = 0; i < p.dofs(); ++i) load += p.F[i] * p.F[i] / A(i, i);
-  for (Index i = 0; i < p.first[0]; ++i) sum += r[i] * r[i] / A(i, i);
+  for (Index i = 0; i < p.dofs(); ++i) load += p.increment.F[i] * p.increment.F[i] / A(i, i);
+  for (Index i = 0; i < p.system->first[0]; ++i) sum += r[i] * r[i] / A(i, i);
   for (Index k = 0; k < p.nodes(); ++k) {
-    const Index N = p.first[k], T = N + 1;
-    sum += std::pow(std::min(A(N, N) * (p.gap[k] - x[N]), r[N]), 2) / A(N, N);
-    const Real g = p.mu[k] * std::max(r[N], 0.0);
+    const Index N = p.system->first[k], T = N + 1;
+    sum += std::pow(std::min(A(N, N) * (p.increment.gap[k] - x[N]), r[N]), 2) / A(N, N);
+    const Real g = p.increment.mu[k] * std::max(r[N], 0.0);
     const Real y = r[T] + A(T, T) * x[T];
     sum += std::pow(r[T] - std::max(-g, std::min(g, y)), 2) / A(T, T);
   }
@@ -57,17 +57,17 @@ TEST(Certificate, IsInvariantUnderAChangeOfUnits) {
 TEST(Certificate, SeesEachLawBroken) {
   Vector x;
   const Scene s = solved_scene(x);
-  const LocalSystem system = s.system();
+  const Posed system = s.system();
   const ContactProblem& p = system.problem();
   EXPECT_LT(certify(p, x).residual, 1e-8);
   Vector y = x;
   y[0] += 1e-3;
   EXPECT_GT(certify(p, y).equilibrium, 1e-3);
   y = x;
-  y[p.first[3]] += 1e-3;  // penetration
+  y[p.system->first[3]] += 1e-3;  // penetration
   EXPECT_GT(certify(p, y).normal, 1e-3);
   y = x;
-  y[p.first[3] + 1] += 1e-3;  // sliding without its force
+  y[p.system->first[3] + 1] += 1e-3;  // sliding without its force
   EXPECT_GT(certify(p, y).friction, 1e-3);
 }
 
@@ -75,7 +75,7 @@ TEST(Certificate, WithoutALoadNothingIsDividedByZero) {
   BlockOptions o;
   o.pressure = o.shear = 0;
   const Scene s = block(o);
-  const LocalSystem system = s.system();
+  const Posed system = s.system();
   EXPECT_EQ(certify(system.problem(), Vector::Zero(system.problem().dofs())).residual, 0);
   const Solution solution = solve(system.problem(), Settings());
   EXPECT_EQ(solution.status, Status::converged);
@@ -84,14 +84,14 @@ TEST(Certificate, WithoutALoadNothingIsDividedByZero) {
 TEST(Certificate, ClassifiesOpenSlipAndStick) {
   Vector x;
   const Scene s = solved_scene(x);
-  const LocalSystem system = s.system();
+  const Posed system = s.system();
   const Certificate c = certify(system.problem(), x);
   const auto state = classify(system.problem(), x, c.r);
   const Vector force = system.force_to_global(c.r);
   int count[4] = {0, 0, 0, 0};
   for (Index k = 0; k < system.nodes(); ++k) {
     ++count[int(state[k])];
-    const Index N = system.problem().first[k];
+    const Index N = system.problem().system->first[k];
     if (state[k] == NodeState::separated) {
       EXPECT_NEAR(c.r[N], 0, 1e-6);
     } else {

@@ -56,20 +56,21 @@ TEST(Condensation, SchurComplementReducedLoadAndFieldMatchDenseAlgebra) {
       o.angle = 0.3;
       const ContactProblem p = problem_of(o);
       Condensation condensation;
-      ASSERT_EQ(condensation.factor(p, 1e9, ordering), Condensation::Outcome::done);
-      const Eigen::MatrixXd A = p.A;
+      ASSERT_EQ(condensation.factor(*p.system, 1e9, ordering), Condensation::Outcome::done);
+      const Eigen::MatrixXd A = p.system->A;
       const Index I = p.interior(), C = p.contact_dofs();
       const Eigen::MatrixXd S =
           A.bottomRightCorner(C, C) -
           A.bottomLeftCorner(C, I) * A.topLeftCorner(I, I).ldlt().solve(A.topRightCorner(I, C));
       EXPECT_LT((condensation.S() - S).norm(), 1e-12 * S.norm());
       const Vector f =
-          p.F.tail(C) - A.bottomLeftCorner(C, I) * A.topLeftCorner(I, I).ldlt().solve(p.F.head(I));
-      EXPECT_LT((condensation.reduce(p.F) - f).norm(), 1e-12 * f.norm());
+          p.increment.F.tail(C) -
+          A.bottomLeftCorner(C, I) * A.topLeftCorner(I, I).ldlt().solve(p.increment.F.head(I));
+      EXPECT_LT((condensation.reduce(p.increment.F) - f).norm(), 1e-12 * f.norm());
       const Vector x_C = Vector::Random(C);
       const Vector x = condensation.expand(x_C);
       EXPECT_LT((x.tail(C) - x_C).norm(), 1e-13 * x_C.norm());
-      EXPECT_LT((p.F - p.A * x).head(I).norm(), 1e-11 * (p.A * x).norm());
+      EXPECT_LT((p.increment.F - p.system->A * x).head(I).norm(), 1e-11 * (p.system->A * x).norm());
     }
 }
 
@@ -83,23 +84,23 @@ TEST(Condensation, SeparateBodiesKeepTheirContactDofsLast) {
   std::vector<Eigen::Triplet<Real>> t;
   for (int body : {0, 1})
     for (Index i = 0; i < n; ++i)
-      for (Matrix::InnerIterator e(one.A, i); e; ++e)
+      for (Matrix::InnerIterator e(one.system->A, i); e; ++e)
         t.emplace_back(place(i, body), place(Index(e.col()), body), e.value());
-  ContactProblem two = one;
-  two.A.resize(2 * n, 2 * n);
-  two.A.setFromTriplets(t.begin(), t.end());
-  two.D = two.A.diagonal();
-  two.F.resize(2 * n);
-  two.first.clear();
-  two.mesh_node.clear();
-  for (int body : {0, 1}) {
-    for (Index i = 0; i < n; ++i) two.F[place(i, body)] = one.F[i];
-    for (Index k = 0; k < one.nodes(); ++k) two.first.push_back(place(one.first[k], body));
-  }
-  two.first.push_back(2 * n);
-  two.gap = Vector::Zero(two.nodes());
-  two.mu = Vector::Constant(two.nodes(), 0.3);
-  two.force_scale = load_norm(two);
+  const auto system = std::make_shared<System>();
+  system->A.resize(2 * n, 2 * n);
+  system->A.setFromTriplets(t.begin(), t.end());
+  system->D = system->A.diagonal();
+  for (int body : {0, 1})
+    for (Index k = 0; k < one.nodes(); ++k)
+      system->first.push_back(place(one.system->first[k], body));
+  system->first.push_back(2 * n);
+  ContactProblem two{system, one.increment};
+  two.increment.F.resize(2 * n);
+  for (int body : {0, 1})
+    for (Index i = 0; i < n; ++i) two.increment.F[place(i, body)] = one.increment.F[i];
+  two.increment.gap = Vector::Zero(two.nodes());
+  two.increment.mu = Vector::Constant(two.nodes(), 0.3);
+  two.increment.force_scale = load_norm(*two.system, two.increment.F, two.increment.gap);
   const Solution a = solve(one, Settings()), b = solve(two, Settings());
   ASSERT_EQ(b.status, Status::converged);
   EXPECT_EQ(b.route, Route::condensed);
@@ -112,7 +113,7 @@ TEST(Condensation, SeparateBodiesKeepTheirContactDofsLast) {
 TEST(Condensation, RefusesWhatDoesNotFitAndTheSolverThenIterates) {
   const ContactProblem p = problem_of(BlockOptions());
   Condensation condensation;
-  EXPECT_EQ(condensation.factor(p, 1000), Condensation::Outcome::too_large);
+  EXPECT_EQ(condensation.factor(*p.system, 1000), Condensation::Outcome::too_large);
   Settings settings;
   settings.memory = 1000;
   const Solution s = solve(p, settings);
@@ -126,7 +127,7 @@ TEST(Condensed, AgreesWithTheReferenceOn200RandomScenes) {
   int compared = 0, other_solution = 0, unsolvable = 0;
   for (unsigned k = 0; k < 200; ++k) {
     const Scene s = random_scene(first_seed + k);
-    const LocalSystem system = s.system();
+    const Posed system = s.system();
     const ContactProblem& p = system.problem();
     const Solution a = solve(p, Settings());
     const Reference b = reference_solution(p);
@@ -171,7 +172,7 @@ TEST(Condensed, AgreesWithTheConjugateGradientOnAToTheRegularizationsBound) {
       settings.tol = 1e-10;
       settings.regeps = eps * a.x.lpNorm<Eigen::Infinity>();
       const Vector e = solve(p, settings).x - a.x;
-      const Real error = std::sqrt(e.dot(p.A * e) / a.x.dot(p.A * a.x));
+      const Real error = std::sqrt(e.dot(p.system->A * e) / a.x.dot(p.system->A * a.x));
       EXPECT_LT(error, 3 * eps) << d;
     }
   }
@@ -182,7 +183,7 @@ TEST(Condensed, PermutedNumberingGivesTheSameAnswer) {
   o.cells = 6;
   Scene s = block(o);
   const Vector u = [&] {
-    const LocalSystem system = s.system();
+    const Posed system = s.system();
     return system.to_global(solve(system.problem(), Settings()).x);
   }();
   std::vector<Index> place(s.n);
@@ -197,7 +198,7 @@ TEST(Condensed, PermutedNumberingGivesTheSameAnswer) {
   for (ContactPoint& p : t.points)
     for (int c = 0; c < 2; ++c) p.dof[c] = place[p.dof[c]];
   std::shuffle(t.points.begin(), t.points.end(), std::mt19937(4));
-  const LocalSystem system = t.system();
+  const Posed system = t.system();
   const Vector v = system.to_global(solve(system.problem(), Settings()).x);
   for (Index i = 0; i < s.n; ++i)
     EXPECT_NEAR(v[place[i]], u[i], 1e-11 * u.lpNorm<Eigen::Infinity>());
@@ -207,18 +208,17 @@ TEST(Condensed, AKeptFactorGivesWhatAFreshOneGives) {
   BlockOptions o;
   o.clamp_side = true;
   Scene s = block(o);
-  LocalSystem kept = s.system();
-  Solver solver(kept.problem());
+  Posed kept = s.system();
+  Solver solver(kept.problem().system);
   Settings settings;
-  EXPECT_GT(solver.solve(settings).times.factor, 0);
+  EXPECT_GT(solver.solve(kept.problem().increment, settings).times.factor, 0);
   s.b *= 1.5;
   s.friction *= 2;
   s.gap.setConstant(1e-3);
-  kept.set_load(s.b, {}, s.gap);
-  kept.set_law(Law::coulomb, s.friction);
-  const Solution again = solver.solve(settings);
+  kept.pose(s.b, {}, s.laws());
+  const Solution again = solver.solve(kept.problem().increment, settings);
   EXPECT_EQ(again.times.factor, 0);
-  const LocalSystem fresh = s.system();
+  const Posed fresh = s.system();
   EXPECT_LT((again.x - solve(fresh.problem(), settings).x).norm(), 1e-12 * again.x.norm());
 }
 
@@ -233,7 +233,7 @@ TEST(Condensed, LargeFrictionIsSolvedOrNamed) {
       o.pressure = 50;
       o.shear = 100;
       const Scene s = block(o);
-      const LocalSystem system = s.system();
+      const Posed system = s.system();
       const Solution a = solve(system.problem(), Settings());
       if (a.status == Status::converged) {
         EXPECT_LT(a.certificate.residual, 1e-8);
@@ -259,10 +259,9 @@ TEST(Condensed, OrderingMeshNodesInPlaceOfDofsChangesNoAnswer) {
     BlockOptions o;
     o.d = d;
     const Scene s = block(o);
-    LocalSystem by_dofs = s.system(), by_nodes = s.system();
     std::vector<Index> node(s.n);
     for (Index i = 0; i < s.n; ++i) node[i] = i / d;
-    by_nodes.set_mesh_nodes(node);
+    const Posed by_dofs = s.system(), by_nodes = s.system(node);
     const Vector u = by_dofs.to_global(solve(by_dofs.problem(), Settings()).x);
     const Vector v = by_nodes.to_global(solve(by_nodes.problem(), Settings()).x);
     EXPECT_LT((u - v).norm(), 1e-11 * u.norm());
@@ -281,7 +280,7 @@ TEST(Condensed, LargeSlipSystemsAreSolvedToRoundingThroughSinglePrecision) {
     r.block.mu = 0.01;
     r.block.shear = 5;
     const Scene s = make_scene(r);
-    const LocalSystem system = s.system();
+    const Posed system = s.system();
     const Solution a = solve(system.problem(), Settings());
     EXPECT_EQ(a.status, Status::converged);
     EXPECT_EQ(a.route, Route::condensed);

@@ -9,12 +9,12 @@ using namespace frictioncg::test;
 namespace {
 
 bool unheld(const BlockOptions& o) {
-  const LocalSystem system = block(o).system();
+  const Posed system = block(o).system();
   const ContactProblem& p = system.problem();
   Condensation condensation;
-  EXPECT_EQ(condensation.factor(p, 1e9), Condensation::Outcome::done);
-  const Vector D = p.D.tail(p.contact_dofs());
-  return cannot_be_held({condensation.S(), condensation.reduce(p.F), D, p});
+  EXPECT_EQ(condensation.factor(*p.system, 1e9), Condensation::Outcome::done);
+  const Vector D = p.system->D.tail(p.contact_dofs());
+  return cannot_be_held({condensation.S(), condensation.reduce(p.increment.F), D, p});
 }
 
 }  // namespace

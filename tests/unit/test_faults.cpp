@@ -81,7 +81,7 @@ Vector field(const Scene& s, Method method) {
   Settings settings;
   settings.method = method;
   settings.tol = 1e-6;
-  const LocalSystem system = s.system();
+  const Posed system = s.system();
   return system.to_global(solve(system.problem(), settings).x);
 }
 

@@ -21,22 +21,23 @@ struct Line {
     g[0] = 0;
     x = Vector::Random(p.dofs()) * 1e-3;
     v = Vector::Random(p.dofs()) * 1e-3;
-    const int start = p.first[1] + 1;
+    const int start = p.system->first[1] + 1;
     x.segment(start, p.tangents(1)) = -0.5 * v.segment(start, p.tangents(1));  // through the kink
   }
   Real J(const Phi& phi, Real rho) const {
     const Vector y = x + rho * v;
-    Real sum = y.dot(0.5 * (p.A * y) - p.F);
-    for (Index i = 0; i < p.nodes(); ++i) sum += g[i] * phi.value(tangential_norm(p, i, y));
+    Real sum = y.dot(0.5 * (p.system->A * y) - p.increment.F);
+    for (Index i = 0; i < p.nodes(); ++i) sum += g[i] * phi.value(tangential_norm(*p.system, i, y));
     return sum;
   }
-  Real a() const { return v.dot(p.F - p.A * x); }
+  Real a() const { return v.dot(p.increment.F - p.system->A * x); }
   Real slope(const Phi& phi, Real rho) const {
     const Vector y = x + rho * v;
-    Real sum = v.dot(p.A * y - p.F);
+    Real sum = v.dot(p.system->A * y - p.increment.F);
     for (Index i = 0; i < p.nodes(); ++i)
-      sum += g[i] * phi.slope_over_t(tangential_norm(p, i, y)) *
-             y.segment(p.first[i] + 1, p.tangents(i)).dot(v.segment(p.first[i] + 1, p.tangents(i)));
+      sum += g[i] * phi.slope_over_t(tangential_norm(*p.system, i, y)) *
+             y.segment(p.system->first[i] + 1, p.tangents(i))
+                 .dot(v.segment(p.system->first[i] + 1, p.tangents(i)));
     return sum;
   }
 };
@@ -53,8 +54,8 @@ TEST(LineSearch, ExactStepIsARootOfTheSlopeForEachRegularization) {
           const Phi phi{kind, eps};
           Real r_v = -line.slope(phi, 0);
           if (r_v < 0) line.v = -line.v, r_v = -r_v;
-          const Curvature vAv{line.v.dot(line.p.A * line.v), line.v.squaredNorm()};
-          LineSearch search(line.p, Step::exact);
+          const Curvature vAv{line.v.dot(line.p.system->A * line.v), line.v.squaredNorm()};
+          LineSearch search(*line.p.system, Step::exact);
           const Real rho = search(phi, line.g, line.x, line.v, r_v, line.a(), vAv, 1e300);
           // the slope changes sign at rho, to the rounding of rho
           EXPECT_LE(line.slope(phi, rho * (1 - 1e-9)), 1e-7 * r_v);
@@ -68,8 +69,8 @@ TEST(LineSearch, FalsePositionComesWithinItsToleranceOfTheExactStep) {
   const Phi phi{Regularization::polynomial, 1e-4};
   Real r_v = -line.slope(phi, 0);
   if (r_v < 0) line.v = -line.v, r_v = -r_v;
-  const Curvature vAv{line.v.dot(line.p.A * line.v), line.v.squaredNorm()};
-  LineSearch exact(line.p, Step::exact), approximate(line.p, Step::false_position);
+  const Curvature vAv{line.v.dot(line.p.system->A * line.v), line.v.squaredNorm()};
+  LineSearch exact(*line.p.system, Step::exact), approximate(*line.p.system, Step::false_position);
   const Real rho = exact(phi, line.g, line.x, line.v, r_v, line.a(), vAv, 1e300);
   EXPECT_NEAR(approximate(phi, line.g, line.x, line.v, r_v, line.a(), vAv, 1e300), rho, 1e-3 * rho);
 }
@@ -81,8 +82,8 @@ TEST(LineSearch, NewtonStepIsEquation14) {
   if (r_v < 0) line.v = -line.v, r_v = -r_v;
   const Real h = 1e-6;
   const Real J2 = (line.slope(phi, h) - line.slope(phi, -h)) / (2 * h);
-  const Curvature vAv{line.v.dot(line.p.A * line.v), line.v.squaredNorm()};
-  LineSearch newton(line.p, Step::newton);
+  const Curvature vAv{line.v.dot(line.p.system->A * line.v), line.v.squaredNorm()};
+  LineSearch newton(*line.p.system, Step::newton);
   EXPECT_NEAR(newton(phi, line.g, line.x, line.v, r_v, line.a(), vAv, 1e300), r_v / J2,
               1e-6 * r_v / J2);
 }
@@ -90,8 +91,8 @@ TEST(LineSearch, NewtonStepIsEquation14) {
 TEST(LineSearch, StopsAtTheGapAndSeesARigidMotionThatNothingBrakes) {
   Line line(2, 3);
   const Phi phi{Regularization::polynomial, 1e-8};
-  LineSearch search(line.p, Step::exact);
-  const Curvature vAv{line.v.dot(line.p.A * line.v), line.v.squaredNorm()};
+  LineSearch search(*line.p.system, Step::exact);
+  const Curvature vAv{line.v.dot(line.p.system->A * line.v), line.v.squaredNorm()};
   EXPECT_EQ(search(phi, Vector::Zero(line.p.nodes()), line.x, line.v, 1, 1, vAv, 1e-12), 1e-12);
   line.v.setConstant(1e-3);
   Real brake = 0;

@@ -25,7 +25,7 @@ struct Case {
     part.free[0] = part.free[3] = part.free[4] = 0;
     part.hessian = Vector::Random(p.contact_dofs()).cwiseAbs() * 1e4;
     r = Vector::Random(p.dofs());
-    A_free = p.A;
+    A_free = p.system->A;
     for (Index c = 0; c < p.contact_dofs(); ++c)
       if (!part.free[c]) {
         const Index i = p.interior() + c;
@@ -58,7 +58,7 @@ TEST(Preconditioner, DirectionIsTheSolutionOfEquation15OnTheFreeSubspace) {
   const Case c;
   for (Precon kind : all)
     for (Real omega : {1.0, 1.4}) {
-      const auto P = make_preconditioner(c.p, kind, omega);
+      const auto P = make_preconditioner(*c.p.system, kind, omega);
       P->start(c.r);
       P->set_contact(c.r_C(), c.part);
       Vector v = Vector::Zero(c.p.dofs());
@@ -67,17 +67,18 @@ TEST(Preconditioner, DirectionIsTheSolutionOfEquation15OnTheFreeSubspace) {
       EXPECT_LT((v - z).norm(), 1e-11 * z.norm()) << int(kind);
       EXPECT_NEAR(P->r_z(), c.r.dot(z), 1e-10 * c.r.dot(z));
       EXPECT_NEAR(P->r_v(v), c.r.dot(v), 1e-10 * c.r.dot(v));
-      EXPECT_NEAR(P->free_norm(), std::sqrt((c.r.array().square() / c.p.D.array()).sum()), 1e-10);
+      EXPECT_NEAR(P->free_norm(), std::sqrt((c.r.array().square() / c.p.system->D.array()).sum()),
+                  1e-10);
       const Curvature k = P->curvature(v);
-      EXPECT_NEAR(k.A, v.dot(c.p.A * v), 1e-8 * k.D);
-      EXPECT_NEAR(k.D, (c.p.D.array() * v.array().square()).sum(), 1e-10 * k.D);
+      EXPECT_NEAR(k.A, v.dot(c.p.system->A * v), 1e-8 * k.D);
+      EXPECT_NEAR(k.D, (c.p.system->D.array() * v.array().square()).sum(), 1e-10 * k.D);
     }
 }
 
 TEST(Preconditioner, AnIterationKeepsResidualsAndProductsExactWhileTheHessianChanges) {
   const Case c;
   for (Precon kind : all) {
-    const auto P = make_preconditioner(c.p, kind, 1.2);
+    const auto P = make_preconditioner(*c.p.system, kind, 1.2);
     P->start(c.r);
     P->set_contact(c.r_C(), c.part);
     Vector v = Vector::Zero(c.p.dofs()), r = c.r;
@@ -89,12 +90,12 @@ TEST(Preconditioner, AnIterationKeepsResidualsAndProductsExactWhileTheHessianCha
       const Vector expected = now.C(kind, 1.2).lu().solve(r) + 0.5 * v_before;
       EXPECT_LT((v - expected).norm(), 1e-10 * expected.norm()) << int(kind);
       EXPECT_NEAR(P->r_v(v), r.dot(v), 1e-9 * r.norm() * v.norm());
-      EXPECT_NEAR(P->curvature(v).A, v.dot(c.p.A * v), 1e-9 * P->curvature(v).D);
+      EXPECT_NEAR(P->curvature(v).A, v.dot(c.p.system->A * v), 1e-9 * P->curvature(v).D);
       Vector x = c.r;
       P->advance(rho, v, x);
       EXPECT_LT((x - c.r - rho * v).norm(), 1e-14 * c.r.norm());
       const Vector r_before = r;
-      r -= rho * (c.p.A * v);
+      r -= rho * (c.p.system->A * v);
       part.hessian *= 1.5;
       now.part = part;
       for (Index k = 0; k < c.p.contact_dofs(); ++k) {

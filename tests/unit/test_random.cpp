@@ -27,7 +27,7 @@ struct Result {
 
 Result judge(const Recipe& recipe, const Settings& settings) {
   const Scene s = make_scene(recipe);
-  const LocalSystem system = s.system();
+  const Posed system = s.system();
   const Solution a = solve(system.problem(), settings);
   Result r{a.status};
   if (a.status == Status::converged)

@@ -15,7 +15,7 @@ struct Answer {
 };
 
 Answer run(const Scene& s, const Settings& settings) {
-  const LocalSystem system = s.system();
+  const Posed system = s.system();
   Answer a;
   a.solution = solve(system.problem(), settings);
   a.u = system.to_global(a.solution.x);
@@ -139,7 +139,7 @@ TEST(Solver, OrthotropicFrictionDeflectsASlidingBlockTowardsItsEasyDirection) {
 
 TEST(Solver, ReportedResidualIsTheCertificateOfTheReturnedField) {
   const Scene s = block(BlockOptions());
-  const LocalSystem system = s.system();
+  const Posed system = s.system();
   const Solution a = solve(system.problem(), Settings());
   EXPECT_EQ(a.certificate.residual, certify(system.problem(), a.x).residual);
 }
@@ -205,7 +205,7 @@ TEST(Solver, TheUniformStickPatchSlipsByExactlyTheRegularization) {
       settings.regeps = 1e-3;
       settings.tol = 1e-12;
       settings.polish = false;
-      const LocalSystem system = s.system();
+      const Posed system = s.system();
       for (Method method : {Method::gc3, Method::condensed}) {
         settings.method = method;
         const Solution a = solve(system.problem(), settings);
@@ -251,7 +251,7 @@ TEST(Solver, TooFewIterationsAreReportedAsSuch) {
 
 TEST(Solver, StartingFromTheSolutionCostsNoIteration) {
   const Scene s = block(BlockOptions());
-  const LocalSystem system = s.system();
+  const Posed system = s.system();
   Settings settings = gc3();
   const Solution a = solve(system.problem(), settings);
   settings.tol *= 3;
@@ -286,7 +286,7 @@ TEST(Solver, AGivenLimitRunsNoFixedPointAndAFrictionlessSceneHasNoTangents) {
   EXPECT_EQ(run(block(o), gc3()).solution.passes, 0);
   o.law = Law::frictionless;
   const Scene s = block(o);
-  const LocalSystem system = s.system();
+  const Posed system = s.system();
   const Plan plan = make_plan(system.problem(), Settings());
   EXPECT_EQ(plan.tangents, 0);
   EXPECT_FALSE(plan.fixed_point);
@@ -301,7 +301,7 @@ TEST(Solver, WhereNoNodeCanTouchThePlainLinearSolveIsAllThatRuns) {
     for (int c = 0; c < 2; ++c)
       for (std::size_t k = 0; k < s.a.size(); ++k)
         if (s.i[k] == p.dof[c] && s.j[k] == p.dof[c]) s.a[k] = 1e30;
-  const LocalSystem system = s.system();
+  const Posed system = s.system();
   EXPECT_EQ(system.nodes(), 0);
   const Solution a = solve(system.problem(), Settings());
   EXPECT_EQ(a.status, Status::converged);
@@ -355,9 +355,9 @@ TEST(Solver, BilateralContactNeverOpensAndRubsUnderTensionToo) {
       o.shear = 15;
       o.mu = law == Law::tresca ? 0.1 : 0.4;
       const Scene s = block(o);
-      LocalSystem system = s.system();
-      system.set_law(law, s.friction, true);
-      const ContactProblem& p = system.problem();
+      const Posed system = s.system();
+      ContactProblem p = system.problem();
+      p.increment.bilateral = true;
       Vector reference;
       for (Method m : {Method::condensed, Method::gc3, Method::gcx, Method::sorp}) {
         Settings settings;
@@ -369,9 +369,10 @@ TEST(Solver, BilateralContactNeverOpensAndRubsUnderTensionToo) {
         EXPECT_LT((a.x - reference).norm(), 1e-3 * reference.norm()) << int(m);
         bool tension = false, slip = false;
         for (Index i = 0; i < p.nodes(); ++i) {
-          const Index N = p.first[i];
+          const Index N = p.system->first[i];
           EXPECT_NEAR(a.x[N], 0, 1e-12);
-          const Real g = law == Law::tresca ? p.g[i] : p.mu[i] * std::abs(a.certificate.r[N]);
+          const Real g = law == Law::tresca ? p.increment.g[i]
+                                            : p.increment.mu[i] * std::abs(a.certificate.r[N]);
           const Index t = p.tangents(i);
           if (t == 0) continue;
           const Real F_T = a.certificate.r.segment(N + 1, t).norm();

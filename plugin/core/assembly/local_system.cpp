@@ -25,12 +25,15 @@ Index in_frame(std::size_t node, int component) {
 
 }  // namespace
 
-LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points)
+LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
+                         const std::vector<Index>& mesh_node)
     : d_(dimension), points_(std::move(points)), half_(A.half) {
-  problem_.dimension = dimension;
+  system_->dimension = dimension;
   find_fixed(A);
   number(A.n);
   copy(A);
+  if (!mesh_node.empty())
+    for (Index dof : original_) system_->mesh_node.push_back(mesh_node[dof]);
 }
 
 /// Dirichlet rows, by their values: the flags that come with the matrix do not survive its copies.
@@ -162,11 +165,11 @@ void LocalSystem::number(Index n) {
     if (!points_[f.point].friction)
       for (int k = 1; k < f.size; ++k) f.local[k] = next(points_[f.point].dof[0]);
   for (Frame& f : frames_) {
-    problem_.first.push_back(static_cast<Index>(original_.size()));
+    system_->first.push_back(static_cast<Index>(original_.size()));
     for (int k = 0; k < f.size; ++k)
       if (f.local[k] < 0) f.local[k] = next(points_[f.point].dof[0]);
   }
-  problem_.first.push_back(static_cast<Index>(original_.size()));
+  system_->first.push_back(static_cast<Index>(original_.size()));
 }
 
 template <LocalSystem::Direction direction, class Visit>
@@ -183,12 +186,6 @@ void LocalSystem::for_each_image(Index dof, Visit visit) const {
       visit(f.local[q], direction == Direction::from_frame ? Q / f.scale[q] : Q * f.scale[q]);
     }
   }
-}
-
-void LocalSystem::set_mesh_nodes(const std::vector<Index>& node_of_dof) {
-  problem_.mesh_node.resize(original_.size());
-  for (std::size_t p = 0; p < original_.size(); ++p)
-    problem_.mesh_node[p] = node_of_dof[original_[p]];
 }
 
 /// A in local frames by two bucket passes over the triplets' images, the second of which sorts the
@@ -239,7 +236,7 @@ void LocalSystem::copy(const Triplets& A) {
       value[at[p]++] = a;
     });
   }
-  Matrix& M = problem_.A;
+  Matrix& M = system_->A;
   M.resize(n, n);
   M.resizeNonZeros(static_cast<Index>(size));
   std::copy(column.begin(), column.end(), M.outerIndexPtr());
@@ -250,7 +247,7 @@ void LocalSystem::copy(const Triplets& A) {
       M.valuePtr()[at] = value[k];
     }
   if (rotated_) merge_duplicates();
-  problem_.D = M.diagonal();
+  system_->D = M.diagonal();
   if (!A.half) check_symmetry();
 
   for (std::size_t k = 0; k < A.size; ++k) {
@@ -268,7 +265,7 @@ void LocalSystem::copy(const Triplets& A) {
 
 /// Rotation sends several triplets to one place: sums them. Rows are sorted.
 void LocalSystem::merge_duplicates() {
-  Matrix& M = problem_.A;
+  Matrix& M = system_->A;
   Index* row = M.outerIndexPtr();
   Index* col = M.innerIndexPtr();
   Real* a = M.valuePtr();
@@ -290,11 +287,11 @@ void LocalSystem::merge_duplicates() {
 
 /// A cursor a row meets the mirror image of each lower entry in order.
 void LocalSystem::check_symmetry() const {
-  const Matrix& M = problem_.A;
+  const Matrix& M = system_->A;
   const Index* row = M.outerIndexPtr();
   const Index* col = M.innerIndexPtr();
   const Real* a = M.valuePtr();
-  const Vector& D = problem_.D;
+  const Vector& D = system_->D;
   std::vector<Index> cursor(M.rows());
   const auto compare = [&](Index p, Index q, Real a_pq, Real a_qp) {
     if (std::abs(a_pq - a_qp) <= asymmetry * std::sqrt(D[p] * D[q])) return;
@@ -319,7 +316,7 @@ void LocalSystem::check_symmetry() const {
     for (Index c = cursor[q]; c < row[q + 1]; ++c) compare(q, col[c], a[c], 0);
 }
 
-void LocalSystem::set_load(const Vector& b, const Vector& u_old, const Vector& gap) {
+Vector LocalSystem::dirichlet_data(const Vector& b) const {
   Vector data(fixed_dofs());
   for (Index k = 0; k < fixed_dofs(); ++k) {
     const Fixed& f = fixed_[k];
@@ -333,36 +330,42 @@ void LocalSystem::set_load(const Vector& b, const Vector& u_old, const Vector& g
       refuse(m);
     }
   }
-  // F = b - A_D u_D - A u_old: the load of the increment
-  problem_.F = load_to_local(b);
-  for (const Coupling& c : couplings_) problem_.F[c.local] -= c.a * data[c.fixed];
-  const Real total_load = norm_D(problem_, problem_.F);
-  if (u_old.size() > 0) {
-    start_ = u_old;
-    problem_.F.noalias() -= problem_.A * to_local(u_old);
-  } else {
-    start_ = Vector::Zero(b.size());
-  }
-  for (Index k = 0; k < fixed_dofs(); ++k) start_[fixed_[k].dof] = data[k];
-
-  problem_.gap.resize(nodes());
-  for (Index k = 0; k < nodes(); ++k) {
-    const Frame& f = frames_[k];
-    const ContactPoint& p = points_[f.point];
-    Real left = gap[f.point];
-    for (int c = 0; c < d_; ++c) left -= p.normal[c] * start_[p.dof[c]];
-    problem_.gap[k] = left / f.share;
-  }
-  problem_.force_scale = std::max(total_load, load_norm(problem_));
+  return data;
 }
 
-void LocalSystem::set_law(Law law, const Vector& friction, bool bilateral) {
-  problem_.law = law;
-  problem_.bilateral = bilateral;
-  if (law == Law::frictionless) return;
-  Vector& coefficient = law == Law::coulomb ? problem_.mu : problem_.g;
+Vector LocalSystem::gap_left(const Vector& gap, const Vector& u0) const {
+  Vector left(nodes());
+  for (Index k = 0; k < nodes(); ++k) {
+    const ContactPoint& p = points_[frames_[k].point];
+    left[k] = gap[frames_[k].point];
+    for (int c = 0; c < d_; ++c) left[k] -= p.normal[c] * u0[p.dof[c]];
+    left[k] /= frames_[k].share;
+  }
+  return left;
+}
+
+/// F = b - A_D u_D - A u_old: the load of the increment.
+LocalIncrement LocalSystem::increment(const Vector& b, const Vector& u_old,
+                                      const PointLaws& laws) const {
+  LocalIncrement result;
+  Increment& increment = result.increment;
+  const Vector data = dirichlet_data(b);
+  increment.F = load_to_local(b);
+  for (const Coupling& c : couplings_) increment.F[c.local] -= c.a * data[c.fixed];
+  const Real total_load = norm_D(*system_, increment.F);
+  if (u_old.size() > 0) increment.F.noalias() -= system_->A * to_local(u_old);
+  result.u0 = u_old.size() > 0 ? u_old : Vector(Vector::Zero(b.size()));
+  for (Index k = 0; k < fixed_dofs(); ++k) result.u0[fixed_[k].dof] = data[k];
+
+  increment.gap = gap_left(laws.gap, result.u0);
+  increment.force_scale = std::max(total_load, load_norm(*system_, increment.F, increment.gap));
+  increment.law = laws.law;
+  increment.bilateral = laws.bilateral;
+  if (laws.law == Law::frictionless) return result;
+  Vector& coefficient = laws.law == Law::coulomb ? increment.mu : increment.g;
   coefficient.resize(nodes());
-  for (Index k = 0; k < nodes(); ++k) coefficient[k] = friction[frames_[k].point];
+  for (Index k = 0; k < nodes(); ++k) coefficient[k] = laws.friction[frames_[k].point];
+  return result;
 }
 
 Vector LocalSystem::to_local(const Vector& u) const {
@@ -379,8 +382,8 @@ Vector LocalSystem::load_to_local(const Vector& b) const {
   return F;
 }
 
-Vector LocalSystem::to_global(const Vector& x) const {
-  Vector u = start_;
+Vector LocalSystem::to_global(const Vector& x, const Vector& u0) const {
+  Vector u = u0;
   for (Index i = 0; i < u.size(); ++i)
     for_each_image(i, [&](Index p, Real Q) { u[i] += Q * x[p]; });
   return u;
@@ -391,7 +394,7 @@ Vector LocalSystem::force_to_global(const Vector& r) const {
   for (const Frame& f : frames_)
     for (int c = 0; c < d_; ++c)
       for_each_image<Direction::to_frame>(points_[f.point].dof[c], [&](Index p, Real Q) {
-        if (p >= problem_.interior()) force[points_[f.point].dof[c]] -= Q * r[p];
+        if (p >= system_->interior()) force[points_[f.point].dof[c]] -= Q * r[p];
       });
   return force;
 }

@@ -28,6 +28,20 @@ struct ContactPoint {
   Real across = 1;  ///< coefficient across over coefficient along, > 0
 };
 
+/// The laws of a call, at the contact points.
+struct PointLaws {
+  Law law = Law::frictionless;
+  bool bilateral = false;
+  Vector gap;       ///< [length]
+  Vector friction;  ///< mu [1] or g [force]; ignored where law is frictionless
+};
+
+/// An increment in local frames, and the displacement u0 (n) that it starts from: u = u0 + T x.
+struct LocalIncrement {
+  Increment increment;
+  Vector u0;
+};
+
 /// From the assembled system to the contact problem in local frames, and back.
 ///
 /// Dirichlet dofs are recognized by the values in A and eliminated: a huge diagonal (tgv = 1e30) or
@@ -37,29 +51,26 @@ struct ContactPoint {
 /// no contact node. Where the frame is along the axes nothing is rotated.
 class LocalSystem {
  public:
-  /// Copies A once, in O(nnz); A itself is not kept. Throws IllegalInput for what is not finite,
-  /// not symmetric, or has a diagonal <= 0.
-  LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points);
+  /// Copies A once, in O(nnz); A itself is not kept. mesh_node (n, or empty): which dofs share a
+  /// node of the mesh, so that the factorization orders nodes in place of dofs. Throws IllegalInput
+  /// for what is not finite, not symmetric, or has a diagonal <= 0.
+  LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
+              const std::vector<Index>& mesh_node = {});
 
-  /// Which dofs share a node of the mesh (n): lets the factorization order nodes in place of dofs.
-  void set_mesh_nodes(const std::vector<Index>& node_of_dof);
+  /// The increment under the load b (n, with the data of Dirichlet dofs as A's storage wants it)
+  /// from the state u_old (n, or empty for 0).
+  LocalIncrement increment(const Vector& b, const Vector& u_old, const PointLaws& laws) const;
 
-  /// Sets the load b (n, with the data of Dirichlet dofs as A's storage wants it) and the state
-  /// u_old (n, or empty for 0) that the increment starts from; gap: one per contact point [length].
-  void set_load(const Vector& b, const Vector& u_old, const Vector& gap);
-
-  /// The law; friction: mu or g at each contact point, ignored where law is frictionless.
-  void set_law(Law law, const Vector& friction, bool bilateral = false);
-
-  const ContactProblem& problem() const { return problem_; }
-  Index nodes() const { return problem_.nodes(); }
+  SystemPtr system() const { return system_; }
+  Index nodes() const { return static_cast<Index>(frames_.size()); }
   /// Contact point of contact node k.
   Index point(Index k) const { return frames_[k].point; }
   Index fixed_dofs() const { return static_cast<Index>(fixed_.size()); }
   bool rotated() const { return rotated_; }
 
-  Vector to_local(const Vector& u) const;   ///< free dofs of u (n), in local frames
-  Vector to_global(const Vector& x) const;  ///< u_old + x on free dofs, the data on Dirichlet dofs
+  Vector to_local(const Vector& u) const;  ///< free dofs of u (n), in local frames
+  /// u0 + x on free dofs, u0 on Dirichlet dofs
+  Vector to_global(const Vector& x, const Vector& u0) const;
   Vector force_to_global(const Vector& r) const;  ///< force of the obstacle on the body, -r, (n)
 
  private:
@@ -95,11 +106,13 @@ class LocalSystem {
   template <Direction direction = Direction::from_frame, class Visit>
   void for_each_image(Index dof, Visit visit) const;
   Vector load_to_local(const Vector& b) const;
+  Vector dirichlet_data(const Vector& b) const;
+  Vector gap_left(const Vector& gap, const Vector& u0) const;
 
   int d_;
   std::vector<ContactPoint> points_;
-  ContactProblem problem_;
-  std::vector<Frame> frames_;    ///< m, one per contact node
+  std::shared_ptr<System> system_ = std::make_shared<System>();  ///< const after construction
+  std::vector<Frame> frames_;                                    ///< m, one per contact node
   std::vector<Index> image_;     ///< n: local dof, fixed_dof, or in_frame(node, component)
   std::vector<Index> original_;  ///< local dof to a dof of its origin, for messages
   std::vector<Fixed> fixed_;
@@ -107,7 +120,6 @@ class LocalSystem {
   bool half_ = false;       ///< A was stored by one triangle
   bool unit_rows_ = false;  ///< A has Dirichlet rows of the identity whose columns remain
   bool rotated_ = false;
-  Vector start_;  ///< n: u_old on free dofs, the data on Dirichlet dofs
 };
 
 }  // namespace frictioncg

@@ -38,14 +38,14 @@ struct UpperTriangle {
   std::vector<Real> value;
   cholmod_sparse view{};
 
-  explicit UpperTriangle(const ContactProblem& p, const std::vector<Index>& roots = {}) {
-    const Index n = p.dofs(), interior = p.interior();
-    const Index* begin = p.A.outerIndexPtr();
-    const Index* col = p.A.innerIndexPtr();
-    const Real* a = p.A.valuePtr();
+  explicit UpperTriangle(const System& s, const std::vector<Index>& roots = {}) {
+    const Index n = s.dofs(), interior = s.interior();
+    const Index* begin = s.A.outerIndexPtr();
+    const Index* col = s.A.innerIndexPtr();
+    const Real* a = s.A.valuePtr();
     column.reserve(n + 1);
-    row.reserve(p.A.nonZeros() / 2 + n);
-    value.reserve(p.A.nonZeros() / 2 + n);
+    row.reserve(s.A.nonZeros() / 2 + n);
+    value.reserve(s.A.nonZeros() / 2 + n);
     column.push_back(0);
     for (Index j = 0; j < n; ++j) {
       for (Index k = begin[j]; k < begin[j + 1] && col[k] < j; ++k) {
@@ -58,7 +58,7 @@ struct UpperTriangle {
         value.push_back(0);
       }
       row.push_back(j);
-      value.push_back(j < interior ? p.D[j] : (1 + sigma) * p.D[j]);
+      value.push_back(j < interior ? s.D[j] : (1 + sigma) * s.D[j]);
       column.push_back(static_cast<Index>(row.size()));
     }
     view = symmetric_view(n, column, row, value.data());
@@ -85,13 +85,13 @@ struct NodeGraph {
   Index interior = 0;  ///< nodes with interior dofs; contact nodes follow
   cholmod_sparse view{};
 
-  explicit NodeGraph(const ContactProblem& p) {
-    const Index n = p.dofs();
+  explicit NodeGraph(const System& s) {
+    const Index n = s.dofs();
     std::vector<Index> node_of(n);
-    number_nodes(p, node_of);
+    number_nodes(s, node_of);
     const Index nodes = static_cast<Index>(first_dof.size()) - 1;
-    const Index* begin = p.A.outerIndexPtr();
-    const Index* col = p.A.innerIndexPtr();
+    const Index* begin = s.A.outerIndexPtr();
+    const Index* col = s.A.innerIndexPtr();
     std::vector<Index> seen_by(nodes, -1);
     column.reserve(nodes + 1);
     column.push_back(0);
@@ -114,22 +114,22 @@ struct NodeGraph {
   }
 
  private:
-  void number_nodes(const ContactProblem& p, std::vector<Index>& node_of) {
-    const Index n = p.dofs();
+  void number_nodes(const System& s, std::vector<Index>& node_of) {
+    const Index n = s.dofs();
     Index nodes = 0;
-    if (p.mesh_node.empty()) {
-      for (Index i = 0; i < p.interior(); ++i) node_of[i] = nodes++;
+    if (s.mesh_node.empty()) {
+      for (Index i = 0; i < s.interior(); ++i) node_of[i] = nodes++;
     } else {
-      std::vector<Index> number(*std::max_element(p.mesh_node.begin(), p.mesh_node.end()) + 1, -1);
-      for (Index i = 0; i < p.interior(); ++i) {
-        Index& k = number[p.mesh_node[i]];
+      std::vector<Index> number(*std::max_element(s.mesh_node.begin(), s.mesh_node.end()) + 1, -1);
+      for (Index i = 0; i < s.interior(); ++i) {
+        Index& k = number[s.mesh_node[i]];
         if (k < 0) k = nodes++;
         node_of[i] = k;
       }
     }
     interior = nodes;
-    for (Index c = 0; c < p.nodes(); ++c, ++nodes)
-      for (Index i = p.first[c]; i < p.first[c + 1]; ++i) node_of[i] = nodes;
+    for (Index c = 0; c < s.nodes(); ++c, ++nodes)
+      for (Index i = s.first[c]; i < s.first[c + 1]; ++i) node_of[i] = nodes;
     first_dof.assign(nodes + 1, 0);
     for (Index i = 0; i < n; ++i) ++first_dof[node_of[i] + 1];
     for (Index v = 0; v < nodes; ++v) first_dof[v + 1] += first_dof[v];
@@ -146,9 +146,8 @@ void check(bool ok, const cholmod_common& common) {
 }
 
 /// A permutation of the dofs with little fill-in, the contact dofs last and in their order.
-std::vector<Index> contact_last(const ContactProblem& p, Ordering ordering,
-                                cholmod_common& common) {
-  NodeGraph graph(p);
+std::vector<Index> contact_last(const System& s, Ordering ordering, cholmod_common& common) {
+  NodeGraph graph(s);
   const Index nodes = static_cast<Index>(graph.first_dof.size()) - 1;
   std::vector<Index> order(nodes);
   int ok = 1;
@@ -166,21 +165,21 @@ std::vector<Index> contact_last(const ContactProblem& p, Ordering ordering,
   }
   check(ok, common);
   std::vector<Index> dofs;
-  dofs.reserve(p.dofs());
+  dofs.reserve(s.dofs());
   for (Index v = 0; v < graph.interior; ++v)
     for (Index k = graph.first_dof[order[v]]; k < graph.first_dof[order[v] + 1]; ++k)
       dofs.push_back(graph.dofs[k]);
-  for (Index i = p.interior(); i < p.dofs(); ++i) dofs.push_back(i);
+  for (Index i = s.interior(); i < s.dofs(); ++i) dofs.push_back(i);
   return dofs;
 }
 
 /// In each connected part of the interior, the dof eliminated last: the root of its tree.
-std::vector<Index> last_of_each_body(const ContactProblem& p, const std::vector<Index>& order) {
-  const Index* row = p.A.outerIndexPtr();
-  const Index* col = p.A.innerIndexPtr();
-  std::vector<char> seen(p.interior(), 0);
+std::vector<Index> last_of_each_body(const System& s, const std::vector<Index>& order) {
+  const Index* row = s.A.outerIndexPtr();
+  const Index* col = s.A.innerIndexPtr();
+  std::vector<char> seen(s.interior(), 0);
   std::vector<Index> roots, stack;
-  for (Index k = p.interior() - 1; k >= 0; --k) {
+  for (Index k = s.interior() - 1; k >= 0; --k) {
     if (seen[order[k]]) continue;
     roots.push_back(order[k]);
     stack.assign(1, order[k]);
@@ -188,7 +187,7 @@ std::vector<Index> last_of_each_body(const ContactProblem& p, const std::vector<
     while (!stack.empty()) {
       const Index i = stack.back();
       stack.pop_back();
-      for (Index e = row[i]; e < row[i + 1] && col[e] < p.interior(); ++e)
+      for (Index e = row[i]; e < row[i + 1] && col[e] < s.interior(); ++e)
         if (!seen[col[e]]) {
           seen[col[e]] = 1;
           stack.push_back(col[e]);
@@ -226,24 +225,24 @@ double Condensation::factor_bytes() const {
   return L_ ? double(sizeof(Real)) * double(L_->xsize) : 0;
 }
 
-Condensation::Outcome Condensation::factor(const ContactProblem& problem, double memory_bound,
+Condensation::Outcome Condensation::factor(const System& system, double memory_bound,
                                            Ordering ordering) {
   release();
   times_ = {};
-  n_ = problem.dofs();
-  interior_ = problem.interior();
-  const double contact = problem.contact_dofs();
+  n_ = system.dofs();
+  interior_ = system.interior();
+  const double contact = system.contact_dofs();
   const double dense = 3 * sizeof(Real) * contact * contact;
   if (dense > memory_bound) return Outcome::too_large;
 
   double start = cpu_seconds();
-  UpperTriangle A(problem);
+  UpperTriangle A(system);
   // Measured on blocks (2D to 800 k dofs, 3D to 100 k), against CHOLMOD's best plain solve: minimum
   // degree with constraints 0.7 in 2D but 1.6 in 3D, nested dissection 0.9 and 1.1; minimum degree
   // of the interior alone fills more than either.
   if (ordering == Ordering::automatic)
-    ordering = problem.dimension == 2 ? Ordering::camd : Ordering::metis;
-  const std::vector<Index> order = contact_last(problem, ordering, common_);
+    ordering = system.dimension == 2 ? Ordering::camd : Ordering::metis;
+  const std::vector<Index> order = contact_last(system, ordering, common_);
   const auto analyze = [&] {
     L_ = cholmod_analyze_p(&A.view, const_cast<Index*>(order.data()), nullptr, 0, &common_);
     const bool fits = common_.status != CHOLMOD_TOO_LARGE;  // CHOLMOD indexes the factor by 32 bits
@@ -253,7 +252,7 @@ Condensation::Outcome Condensation::factor(const ContactProblem& problem, double
   if (!analyze()) return Outcome::too_large;
   if (!contact_is_last()) {
     // Several bodies: a postordering may end one body, its contact included, before the next.
-    A = UpperTriangle(problem, last_of_each_body(problem, order));
+    A = UpperTriangle(system, last_of_each_body(system, order));
     cholmod_free_factor(&L_, &common_);
     if (!analyze()) return Outcome::too_large;
     if (!contact_is_last())
@@ -271,7 +270,7 @@ Condensation::Outcome Condensation::factor(const ContactProblem& problem, double
   start = cpu_seconds();
   read_trailing_block();
   multiply_by_transpose();
-  S_.diagonal() -= sigma * problem.D.tail(problem.contact_dofs());
+  S_.diagonal() -= sigma * system.D.tail(system.contact_dofs());
   times_.condense = cpu_seconds() - start;
   return Outcome::done;
 }
@@ -319,7 +318,7 @@ void Condensation::multiply_by_transpose() {
   S_.triangularView<Eigen::StrictlyUpper>() = S_.transpose();
 }
 
-Vector Condensation::solve(int system, const Vector& rhs) {
+Vector Condensation::solve(int triangle, const Vector& rhs) {
   cholmod_dense b{};
   b.nrow = b.d = b.nzmax = n_;
   b.ncol = 1;
@@ -333,7 +332,7 @@ Vector Condensation::solve(int system, const Vector& rhs) {
   ensure(X_, n_);
   ensure(Y_, n_);
   ensure(E_, L_->maxesize);
-  check(cholmod_solve2(system, L_, &b, nullptr, &X_, nullptr, &Y_, &E_, &common_), common_);
+  check(cholmod_solve2(triangle, L_, &b, nullptr, &X_, nullptr, &Y_, &E_, &common_), common_);
   return Eigen::Map<const Vector>(static_cast<Real*>(X_->x), n_);
 }
 

@@ -3,7 +3,7 @@
 
 #include <Eigen/Dense>
 
-#include "model/contact_problem.h"
+#include "model/system.h"
 
 namespace frictioncg {
 
@@ -40,7 +40,7 @@ class Condensation {
   Condensation& operator=(const Condensation&) = delete;
 
   /// Factors A. memory_bound [bytes] is for the factor and the dense matrices on the contact dofs.
-  Outcome factor(const ContactProblem& problem, double memory_bound,
+  Outcome factor(const System& system, double memory_bound,
                  Ordering ordering = Ordering::automatic);
 
   const DenseMatrix& S() const { return S_; }  ///< contact_dofs square, symmetric
@@ -60,7 +60,7 @@ class Condensation {
   void for_each_trailing(Visit visit) const;
   void read_trailing_block();
   void multiply_by_transpose();
-  Vector solve(int system, const Vector& rhs);
+  Vector solve(int triangle, const Vector& rhs);
   void release();
 
   cholmod_common common_;

@@ -15,28 +15,17 @@ namespace {
 constexpr Index newton_steps = 40;
 constexpr Real least_stiffness = 1e-8;  ///< of diag(S) over diag(A)
 
-/// The laws and the layout of the nodes, without matrix and load; the first contact dof becomes
-/// number `interior`.
-ContactProblem laws_of(const ContactProblem& problem, Index interior) {
-  ContactProblem p;
-  p.dimension = problem.dimension;
-  for (Index first : problem.first) p.first.push_back(first - problem.interior() + interior);
-  p.gap = problem.gap;
-  p.law = problem.law;
-  p.bilateral = problem.bilateral;
-  p.mu = problem.mu;
-  p.g = problem.g;
-  p.force_scale = problem.force_scale;
-  return p;
-}
-
 /// The condensed problem in the form the conjugate gradient takes: all dofs are contact dofs.
 ContactProblem on_contact_dofs(const CondensedProblem& condensed) {
-  ContactProblem p = laws_of(condensed.laws, 0);
-  p.A = condensed.S.sparseView(0, 0);
-  p.A.makeCompressed();
-  p.D = condensed.S.diagonal();
-  p.F = condensed.f;
+  const System& whole = *condensed.laws.system;
+  const auto s = std::make_shared<System>();
+  s->dimension = whole.dimension;
+  for (Index first : whole.first) s->first.push_back(first - whole.interior());
+  s->A = condensed.S.sparseView(0, 0);
+  s->A.makeCompressed();
+  s->D = condensed.S.diagonal();
+  ContactProblem p{s, condensed.laws.increment};
+  p.increment.F = condensed.f;
   return p;
 }
 
@@ -44,25 +33,26 @@ ContactProblem on_contact_dofs(const CondensedProblem& condensed) {
 
 /// Newton on the laws, inside iterative refinement of the equilibrium: the first pass has r = F. A
 /// load that cannot be held is told by a rigid motion, before anything else is tried.
-Solution CondensedSolver::solve(const Settings& settings, const Vector& x0) {
+Solution CondensedSolver::solve(const ContactProblem& problem, const Settings& settings,
+                                const Vector& x0) {
   Solution s;
   s.route = Route::condensed;
-  const Index contact = problem_.contact_dofs();
-  const Vector D_C = problem_.D.tail(contact);
-  Vector x = Vector::Zero(problem_.dofs()), r = problem_.F;
+  const Index contact = problem.contact_dofs();
+  const Vector D_C = problem.system->D.tail(contact);
+  Vector x = Vector::Zero(problem.dofs()), r = problem.increment.F;
   bool warm = x0.size() > 0;
   Vector x_C = warm ? Vector(x0.tail(contact)) : Vector(Vector::Zero(contact));
   Vector done_C = Vector::Zero(contact);  // the part of x_C that x already carries
   Real best = std::numeric_limits<Real>::infinity();
   for (int refinement = 0; refinement < 4; ++refinement) {
     double start = cpu_seconds();
-    CondensedProblem condensed{condensation_.S(), condensation_.reduce(r), D_C, problem_};
+    CondensedProblem condensed{condensation_.S(), condensation_.reduce(r), D_C, problem};
     s.times.back_substitution += cpu_seconds() - start;
     start = cpu_seconds();
     if (refinement > 0 && contact > 0) condensed.f.noalias() += condensation_.S() * done_C;
     Attempt a;
     a.x = x_C;
-    a.solved = problem_.nodes() == 0;  // a plain linear solve
+    a.solved = problem.nodes() == 0;  // a plain linear solve
     if (!a.solved && settings.polish) a = polish(condensed, warm ? &x_C : nullptr, s);
     if (!a.solved && cannot_be_held(condensed)) {
       a.status = Status::no_equilibrium;
@@ -80,7 +70,7 @@ Solution CondensedSolver::solve(const Settings& settings, const Vector& x0) {
     start = cpu_seconds();
     x_C = done_C = a.x;
     warm = true;
-    Certificate certificate = certify(problem_, x);
+    Certificate certificate = certify(problem, x);
     s.times.certificate += cpu_seconds() - start;
     if (certificate.residual < best) {
       s.x = x;
@@ -97,10 +87,10 @@ Solution CondensedSolver::solve(const Settings& settings, const Vector& x0) {
   else if (s.status == Status::converged)
     s.status = Status::stagnated;
   if (s.x.size() == 0) {
-    s.x = Vector::Zero(problem_.dofs());
-    s.certificate = certify(problem_, s.x);
+    s.x = Vector::Zero(problem.dofs());
+    s.certificate = certify(problem, s.x);
   }
-  s.state = classify(problem_, s.x, s.certificate.r);
+  s.state = classify(problem, s.x, s.certificate.r);
   return s;
 }
 
@@ -130,14 +120,14 @@ CondensedSolver::Attempt CondensedSolver::polish(const CondensedProblem& condens
 CondensedSolver::Attempt CondensedSolver::by_continuation(const CondensedProblem& condensed,
                                                           Solution& s) {
   Attempt last;
-  if (problem_.law != Law::coulomb) return last;
-  ContactProblem laws = laws_of(problem_, problem_.interior());
+  ContactProblem laws = condensed.laws;
+  if (laws.increment.law != Law::coulomb) return last;
   const CondensedProblem scaled{condensed.S, condensed.f, condensed.D, laws};
   Real reached = 0, step = 0.25;
   Vector x;
   while (reached < 1 && step > 1.0 / 512) {
     const Real next = std::min(1.0, reached + step);
-    laws.mu = next * problem_.mu;
+    laws.increment.mu = next * condensed.laws.increment.mu;
     SemismoothNewton newton(scaled);
     if (x.size() > 0)
       newton.start_from(x, scaled.f - scaled.S * x);
@@ -164,7 +154,7 @@ CondensedSolver::Attempt CondensedSolver::by_fixed_point(const CondensedProblem&
                                                          const Vector& x_C, Solution& s) {
   // a body on one or two nodes leaves S without a diagonal to precondition with: then on A itself
   const bool on_S = (condensed.S.diagonal().array() > least_stiffness * condensed.D.array()).all();
-  const ContactProblem p = on_S ? on_contact_dofs(condensed) : problem_;
+  const ContactProblem p = on_S ? on_contact_dofs(condensed) : condensed.laws;
   Settings inner = settings;
   inner.method = Method::gc3;
   if (settings.polish) inner.tol = std::max(settings.tol, 1e-6);

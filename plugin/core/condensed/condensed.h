@@ -9,17 +9,17 @@ namespace frictioncg {
 /// loads, gaps and laws; then contact and friction on the dense S alone.
 class CondensedSolver {
  public:
-  /// problem must outlive the solver; its A, D and layout must not change, its F, gap, mu, g may.
-  explicit CondensedSolver(const ContactProblem& problem) : problem_(problem) {}
+  explicit CondensedSolver(SystemPtr system) : system_(std::move(system)) {}
 
   /// Factors A. Status::not_positive_definite where contact and supports leave it singular.
   Condensation::Outcome factor(double memory_bound) {
-    return condensation_.factor(problem_, memory_bound);
+    return condensation_.factor(*system_, memory_bound);
   }
 
   /// settings.polish: semismooth Newton on the unregularized laws; else the regularized conjugate
   /// gradient and the fixed point on S.
-  Solution solve(const Settings& settings, const Vector& x0);
+  /// problem.system is the one that was factored.
+  Solution solve(const ContactProblem& problem, const Settings& settings, const Vector& x0);
 
   const Condensation& condensation() const { return condensation_; }
 
@@ -34,7 +34,7 @@ class CondensedSolver {
   Attempt by_fixed_point(const CondensedProblem& condensed, const Settings& settings,
                          const Vector& x_C, Solution& s);
 
-  const ContactProblem& problem_;
+  SystemPtr system_;
   Condensation condensation_;
   std::vector<SemismoothNewton::Branch> last_;  ///< of the last answer: where an increment starts
 };

@@ -81,7 +81,7 @@ class NearestInCone {
 
 bool cannot_be_held(const CondensedProblem& condensed) {
   const ContactProblem& laws = condensed.laws;
-  if (laws.law == Law::tresca) return false;
+  if (laws.increment.law == Law::tresca) return false;
   const DenseMatrix W = rigid_motions(condensed.S);
   if (W.cols() == 0) return false;
   const Vector works = W.transpose() * condensed.f;
@@ -95,11 +95,11 @@ bool cannot_be_held(const CondensedProblem& condensed) {
     Real most = 0;
     Vector column;
     for (Index i = 0; i < laws.nodes(); ++i) {
-      if (!std::isfinite(laws.gap[i])) continue;
+      if (!std::isfinite(laws.increment.gap[i])) continue;
       const Index N = condensed.normal(i), t = laws.tangents(i);
       const Real slide = w.segment(N + 1, t).norm();
-      const Real mu = laws.law == Law::coulomb ? laws.mu[i] : 0;
-      const Real sense = laws.bilateral && w[N] < 0 ? -1 : 1;
+      const Real mu = laws.increment.law == Law::coulomb ? laws.increment.mu[i] : 0;
+      const Real sense = laws.increment.bilateral && w[N] < 0 ? -1 : 1;
       const Real resistance = sense * w[N] + mu * slide;
       if (resistance <= most) continue;
       most = resistance;

@@ -18,7 +18,7 @@ SemismoothNewton::SemismoothNewton(const CondensedProblem& problem)
       x_(Vector::Zero(problem.f.size())) {
   const Index m = problem.laws.nodes();
   // c near the stiffness that S has for one wave along the contact, not for one node
-  const Real spread = 3 / (problem.laws.dimension == 2 ? Real(m) : std::sqrt(Real(m)));
+  const Real spread = 3 / (problem.laws.system->dimension == 2 ? Real(m) : std::sqrt(Real(m)));
   for (Index i = 0; i < m; ++i) {
     const Index T = problem.normal(i) + 1, t = problem.laws.tangents(i);
     if (t == 0) continue;
@@ -30,7 +30,7 @@ SemismoothNewton::SemismoothNewton(const CondensedProblem& problem)
 void SemismoothNewton::start_from_stick() {
   std::fill(branch_.begin(), branch_.end(), Branch());
   for (Index i = 0; i < problem_.laws.nodes(); ++i)
-    branch_[i].closed = std::isfinite(problem_.laws.gap[i]);
+    branch_[i].closed = std::isfinite(problem_.laws.increment.gap[i]);
 }
 
 void SemismoothNewton::start_from(const Vector& x, const Vector& r) {
@@ -65,15 +65,16 @@ void SemismoothNewton::choose_branches(const Vector& x, const Vector& r) {
   for (Index i = 0; i < laws.nodes(); ++i) {
     Branch& b = branch_[i];
     const Index N = problem_.normal(i), t = laws.tangents(i);
-    b.closed = laws.bilateral || r[N] + problem_.D[N] * (x[N] - laws.gap[i]) > 0;
+    b.closed =
+        laws.increment.bilateral || r[N] + problem_.D[N] * (x[N] - laws.increment.gap[i]) > 0;
     if (t == 0) continue;
-    b.sign = laws.bilateral && r[N] < 0 ? -1 : 1;
-    b.g = laws.law == Law::tresca ? laws.g[i]
-          : b.closed              ? laws.mu[i] * std::max(b.sign * r[N], 0.0)
-                                  : 0;
+    b.sign = laws.increment.bilateral && r[N] < 0 ? -1 : 1;
+    b.g = laws.increment.law == Law::tresca ? laws.increment.g[i]
+          : b.closed                        ? laws.increment.mu[i] * std::max(b.sign * r[N], 0.0)
+                                            : 0;
     const auto y = r.segment(N + 1, t) + c_[i] * x.segment(N + 1, t);
     const Real norm = y.norm();
-    b.stick = norm <= b.g && (laws.law == Law::tresca || b.closed);
+    b.stick = norm <= b.g && (laws.increment.law == Law::tresca || b.closed);
     if (b.stick) continue;
     b.d.setZero();
     if (norm > 0) b.d.head(t) = y / norm;
@@ -90,7 +91,7 @@ bool SemismoothNewton::step() {
   for (Index i = 0; i < laws.nodes(); ++i) {
     const Index N = problem_.normal(i);
     if (branch_[i].closed)
-      x_[N] = laws.gap[i];
+      x_[N] = laws.increment.gap[i];
     else
       unknown_.push_back(N);
     if (!branch_[i].stick)
@@ -121,7 +122,7 @@ bool SemismoothNewton::assemble() {
   }
   // rows of slip: r_T = factor r_N + ..., factor = mu d, or r_T = g d + ...
   for_each_slip([&](const Branch& n, Index i, Index p, Index t) {
-    const Real mu = coupled() && n.closed ? n.sign * laws.mu[i] : 0;
+    const Real mu = coupled() && n.closed ? n.sign * laws.increment.mu[i] : 0;
     for (Index k = 0; k < t; ++k) {
       factor_[p + k] = mu * n.d[k];
       normal_[p + k] = problem_.normal(i);
@@ -205,26 +206,25 @@ Real SemismoothNewton::law_residual(const Vector& r) const {
   Real sum = 0;
   for (Index i = 0; i < laws.nodes(); ++i) {
     const Index N = problem_.normal(i), t = laws.tangents(i);
-    const Real gap_left = problem_.D[N] * (laws.gap[i] - x_[N]);
-    const Real normal = laws.bilateral ? gap_left : std::min(gap_left, r[N]);
+    const NodeLaw law = law_of(laws.increment, i);
+    const Real closing = problem_.D[N] * (laws.increment.gap[i] - x_[N]);
+    const Real normal = law.normal_residual(closing, r[N]);
     sum += normal * normal / problem_.D[N];
     if (t == 0) continue;
     const Real c = problem_.D.segment(N + 1, t).mean();
-    const Real pressure = laws.bilateral ? std::abs(r[N]) : std::max(r[N], 0.0);
-    const Real g = laws.law == Law::tresca ? laws.g[i] : laws.mu[i] * pressure;
-    const Eigen::Matrix<Real, Eigen::Dynamic, 1, 0, 2, 1> y =
-        r.segment(N + 1, t) + c * x_.segment(N + 1, t);
-    const Real outside = y.norm() > g ? g / y.norm() : 1;
-    sum += (r.segment(N + 1, t) - outside * y).squaredNorm() / c;
+    sum += friction_residual(r.segment(N + 1, t), x_.segment(N + 1, t), c, law.limit(r[N]))
+               .squaredNorm() /
+           c;
   }
-  return std::sqrt(sum) / problem_.laws.force_scale;
+  return std::sqrt(sum) / problem_.laws.increment.force_scale;
 }
 
 std::size_t SemismoothNewton::fingerprint() const {
   std::size_t hash = 1469598103934665603u;
   for (const Branch& b : branch_) {
     // directions in 3D converge; only which branch, and in 2D the sense, can cycle
-    const std::size_t sense = problem_.laws.dimension == 2 && !b.stick ? 1 + (b.d[0] > 0) : 0;
+    const std::size_t sense =
+        problem_.laws.system->dimension == 2 && !b.stick ? 1 + (b.d[0] > 0) : 0;
     hash = (hash ^ (b.closed + 2 * b.stick + 4 * sense)) * 1099511628211u;
   }
   return hash;

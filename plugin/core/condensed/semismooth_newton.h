@@ -12,7 +12,7 @@ struct CondensedProblem {
   const Vector& D;             ///< contact_dofs, diag(A): the unit of the residual of the laws
   const ContactProblem& laws;  ///< gap, mu or g, and the layout of the nodes
   Index offset() const { return laws.interior(); }
-  Index normal(Index i) const { return laws.first[i] - offset(); }
+  Index normal(Index i) const { return laws.system->first[i] - offset(); }
 };
 
 /// Semismooth Newton (primal-dual active set) on the unregularized coupled laws. With c > 0, r the
@@ -58,7 +58,7 @@ class SemismoothNewton {
   Vector solve_in_single_precision() const;
   Real law_residual(const Vector& r) const;
   std::size_t fingerprint() const;
-  bool coupled() const { return problem_.laws.law == Law::coulomb; }
+  bool coupled() const { return problem_.laws.increment.law == Law::coulomb; }
 
   const CondensedProblem& problem_;
   Vector c_;  ///< m, one scalar per node, so that the tangential frame does not matter

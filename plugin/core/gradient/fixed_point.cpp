@@ -23,7 +23,7 @@ FixedPoint::FixedPoint(const ContactProblem& problem, const Settings& settings,
       best_(std::numeric_limits<Real>::infinity()) {}
 
 Solution FixedPoint::solve(const Vector& x0) {
-  const bool coulomb = problem_.law == Law::coulomb;
+  const bool coulomb = problem_.increment.law == Law::coulomb;
   inner_ = coulomb ? first_tolerance : settings_.tol / 3;
   start(x0);
   Real last = std::numeric_limits<Real>::infinity();
@@ -57,15 +57,15 @@ Solution FixedPoint::solve(const Vector& x0) {
 void FixedPoint::start(const Vector& x0) {
   if (x0.size() > 0) {
     it_.x = x0;
-  } else if (problem_.law != Law::frictionless && settings_.stop_on_step == 0) {
+  } else if (problem_.increment.law != Law::frictionless && settings_.stop_on_step == 0) {
     const Outcome o = tresca_.minimize(it_, g_, 1, Tangents::stuck, first_tolerance);
     solution_.iterations += o.iterations;
     if (o.status != Status::converged) solution_.status = o.status;
   }
   solution_.certificate = certify(problem_, it_.x);
   for (Index i = 0; i < problem_.nodes(); ++i)
-    g_[i] = sliding_limit(problem_, i, solution_.certificate.r);
-  if (problem_.law != Law::frictionless && tresca_.regularized())
+    g_[i] = law_of(problem_.increment, i).limit(solution_.certificate.r[problem_.system->first[i]]);
+  if (problem_.increment.law != Law::frictionless && tresca_.regularized())
     solution_.eps = settings_.regeps > 0 ? settings_.regeps : relative_eps_ * displacement_scale();
 }
 
@@ -82,12 +82,12 @@ bool FixedPoint::update_sliding_limit() {
   Vector image(problem_.nodes());
   Real sum = 0;
   for (Index i = 0; i < problem_.nodes(); ++i) {
-    image[i] = sliding_limit(problem_, i, r);
-    const Index N = problem_.first[i];
+    const Index N = problem_.system->first[i];
+    image[i] = law_of(problem_.increment, i).limit(r[N]);
     const Real d = image[i] - g_[i];
-    if (problem_.tangents(i) > 0) sum += d * d / problem_.D[N + 1];
+    if (problem_.tangents(i) > 0) sum += d * d / problem_.system->D[N + 1];
   }
-  const Real mismatch = std::sqrt(sum) / problem_.force_scale;
+  const Real mismatch = std::sqrt(sum) / problem_.increment.force_scale;
   if (mismatch <= 0.3 * settings_.tol && inner_ <= settings_.tol / 3) return false;
 
   inner_ = std::min(inner_, std::max(0.1 * mismatch, settings_.tol / 3));
@@ -136,7 +136,7 @@ bool FixedPoint::sharpen_regularization() {
 Real FixedPoint::displacement_scale() const {
   const Real moved = it_.x.lpNorm<Eigen::Infinity>();
   if (moved > 0) return moved;
-  return (problem_.F.cwiseAbs().array() / problem_.D.array()).maxCoeff() + 1e-300;
+  return (problem_.increment.F.cwiseAbs().array() / problem_.system->D.array()).maxCoeff() + 1e-300;
 }
 
 }  // namespace frictioncg

@@ -10,20 +10,20 @@ constexpr Real infinity = std::numeric_limits<Real>::infinity();
 constexpr Real rigid = 1e-13;  ///< <Av,v>/<Dv,v> at which v counts as a rigid motion
 }  // namespace
 
-LineSearch::LineSearch(const ContactProblem& problem, Step step) : problem_(problem), step_(step) {
-  nodes_.reserve(problem.nodes());
+LineSearch::LineSearch(const System& system, Step step) : system_(system), step_(step) {
+  nodes_.reserve(system.nodes());
   breaks_.reserve(2 * nodes_.capacity());
-  for (Index i = 0; i < problem.nodes(); ++i)
-    if (problem.tangents(i) > 1) single_tangent_ = false;
+  for (Index i = 0; i < system.nodes(); ++i)
+    if (system.tangents(i) > 1) single_tangent_ = false;
 }
 
 void LineSearch::gather(const Vector& g, const Vector& x, const Vector& v) {
   nodes_.clear();
-  for (Index i = 0; i < problem_.nodes(); ++i) {
-    const Index t = problem_.tangents(i);
+  for (Index i = 0; i < system_.nodes(); ++i) {
+    const Index t = system_.tangents(i);
     if (t == 0 || g[i] == 0) continue;
-    const auto x_T = x.segment(problem_.first[i] + 1, t);
-    const auto v_T = v.segment(problem_.first[i] + 1, t);
+    const auto x_T = x.segment(system_.first[i] + 1, t);
+    const auto v_T = v.segment(system_.first[i] + 1, t);
     const Real vv = v_T.squaredNorm();
     if (vv > 0) nodes_.push_back({g[i], x_T.squaredNorm(), x_T.dot(v_T), vv});
   }

@@ -1,7 +1,7 @@
 #pragma once
-#include "model/contact_problem.h"
+#include "model/system.h"
 #include "gradient/preconditioner.h"
-#include "settings.h"
+#include "gradient/regularization.h"
 
 namespace frictioncg {
 
@@ -9,7 +9,7 @@ namespace frictioncg {
 ///   J'(rho) = rho <Av,v> - <F-Ax,v> + sum_i g_i phi'(|x_T + rho v_T|) (x_T + rho v_T).v_T / |.|
 class LineSearch {
  public:
-  LineSearch(const ContactProblem& problem, Step step);
+  LineSearch(const System& system, Step step);
 
   /// rho in (0, rho_max] for the direction v with <r,v> > 0, r including friction, and a =
   /// <F-Ax,v>; infinite where J decreases for ever along a rigid motion.
@@ -33,7 +33,7 @@ class LineSearch {
   Real bracketed_newton(const Phi& phi, Real high) const;
   Real false_position(const Phi& phi, Real high) const;
 
-  const ContactProblem& problem_;
+  const System& system_;
   const Step step_;
   bool single_tangent_ = true;  ///< no node has two tangents
   std::vector<Node> nodes_;     ///< those that move tangentially and have g > 0

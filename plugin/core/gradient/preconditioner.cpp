@@ -4,30 +4,29 @@
 
 namespace frictioncg {
 
-Preconditioner::Preconditioner(const ContactProblem& problem)
-    : problem_(problem), interior_(problem.interior()), D_(problem.D) {}
+Preconditioner::Preconditioner(const System& system)
+    : system_(system), interior_(system.interior()), D_(system.D) {}
 
-std::unique_ptr<Preconditioner> make_preconditioner(const ContactProblem& problem, Precon kind,
-                                                    Real omega) {
+std::unique_ptr<Preconditioner> make_preconditioner(const System& system, Precon kind, Real omega) {
   switch (kind) {
     case Precon::ssor:
-      return std::make_unique<SsorPreconditioner>(problem, false, omega);
+      return std::make_unique<SsorPreconditioner>(system, false, omega);
     case Precon::hessian_ssor:
-      return std::make_unique<SsorPreconditioner>(problem, true, omega);
+      return std::make_unique<SsorPreconditioner>(system, true, omega);
     default:
-      return std::make_unique<DiagonalPreconditioner>(problem, kind);
+      return std::make_unique<DiagonalPreconditioner>(system, kind);
   }
 }
 
 // ------------------------------------------------------------------------------------ diagonal
 
-DiagonalPreconditioner::DiagonalPreconditioner(const ContactProblem& problem, Precon kind)
-    : Preconditioner(problem),
+DiagonalPreconditioner::DiagonalPreconditioner(const System& system, Precon kind)
+    : Preconditioner(system),
       on_hessian_(kind == Precon::hessian_diagonal),
-      C_(kind == Precon::none ? Vector::Ones(problem.dofs()) : Vector(D_)),
-      r_(Vector::Zero(problem.dofs())),
-      Av_(Vector::Zero(problem.dofs())),
-      dr_C_(problem.contact_dofs()) {}
+      C_(kind == Precon::none ? Vector::Ones(system.dofs()) : Vector(D_)),
+      r_(Vector::Zero(system.dofs())),
+      Av_(Vector::Zero(system.dofs())),
+      dr_C_(system.contact_dofs()) {}
 
 void DiagonalPreconditioner::start(const Vector& r) {
   r_ = r;
@@ -53,7 +52,7 @@ void DiagonalPreconditioner::direction(Real gamma, Vector& v) {
 }
 
 Curvature DiagonalPreconditioner::curvature(const Vector& v) {
-  Av_.noalias() = problem_.A * v;
+  Av_.noalias() = system_.A * v;
   return {Av_.dot(v), (D_.array() * v.array().square()).sum()};
 }
 
@@ -74,35 +73,35 @@ Real DiagonalPreconditioner::free_norm() const {
 
 // ---------------------------------------------------------------------------------------- SSOR
 
-SsorPreconditioner::SsorPreconditioner(const ContactProblem& problem, bool on_hessian, Real omega)
-    : Preconditioner(problem),
+SsorPreconditioner::SsorPreconditioner(const System& system, bool on_hessian, Real omega)
+    : Preconditioner(system),
       on_hessian_(on_hessian),
       omega_(omega),
       kappa_((2 - omega) / omega),
-      diagonal_(problem.dofs()),
+      diagonal_(system.dofs()),
       C_(D_),
       inverse_(omega * D_.cwiseInverse()),
-      free_(problem.contact_dofs(), 1),
-      y_(Vector::Zero(problem.dofs())),
-      s_(Vector::Zero(problem.dofs())),
-      e_(Vector::Zero(problem.dofs())),
-      r_C_(Vector::Zero(problem.contact_dofs())),
-      E_y_(Vector::Zero(problem.contact_dofs())),
-      dy_C_(Vector::Zero(problem.contact_dofs())),
-      work_(Vector::Zero(problem.contact_dofs())) {
-  const Index* row = problem.A.outerIndexPtr();
-  const Index* col = problem.A.innerIndexPtr();
-  for (Index i = 0; i < problem.dofs(); ++i)
+      free_(system.contact_dofs(), 1),
+      y_(Vector::Zero(system.dofs())),
+      s_(Vector::Zero(system.dofs())),
+      e_(Vector::Zero(system.dofs())),
+      r_C_(Vector::Zero(system.contact_dofs())),
+      E_y_(Vector::Zero(system.contact_dofs())),
+      dy_C_(Vector::Zero(system.contact_dofs())),
+      work_(Vector::Zero(system.contact_dofs())) {
+  const Index* row = system.A.outerIndexPtr();
+  const Index* col = system.A.innerIndexPtr();
+  for (Index i = 0; i < system.dofs(); ++i)
     diagonal_[i] = static_cast<Index>(std::lower_bound(col + row[i], col + row[i + 1], i) - col);
 }
 
 /// y_C = (C/omega + E)_CC^{-1} (rhs - lower_interior) on the free contact dofs; y_C into y's tail.
 void SsorPreconditioner::forward_contact(const Vector& lower_interior, const Vector& rhs,
                                          Vector& y) const {
-  const Index* row = problem_.A.outerIndexPtr();
-  const Index* col = problem_.A.innerIndexPtr();
-  const Real* a = problem_.A.valuePtr();
-  const Index shift = interior_ - static_cast<Index>(problem_.dofs() - y.size());
+  const Index* row = system_.A.outerIndexPtr();
+  const Index* col = system_.A.innerIndexPtr();
+  const Real* a = system_.A.valuePtr();
+  const Index shift = interior_ - static_cast<Index>(system_.dofs() - y.size());
   for (Index c = 0; c < rhs.size(); ++c) {
     const Index i = interior_ + c;
     Real sum = 0;
@@ -117,9 +116,9 @@ void SsorPreconditioner::forward_contact(const Vector& lower_interior, const Vec
 }
 
 void SsorPreconditioner::start(const Vector& r) {
-  const Index* row = problem_.A.outerIndexPtr();
-  const Index* col = problem_.A.innerIndexPtr();
-  const Real* a = problem_.A.valuePtr();
+  const Index* row = system_.A.outerIndexPtr();
+  const Index* col = system_.A.innerIndexPtr();
+  const Real* a = system_.A.valuePtr();
   interior_r_z_ = interior_dr_z_ = 0;
   for (Index i = 0; i < interior_; ++i) {
     Real sum = r[i];
@@ -130,9 +129,9 @@ void SsorPreconditioner::start(const Vector& r) {
 }
 
 void SsorPreconditioner::set_contact(const Vector& r_C, const ContactPart& part) {
-  const Index* row = problem_.A.outerIndexPtr();
-  const Index* col = problem_.A.innerIndexPtr();
-  const Real* a = problem_.A.valuePtr();
+  const Index* row = system_.A.outerIndexPtr();
+  const Index* col = system_.A.innerIndexPtr();
+  const Real* a = system_.A.valuePtr();
   free_ = part.free;
   if (on_hessian_ && C_.tail(r_C.size()) != D_.tail(r_C.size()) + part.hessian) {
     C_changed_ = true;
@@ -168,21 +167,21 @@ void SsorPreconditioner::set_contact(const Vector& r_C, const ContactPart& part)
 /// s := kappa C y + gamma s, then (C/omega + E') v = s from the last row up. Each row ends on the
 /// entry that was computed last, so that the rest of its sum does not wait for it.
 void SsorPreconditioner::direction(Real gamma, Vector& v_out) {
-  const Index* row = problem_.A.outerIndexPtr();
-  const Index* col = problem_.A.innerIndexPtr();
-  const Real* a = problem_.A.valuePtr();
+  const Index* row = system_.A.outerIndexPtr();
+  const Index* col = system_.A.innerIndexPtr();
+  const Real* a = system_.A.valuePtr();
   const Index* diagonal = diagonal_.data();
   const Real *C = C_.data(), *y = y_.data(), *inverse = inverse_.data();
   Real *s = s_.data(), *v = v_out.data();
   // On the contact rows C may have changed since s was formed: s = (C/omega + E') v anew.
   if (gamma != 0 && C_changed_) {
-    for (Index i = interior_; i < problem_.dofs(); ++i) {
+    for (Index i = interior_; i < system_.dofs(); ++i) {
       s[i] = C[i] / omega_ * v[i];
       for (Index k = diagonal[i] + 1; k < row[i + 1]; ++k) s[i] += a[k] * v[col[k]];
     }
   }
   C_changed_ = false;
-  for (Index i = problem_.dofs() - 1; i >= interior_; --i) {
+  for (Index i = system_.dofs() - 1; i >= interior_; --i) {
     if (!free_[i - interior_]) {
       s[i] = v[i] = 0;
       continue;
@@ -203,9 +202,9 @@ void SsorPreconditioner::direction(Real gamma, Vector& v_out) {
 /// (C/omega + E) e = s + (D - 2C/omega) v, so that A v = (C/omega + E)(v + e), and <Av,v> = <v+e,
 /// s>.
 Curvature SsorPreconditioner::curvature(const Vector& v_in) {
-  const Index* row = problem_.A.outerIndexPtr();
-  const Index* col = problem_.A.innerIndexPtr();
-  const Real* a = problem_.A.valuePtr();
+  const Index* row = system_.A.outerIndexPtr();
+  const Index* col = system_.A.innerIndexPtr();
+  const Real* a = system_.A.valuePtr();
   const Index* diagonal = diagonal_.data();
   const Real *C = C_.data(), *v = v_in.data(), *s = s_.data(), *inverse = inverse_.data();
   Real* e = e_.data();
@@ -219,7 +218,7 @@ Curvature SsorPreconditioner::curvature(const Vector& v_in) {
     vAv += (v[i] + e[i]) * s[i];
     vDv += Cv * v[i];
   }
-  for (Index i = interior_; i < problem_.dofs(); ++i) {
+  for (Index i = interior_; i < system_.dofs(); ++i) {
     e[i] = 0;
     if (!free_[i - interior_]) continue;
     Real sum = s[i] + (D_[i] - 2 / omega_ * C[i]) * v[i];
@@ -243,15 +242,15 @@ void SsorPreconditioner::advance(Real rho, const Vector& v_in, Vector& x_out) {
     r_z += y[i] * w;
     dr_z += dy * w;
   }
-  x_out.tail(problem_.contact_dofs()) += rho * v_in.tail(problem_.contact_dofs());
+  x_out.tail(system_.contact_dofs()) += rho * v_in.tail(system_.contact_dofs());
   interior_r_z_ = kappa_ * r_z;
   interior_dr_z_ = kappa_ * dr_z;
 }
 
 Real SsorPreconditioner::free_norm() const {
-  const Index* row = problem_.A.outerIndexPtr();
-  const Index* col = problem_.A.innerIndexPtr();
-  const Real* a = problem_.A.valuePtr();
+  const Index* row = system_.A.outerIndexPtr();
+  const Index* col = system_.A.innerIndexPtr();
+  const Real* a = system_.A.valuePtr();
   Real sum = 0;
   for (Index i = 0; i < interior_; ++i) {
     Real r = C_[i] / omega_ * y_[i];

@@ -2,7 +2,7 @@
 #include <memory>
 
 #include "settings.h"
-#include "model/contact_problem.h"
+#include "model/system.h"
 
 namespace frictioncg {
 
@@ -27,7 +27,7 @@ struct ContactPart {
 /// The order of calls in one iteration:  direction, curvature, advance, set_contact.
 class Preconditioner {
  public:
-  explicit Preconditioner(const ContactProblem& problem);
+  explicit Preconditioner(const System& system);
   virtual ~Preconditioner() = default;
 
   /// Starts from r = F - Ax - g phi'(x_T) (n), of which the interior is kept; then set_contact.
@@ -53,19 +53,18 @@ class Preconditioner {
   virtual Real free_norm() const = 0;
 
  protected:
-  const ContactProblem& problem_;
+  const System& system_;
   const Index interior_;
   const Vector& D_;  ///< diag(A)
   Real r_z_ = 0, dr_z_ = 0;
 };
 
-std::unique_ptr<Preconditioner> make_preconditioner(const ContactProblem& problem, Precon kind,
-                                                    Real omega);
+std::unique_ptr<Preconditioner> make_preconditioner(const System& system, Precon kind, Real omega);
 
 /// C = I, diag(A) or diag(J''): r itself is kept.
 class DiagonalPreconditioner final : public Preconditioner {
  public:
-  DiagonalPreconditioner(const ContactProblem& problem, Precon kind);
+  DiagonalPreconditioner(const System& system, Precon kind);
   void start(const Vector& r) override;
   void set_contact(const Vector& r_C, const ContactPart& part) override;
   void direction(Real gamma, Vector& v) override;
@@ -86,7 +85,7 @@ class DiagonalPreconditioner final : public Preconditioner {
 /// C = omega/(2-omega) (D/omega + E) D^{-1} (D/omega + E)', eq. (16), with D of A or of J''.
 class SsorPreconditioner final : public Preconditioner {
  public:
-  SsorPreconditioner(const ContactProblem& problem, bool on_hessian, Real omega);
+  SsorPreconditioner(const System& system, bool on_hessian, Real omega);
   void start(const Vector& r) override;
   void set_contact(const Vector& r_C, const ContactPart& part) override;
   void direction(Real gamma, Vector& v) override;

@@ -23,9 +23,9 @@ ProjectedCG::ProjectedCG(const ContactProblem& problem, const Settings& settings
       settings_(settings),
       max_iterations_(max_iterations),
       observer_(observer),
-      D_(problem.D),
-      P_(make_preconditioner(problem, settings.precon, relaxation(settings))),
-      line_search_(problem, settings.step),
+      D_(problem.system->D),
+      P_(make_preconditioner(*problem.system, settings.precon, relaxation(settings))),
+      line_search_(*problem.system, settings.step),
       part_{std::vector<char>(problem.contact_dofs(), 1), Vector::Zero(problem.contact_dofs())},
       stick_(problem.nodes(), 0),
       sticking_(problem.nodes(), 0),
@@ -82,15 +82,16 @@ Outcome ProjectedCG::minimize(Iterate& it, const Vector& g, Real eps, Tangents t
 
 void ProjectedCG::begin(Iterate& it, const Vector& g, const Phi& phi) {
   for (Index i = 0; i < problem_.nodes(); ++i) {
-    const Index N = problem_.first[i];
-    if (problem_.bilateral) it.contact[i] = 1;
-    it.x[N] = it.contact[i] ? problem_.gap[i] : std::min(it.x[N], problem_.gap[i]);
+    const Index N = problem_.system->first[i];
+    if (problem_.increment.bilateral) it.contact[i] = 1;
+    it.x[N] =
+        it.contact[i] ? problem_.increment.gap[i] : std::min(it.x[N], problem_.increment.gap[i]);
     if (tangents_ == Tangents::stuck) it.x.segment(N + 1, problem_.tangents(i)).setZero();
-    if (it.x[N] == problem_.gap[i]) it.contact[i] = 1;
+    if (it.x[N] == problem_.increment.gap[i]) it.contact[i] = 1;
   }
   if (!regularized() && tangents_ == Tangents::sliding)
     for (Index i = 0; i < problem_.nodes(); ++i)
-      stick_[i] = tangential_norm(problem_, i, it.x) == 0;
+      stick_[i] = tangential_norm(*problem_.system, i, it.x) == 0;
   recompute_residual(it);
   norm_ratio_ = 0;
   since_measured_ = 0;
@@ -99,8 +100,8 @@ void ProjectedCG::begin(Iterate& it, const Vector& g, const Phi& phi) {
 
 /// r = F - Ax from scratch; update_friction has to follow.
 void ProjectedCG::recompute_residual(const Iterate& it) {
-  v_.noalias() = problem_.A * it.x;
-  v_ = problem_.F - v_;
+  v_.noalias() = problem_.system->A * it.x;
+  v_ = problem_.increment.F - v_;
   r_C_ = v_.tail(problem_.contact_dofs());
   P_->start(v_);
   v_.setZero();
@@ -120,14 +121,15 @@ Real ProjectedCG::friction_part_along_v() const {
 bool ProjectedCG::hold_inward(Iterate& it, const Vector& g, const Phi& phi) {
   bool held = false;
   for (Index i = 0; i < problem_.nodes(); ++i) {
-    const Index N = problem_.first[i];
-    if (it.contact[i] || v_[N] <= 0 || it.x[N] < problem_.gap[i]) continue;
+    const Index N = problem_.system->first[i];
+    if (it.contact[i] || v_[N] <= 0 || it.x[N] < problem_.increment.gap[i]) continue;
     it.contact[i] = held = true;
   }
   if (!regularized() && tangents_ == Tangents::sliding)
     for (Index i = 0; i < problem_.nodes(); ++i) {
-      const Index T = problem_.first[i] + 1, t = problem_.tangents(i);
-      if (t == 0 || stick_[i] || g[i] == 0 || tangential_norm(problem_, i, it.x) > 0) continue;
+      const Index T = problem_.system->first[i] + 1, t = problem_.tangents(i);
+      if (t == 0 || stick_[i] || g[i] == 0 || tangential_norm(*problem_.system, i, it.x) > 0)
+        continue;
       const auto v_T = v_.segment(T, t);
       if (r_C_.segment(T - problem_.interior(), t).dot(v_T) <= g[i] * v_T.norm())
         stick_[i] = held = true;
@@ -142,8 +144,9 @@ bool ProjectedCG::hold_inward(Iterate& it, const Vector& g, const Phi& phi) {
 Real ProjectedCG::step_to_gap(const Iterate& it) const {
   Real rho = infinity;
   for (Index i = 0; i < problem_.nodes(); ++i) {
-    const Index N = problem_.first[i];
-    if (!it.contact[i] && v_[N] > 0) rho = std::min(rho, (problem_.gap[i] - it.x[N]) / v_[N]);
+    const Index N = problem_.system->first[i];
+    if (!it.contact[i] && v_[N] > 0)
+      rho = std::min(rho, (problem_.increment.gap[i] - it.x[N]) / v_[N]);
   }
   return std::max(rho, 0.0);
 }
@@ -151,10 +154,11 @@ Real ProjectedCG::step_to_gap(const Iterate& it) const {
 bool ProjectedCG::close_gaps(Iterate& it, Real rho, Real rho_gap) {
   if (rho < rho_gap) return false;
   for (Index i = 0; i < problem_.nodes(); ++i) {
-    const Index N = problem_.first[i];
+    const Index N = problem_.system->first[i];
     if (it.contact[i] || v_[N] <= 0) continue;
-    if (it.x[N] >= problem_.gap[i] - 1e-15 * std::abs(problem_.gap[i]) - 1e-15 * rho * v_[N]) {
-      it.x[N] = problem_.gap[i];
+    if (it.x[N] >= problem_.increment.gap[i] - 1e-15 * std::abs(problem_.increment.gap[i]) -
+                       1e-15 * rho * v_[N]) {
+      it.x[N] = problem_.increment.gap[i];
       it.contact[i] = 1;
     }
   }
@@ -164,18 +168,18 @@ bool ProjectedCG::close_gaps(Iterate& it, Real rho, Real rho_gap) {
 /// Violations of a face up to here, in norm_D, are left to the tolerance.
 Real ProjectedCG::release_threshold(Real tolerance) const {
   if (settings_.stop_on_step > 0) return 0;
-  return 0.1 * tolerance * problem_.force_scale / std::sqrt(Real(problem_.nodes()));
+  return 0.1 * tolerance * problem_.increment.force_scale / std::sqrt(Real(problem_.nodes()));
 }
 
 /// Opens the nodes in contact on which the obstacle would have to pull by more than rounding and
 /// the tolerance explain.
 bool ProjectedCG::release_tensile(Iterate& it, Real tolerance) {
-  if (problem_.bilateral) return false;
+  if (problem_.increment.bilateral) return false;
   const Real threshold = release_threshold(tolerance);
   bool released = false;
   for (Index i = 0; i < problem_.nodes(); ++i) {
-    const Index c = problem_.first[i] - problem_.interior();
-    if (it.contact[i] && r_C_[c] < -threshold * std::sqrt(D_[problem_.first[i]])) {
+    const Index c = problem_.system->first[i] - problem_.interior();
+    if (it.contact[i] && r_C_[c] < -threshold * std::sqrt(D_[problem_.system->first[i]])) {
       it.contact[i] = 0;
       released = true;
     }
@@ -188,7 +192,7 @@ bool ProjectedCG::release_stick(const Vector& g, Real tolerance) {
   const Real threshold = release_threshold(tolerance);
   bool released = false;
   for (Index i = 0; i < problem_.nodes(); ++i) {
-    const Index T = problem_.first[i] + 1, t = problem_.tangents(i);
+    const Index T = problem_.system->first[i] + 1, t = problem_.tangents(i);
     if (t == 0 || !stick_[i]) continue;
     const Real r_T = r_C_.segment(T - problem_.interior(), t).norm();
     if (r_T <= g[i] + threshold * std::sqrt(D_[T])) continue;
@@ -203,7 +207,7 @@ bool ProjectedCG::freeze_stick(Iterate& it, const Vector& g, Real rho) {
   if (tangents_ == Tangents::stuck) return false;
   bool frozen = false;
   for (Index i = 0; i < problem_.nodes(); ++i) {
-    const Index T = problem_.first[i] + 1, t = problem_.tangents(i);
+    const Index T = problem_.system->first[i] + 1, t = problem_.tangents(i);
     if (t == 0 || stick_[i] || g[i] == 0) continue;
     auto x_T = it.x.segment(T, t);
     const auto v_T = v_.segment(T, t);
@@ -212,7 +216,7 @@ bool ProjectedCG::freeze_stick(Iterate& it, const Vector& g, Real rho) {
     if (x_T.dot(v_T) < -1e-12 * x_T.norm() * v_T.norm() || v_T.isZero(0)) continue;
     Eigen::Matrix<Real, Eigen::Dynamic, 1, 0, 2, 1> r_0 = r_C_.segment(T - problem_.interior(), t);
     for (Index k = 0; k < t; ++k)
-      for (Index l = 0; l < t; ++l) r_0[k] += problem_.A.coeff(T + k, T + l) * x_T[l];
+      for (Index l = 0; l < t; ++l) r_0[k] += problem_.system->A.coeff(T + k, T + l) * x_T[l];
     if (r_0.norm() > g[i]) continue;
     x_T.setZero();
     stick_[i] = 1;
@@ -226,9 +230,10 @@ bool ProjectedCG::freeze_stick(Iterate& it, const Vector& g, Real rho) {
 Real ProjectedCG::dual_violation(const Iterate& it, const Vector& g) const {
   Real sum = 0;
   for (Index i = 0; i < problem_.nodes(); ++i) {
-    const Index N = problem_.first[i], c = N - problem_.interior(), t = problem_.tangents(i);
+    const Index N = problem_.system->first[i], c = N - problem_.interior(),
+                t = problem_.tangents(i);
     const Real r = std::min(r_C_[c], 0.0);
-    if (it.contact[i] && !problem_.bilateral) sum += r * r / D_[N];
+    if (it.contact[i] && !problem_.increment.bilateral) sum += r * r / D_[N];
     if (regularized() || tangents_ == Tangents::stuck || t == 0 || !stick_[i]) continue;
     const Real excess = std::max(r_C_.segment(c + 1, t).norm() - g[i], 0.0);
     sum += excess * excess / D_[N + 1];
@@ -242,7 +247,8 @@ bool ProjectedCG::update_friction(const Iterate& it, const Vector& g, const Phi&
   bool crossed = false;
   rf_C_ = r_C_;
   for (Index i = 0; i < problem_.nodes(); ++i) {
-    const Index N = problem_.first[i], c = N - problem_.interior(), t = problem_.tangents(i);
+    const Index N = problem_.system->first[i], c = N - problem_.interior(),
+                t = problem_.tangents(i);
     part_.free[c] = !it.contact[i];
     if (it.contact[i]) rf_C_[c] = 0;
     if (t == 0) continue;
@@ -274,7 +280,7 @@ bool ProjectedCG::update_friction(const Iterate& it, const Vector& g, const Phi&
 ProjectedCG::Verdict ProjectedCG::judge(Iterate& it, const Vector& g, const Phi& phi, Real rho,
                                         Real tolerance) {
   const bool by_step = settings_.stop_on_step > 0;
-  const Real eps_0 = by_step ? settings_.stop_on_step : tolerance * problem_.force_scale;
+  const Real eps_0 = by_step ? settings_.stop_on_step : tolerance * problem_.increment.force_scale;
   const Real violation = by_step ? 0 : dual_violation(it, g);
   Real eps_1 = eps_0;
   if (settings_.method == Method::gc3) eps_1 = partial_ * eps_0;
@@ -307,9 +313,9 @@ Real ProjectedCG::free_norm_if_below(Real bound) {
 }
 
 void ProjectedCG::contact_rows_times_v() {
-  const Index* row = problem_.A.outerIndexPtr();
-  const Index* col = problem_.A.innerIndexPtr();
-  const Real* a = problem_.A.valuePtr();
+  const Index* row = problem_.system->A.outerIndexPtr();
+  const Index* col = problem_.system->A.innerIndexPtr();
+  const Real* a = problem_.system->A.valuePtr();
   for (Index c = 0; c < Av_C_.size(); ++c) {
     Real sum = 0;
     for (Index k = row[problem_.interior() + c]; k < row[problem_.interior() + c + 1]; ++k)

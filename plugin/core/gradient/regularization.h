@@ -1,7 +1,7 @@
 #pragma once
 #include <cmath>
 
-#include "types.h"
+#include "settings.h"
 
 namespace frictioncg {
 
@@ -10,8 +10,6 @@ namespace frictioncg {
 ///   Hessian   phi''(t) dd' + phi'(t)/t (I - dd'),  d = x/|x|
 /// All three stay finite at t = 0 and far out. The polynomial with eps = 0 is |x| itself, away from
 /// 0.
-enum class Regularization { square_root, log_cosh, polynomial };
-
 struct Phi {
   Regularization kind = Regularization::polynomial;
   Real eps = 0;

@@ -1,5 +1,5 @@
 #pragma once
-#include "model/contact_problem.h"
+#include "model/law.h"
 #include "settings.h"
 
 namespace frictioncg {

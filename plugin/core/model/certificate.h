@@ -1,5 +1,5 @@
 #pragma once
-#include "model/contact_problem.h"
+#include "model/law.h"
 
 namespace frictioncg {
 
@@ -24,9 +24,6 @@ struct Certificate {
 enum class NodeState : Index { none = 0, separated = 1, slip = 2, stick = 3 };
 
 Certificate certify(const ContactProblem& problem, const Vector& x);
-
-/// Sliding limit of contact node i under the problem's law, r = F - Ax. [force]
-Real sliding_limit(const ContactProblem& problem, Index i, const Vector& r);
 
 /// Which branch of the laws each contact node is on (m), r = F - Ax.
 std::vector<NodeState> classify(const ContactProblem& problem, const Vector& x, const Vector& r);

@@ -1,0 +1,21 @@
+#pragma once
+#include "types.h"
+
+namespace frictioncg {
+
+enum class Law { frictionless, tresca, coulomb };
+
+/// What changes from increment to increment: the load and the laws. Immutable for one solve.
+/// x is the increment u^k - u^{k-1}; gap is what u^{k-1} leaves of the gap; F is what u^{k-1}
+/// leaves of the load.
+struct Increment {
+  Vector F;    ///< n [force]
+  Vector gap;  ///< m [length]
+  Law law = Law::frictionless;
+  bool bilateral = false;  ///< no separation
+  Vector mu;               ///< m, >= 0, dimensionless; law coulomb
+  Vector g;                ///< m, >= 0 [force]; law tresca
+  Real force_scale = 0;    ///< norm of the total load, in norm_D; > 0
+};
+
+}  // namespace frictioncg

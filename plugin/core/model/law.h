@@ -1,0 +1,61 @@
+#pragma once
+#include <algorithm>
+#include <cmath>
+
+#include "model/contact_problem.h"
+
+namespace frictioncg {
+
+/// The tangential components of a node: at most two, never allocated.
+using Tangent = Eigen::Matrix<Real, Eigen::Dynamic, 1, 0, 2, 1>;
+
+/// The laws of contact and friction at one node, as equations whose residuals vanish. r is the
+/// force of the body on the obstacle, c > 0 any stiffness [force/length]:
+///   normal:    min(c (gap - x_N), r_N) = 0;  bilateral: c (gap - x_N) = 0
+///   friction:  r_T - proj_{|.| <= g}(r_T + c x_T) = 0
+///   g = mu max(r_N, 0);  bilateral mu |r_N|;  or given;  or 0
+struct NodeLaw {
+  Law law = Law::frictionless;
+  bool bilateral = false;
+  Real coefficient = 0;  ///< mu [1], or the given limit [force]
+
+  /// Sliding limit g [force].
+  Real limit(Real r_N) const {
+    if (law == Law::frictionless) return 0;
+    if (law == Law::tresca) return coefficient;
+    return coefficient * (bilateral ? std::abs(r_N) : std::max(r_N, 0.0));
+  }
+
+  /// closing = c (gap - x_N) [force].
+  Real normal_residual(Real closing, Real r_N) const {
+    return bilateral ? closing : std::min(closing, r_N);
+  }
+
+  /// The branch of the normal law: x_N = gap in place of r_N = 0.
+  bool closed(Real closing, Real r_N) const { return bilateral || r_N > closing; }
+
+  bool has_friction() const { return law != Law::frictionless && coefficient > 0; }
+};
+
+inline NodeLaw law_of(const Increment& increment, Index i) {
+  switch (increment.law) {
+    case Law::frictionless:
+      break;
+    case Law::tresca:
+      return {increment.law, increment.bilateral, increment.g[i]};
+    case Law::coulomb:
+      return {increment.law, increment.bilateral, increment.mu[i]};
+  }
+  return {Law::frictionless, increment.bilateral, 0};
+}
+
+/// r_T - proj_{|.| <= g}(r_T + c x_T): c x_T (up to the sign) where it sticks, what r_T misses of
+/// the limit, and of its direction, where it slips.
+inline Tangent friction_residual(const Tangent& r_T, const Tangent& x_T, Real c, Real g) {
+  const Tangent y = r_T + c * x_T;
+  const Real norm = y.norm();
+  if (norm <= g) return -c * x_T;  // not r_T - y: rounding of r_T would drown a small x_T
+  return r_T - (g / norm) * y;
+}
+
+}  // namespace frictioncg

@@ -1,0 +1,30 @@
+#pragma once
+#include <memory>
+
+#include "types.h"
+
+namespace frictioncg {
+
+/// What stays from increment to increment: the matrix, and where its contact nodes lie. Immutable
+/// from construction.
+///
+/// The interior dofs come first, then the contact nodes one by one, each with its normal dof
+/// followed by its tangential dofs: two in 3D, one in 2D, none where there is no friction.
+struct System {
+  int dimension = 2;             ///< 2 or 3
+  Matrix A;                      ///< n x n, symmetric positive semi-definite [force/length]
+  Vector D;                      ///< n, diag(A)
+  std::vector<Index> first;      ///< m + 1; contact node i owns the dofs first[i] .. first[i+1]-1
+  std::vector<Index> mesh_node;  ///< n, or empty: dofs with one number share a mesh node (fill-in)
+
+  Index dofs() const { return first.back(); }
+  Index nodes() const { return static_cast<Index>(first.size()) - 1; }
+  Index interior() const { return first.front(); }
+  Index contact_dofs() const { return dofs() - interior(); }
+  Index tangents(Index i) const { return first[i + 1] - first[i] - 1; }
+};
+
+/// Filled where it lies (Eigen 3.4 copies a sparse matrix that is moved), then shared as const.
+using SystemPtr = std::shared_ptr<const System>;
+
+}  // namespace frictioncg
