@@ -86,7 +86,7 @@ TEST(Certificate, ClassifiesOpenSlipAndStick) {
   const Scene s = solved_scene(x);
   const Posed system = s.system();
   const Certificate c = certify(system.problem(), x);
-  const auto state = classify(system.problem(), x, c.r);
+  const auto state = classify(system.problem(), x, c);
   const Vector force = system.force_to_global(c.r);
   int count[4] = {0, 0, 0, 0};
   for (Index k = 0; k < system.nodes(); ++k) {

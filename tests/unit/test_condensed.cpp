@@ -90,6 +90,7 @@ TEST(Condensation, SeparateBodiesKeepTheirContactDofsLast) {
   system->A.resize(2 * n, 2 * n);
   system->A.setFromTriplets(t.begin(), t.end());
   system->D = system->A.diagonal();
+  system->weight = node_weights(*system);
   for (int body : {0, 1})
     for (Index k = 0; k < one.nodes(); ++k)
       system->first.push_back(place(one.system->first[k], body));

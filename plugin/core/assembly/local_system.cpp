@@ -34,6 +34,7 @@ LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPo
   copy(A);
   if (!mesh_node.empty())
     for (Index dof : original_) system_->mesh_node.push_back(mesh_node[dof]);
+  system_->weight = node_weights(*system_);
 }
 
 /// Dirichlet rows, by their values: the flags that come with the matrix do not survive its copies.

@@ -5,7 +5,7 @@
 namespace frictioncg {
 
 Real norm_D(const System& system, const Vector& r) {
-  return std::sqrt((r.array().square() / system.D.array()).sum());
+  return std::sqrt((r.array().square() / system.weight.array()).sum());
 }
 
 Real load_norm(const System& system, const Vector& F, const Vector& gap) {
@@ -14,7 +14,7 @@ Real load_norm(const System& system, const Vector& F, const Vector& gap) {
   Real penetration = 0;
   for (Index i = 0; i < system.nodes(); ++i) {
     const Real depth = std::min(gap[i], 0.0);
-    penetration += system.D[system.first[i]] * depth * depth;
+    penetration += system.weight[system.first[i]] * depth * depth;
   }
   return penetration > 0 ? std::sqrt(penetration) : 1;
 }

@@ -22,8 +22,8 @@ struct ContactProblem {
   Index tangents(Index i) const { return system->tangents(i); }
 };
 
-/// |r| in the norm of D^{-1/2}, D = diag(A): the unit in which residuals are measured. Invariant
-/// under a change of units up to a factor that |F| shares.
+/// |r| in the norm of weight^{-1/2}: the unit in which residuals are measured. Invariant under a
+/// change of units up to a factor that |F| shares, and under rotation.
 Real norm_D(const System& system, const Vector& r);
 
 /// The unit of the residuals: the norm of the load, or, without a load, of the force that closes
