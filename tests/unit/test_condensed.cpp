@@ -101,7 +101,7 @@ TEST(Condensation, SeparateBodiesKeepTheirContactDofsLast) {
     for (Index i = 0; i < n; ++i) two.increment.F[place(i, body)] = one.increment.F[i];
   two.increment.gap = Vector::Zero(two.nodes());
   two.increment.mu = Vector::Constant(two.nodes(), 0.3);
-  two.increment.force_scale = load_norm(*two.system, two.increment.F, two.increment.gap);
+  two.increment.force_scale = driving_norm(*two.system, two.increment);
   const Solution a = solve(one, Settings()), b = solve(two, Settings());
   ASSERT_EQ(b.status, Status::converged);
   EXPECT_EQ(b.route, Route::condensed);

@@ -352,16 +352,27 @@ LocalIncrement LocalSystem::increment(const Vector& b, const Vector& u_old,
   Increment& increment = result.increment;
   const Vector data = dirichlet_data(b);
   increment.F = load_to_local(b);
-  for (const Coupling& c : couplings_) increment.F[c.local] -= c.a * data[c.fixed];
+  increment.load_norm = norm_D(*system_, increment.F);
+  Vector terms = increment.F.cwiseAbs();  // sum of the sizes of what F is summed of
+  for (const Coupling& c : couplings_) {
+    increment.F[c.local] -= c.a * data[c.fixed];
+    terms[c.local] += std::abs(c.a * data[c.fixed]);
+  }
   const Real total_load = norm_D(*system_, increment.F);
-  if (u_old.size() > 0) increment.F.noalias() -= system_->A * to_local(u_old);
+  if (u_old.size() > 0) {
+    const Vector x_old = to_local(u_old);
+    increment.F.noalias() -= system_->A * x_old;
+    terms += magnitude(system_->A, x_old);
+  }
+  increment.rounding = std::numeric_limits<Real>::epsilon() * norm_D(*system_, terms);
   result.u0 = u_old.size() > 0 ? u_old : Vector(Vector::Zero(b.size()));
   for (Index k = 0; k < fixed_dofs(); ++k) result.u0[fixed_[k].dof] = data[k];
 
   increment.gap = gap_left(laws.gap, result.u0);
-  increment.force_scale = std::max(total_load, load_norm(*system_, increment.F, increment.gap));
   increment.law = laws.law;
   increment.bilateral = laws.bilateral;
+  increment.force_scale = std::max(total_load, driving_norm(*system_, increment));
+  if (increment.force_scale == 0) increment.force_scale = 1;
   if (laws.law == Law::frictionless) return result;
   Vector& coefficient = laws.law == Law::coulomb ? increment.mu : increment.g;
   coefficient.resize(nodes());
