@@ -90,6 +90,7 @@ bool FixedPoint::update_sliding_limit() {
   const Real mismatch = std::sqrt(sum) / problem_.increment.force_scale;
   if (mismatch <= 0.3 * settings_.tol && inner_ <= settings_.tol / 3) return false;
 
+  const Real inner_before = inner_;
   const Real known = std::max(mismatch, inner_);  // a pass tells g no better than it was solved
   if (known < 0.5 * best_) {
     best_ = known;
@@ -108,7 +109,14 @@ bool FixedPoint::update_sliding_limit() {
     best_ = mismatch;
     since_best_ = -3 * patience;
   }
-  g_ = damped_ ? Vector(0.5 * (g_ + image)) : Vector(anderson_.next(g_, image).cwiseMax(0));
+  if (mismatch < inner_before) {  // nothing learnt
+    g_ = image;
+    anderson_ = Anderson();
+  } else if (damped_) {
+    g_ = 0.5 * (g_ + image);
+  } else {
+    g_ = anderson_.next(g_, image).cwiseMax(0);
+  }
   if (settings_.regeps == 0 && solution_.eps > 0) {
     const Real eps = relative_eps_ * displacement_scale();
     if (eps > 2 * solution_.eps) solution_.eps = eps;  // the body slides farther than it seemed
