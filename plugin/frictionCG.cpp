@@ -43,7 +43,7 @@ StatusText describe(Status status) {
 class History final : public Observer {
  public:
   explicit History(const ContactProblem& problem) : problem_(problem), start_(cpu_seconds()) {}
-  void iterate(Index iteration, const Vector& x) override {
+  void iterate(Index iteration, StepLabel, const Vector& x) override {
     const double at = cpu_seconds();
     rows_.push_back({at - start_, double(iteration), certify(problem_, x).residual});
     start_ += cpu_seconds() - at;

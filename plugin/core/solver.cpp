@@ -85,7 +85,7 @@ Solution Solver::solve(const Increment& increment, const Settings& settings, con
     s.times.factor = t.factor;
     s.times.condense = t.condense;
   }
-  if (observer) observer->iterate(s.iterations, s.x);
+  if (observer) observer->iterate(s.iterations, StepLabel::newton, s.x);
   return s;
 }
 
