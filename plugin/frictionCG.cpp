@@ -114,7 +114,7 @@ void write_outputs(Stack stack, const Arguments& args, const Scene& scene,
     *out = 0L;
     for (Index k = 0; k < scene.system->nodes(); ++k)
       for (int c = 0; c < scene.d; ++c)
-        (*out)[scene.nodes[scene.system->point(k)].point.dof[c]] =
+        (*out)[scene.nodes[scene.system->node(k).point].point.dof[c]] =
             static_cast<long>(solution.state[k]);
   }
 }
