@@ -104,7 +104,7 @@ void write_normals(const Scene& scene, KN<double>* out) {
   out->resize(scene.ndof);
   *out = 0.;
   for (Index k = 0; k < scene.system->nodes(); ++k) {
-    const ContactPoint& point = scene.nodes[scene.system->point(k)].point;
+    const ContactPoint& point = scene.nodes[scene.system->node(k).point].point;
     for (int c = 0; c < scene.d; ++c) (*out)[point.dof[c]] = point.normal[c];
   }
 }
