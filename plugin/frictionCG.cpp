@@ -99,6 +99,16 @@ void report_plan(const Arguments& args, const Scene& scene, const ContactProblem
   std::cout << std::endl;
 }
 
+/// The outward normal of the laws at each contact node, by components; zero elsewhere (ndof).
+void write_normals(const Scene& scene, KN<double>* out) {
+  out->resize(scene.ndof);
+  *out = 0.;
+  for (Index k = 0; k < scene.system->nodes(); ++k) {
+    const ContactPoint& point = scene.nodes[scene.system->node(k).point].point;
+    for (int c = 0; c < scene.d; ++c) (*out)[point.dof[c]] = point.normal[c];
+  }
+}
+
 /// Fills the named outputs that the script asked for.
 void write_outputs(Stack stack, const Arguments& args, const Scene& scene,
                    const Solution& solution) {
@@ -114,9 +124,10 @@ void write_outputs(Stack stack, const Arguments& args, const Scene& scene,
     *out = 0L;
     for (Index k = 0; k < scene.system->nodes(); ++k)
       for (int c = 0; c < scene.d; ++c)
-        (*out)[scene.nodes[scene.system->point(k)].point.dof[c]] =
+        (*out)[scene.nodes[scene.system->node(k).point].point.dof[c]] =
             static_cast<long>(solution.state[k]);
   }
+  if (KN<double>* out = args.output<KN<double>>(stack, p_normals)) write_normals(scene, out);
 }
 
 /// One increment: the load b, and what the arguments say, on a posed scene.

@@ -35,6 +35,7 @@ enum Parameter {
   p_iterations,
   p_force,
   p_state,
+  p_normals,
   p_history,
   p_times,
   parameter_count
@@ -66,6 +67,7 @@ inline basicAC_F0::name_and_type parameters[] = {
     {"iterations", &typeid(long*)},      // out
     {"force", &typeid(KN<double>*)},     // out [force]
     {"state", &typeid(KN<long>*)},       // out
+    {"normals", &typeid(KN<double>*)},   // out
     {"history", &typeid(KNM<double>*)},  // out
     {"times", &typeid(KN<double>*)},     // out [s]
 };

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/solver.h"
-#include "scene.h"
+#include "unit/scene.h"
 
 using namespace frictioncg;
 using namespace frictioncg::test;
