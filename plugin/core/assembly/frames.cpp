@@ -79,8 +79,8 @@ bool Frames::add_normal(Frame& f, Index point) const {
          "labels out, or give one normal";
     throw IllegalInput(m.str());
   }
-  for (int c = 0; c < d_; ++c) f.to_local(before, c) = cleaned(p.normal[c]) / share;
-  f.nodes.push_back({point, share, false});
+  for (int c = 0; c < d_; ++c) f.to_local(before, c) = cleaned(p.normal[c]);
+  f.nodes.push_back({point, false});
   return true;
 }
 
@@ -91,7 +91,7 @@ void Frames::complete(Frame& f) const {
   for (int c = 0; c < d_; ++c)
     if (dirichlet_.holds(f.dof[c])) free.col(c).setZero();
   Square orthonormal = free;
-  for (int k = 1; k < normals; ++k) {
+  for (int k = 0; k < normals; ++k) {
     for (int q = 0; q < k; ++q)
       orthonormal.row(k) -= orthonormal.row(k).dot(orthonormal.row(q)) * orthonormal.row(q);
     orthonormal.row(k).normalize();
@@ -121,8 +121,7 @@ void Frames::complete(Frame& f) const {
       free.row(k) = f.to_local.row(k);
       for (int c = 0; c < d_; ++c)
         if (dirichlet_.holds(f.dof[c])) free(k, c) = 0;
-      const Real length = k == 0 ? 1 : free.row(k).squaredNorm();
-      f.from_local.col(k) = free.row(k).transpose() / length;
+      f.from_local.col(k) = free.row(k).transpose() / free.row(k).squaredNorm();
     }
   } else {
     const Eigen::MatrixXd rows = free.topRows(f.free);

@@ -10,15 +10,15 @@ namespace frictioncg {
 /// A contact node as the laws see it: one normal, and the tangents where it has friction.
 struct ContactNode {
   Index point = 0;      ///< contact point
-  Real share = 1;       ///< length of the normal on what Dirichlet conditions leave free
   bool shared = false;  ///< one of several normals of its mesh node: it slides without friction
 };
 
 /// Local frames at the contact points.
 ///
-/// One normal: (n, t) or (n, t1, t2), orthonormal among the free components; the obstacle then sees
-/// the projection of its normal. A point whose normal is held is no contact node. Orthotropic
-/// friction turns the tangents to its principal directions and scales them.
+/// One normal: w_N = n.u, and tangents, orthonormal among the free components and orthogonal to
+/// what Dirichlet conditions leave free of the normal: the body gives way along its projection, and
+/// r_N is the force along the whole of n. A point whose normal is held is no contact node.
+/// Orthotropic friction turns the tangents to its principal directions and scales them.
 ///
 /// Several normals at one node (a corner): w_j = n_j.u for each, and the rest of an orthonormal
 /// basis of what is orthogonal to them all: rows of W are the normals, columns of T their dual

@@ -48,7 +48,7 @@ LocalIncrement LocalSystem::increment(const Vector& b, const Vector& u_old,
 
   increment.gap.resize(nodes());
   for (Index k = 0; k < nodes(); ++k)
-    increment.gap[k] = laws.gap[nodes_[k].point] / nodes_[k].share - start[system_->first[k]];
+    increment.gap[k] = laws.gap[nodes_[k].point] - start[system_->first[k]];
   increment.law = laws.law;
   increment.bilateral = laws.bilateral;
   increment.force_scale = std::max(total_load, driving_norm(*system_, increment));
