@@ -6,6 +6,7 @@
 #include "gradient/fixed_point.h"
 #include "gradient/projected_cg.h"
 #include "gradient/sorp.h"
+#include "model/validate.h"
 
 namespace frictioncg {
 
@@ -14,17 +15,27 @@ namespace {
 /// A residual below this is the limit of the matrix, not of the method.
 constexpr Real rounding = 1e-10;
 
+/// Residuals up to this many times what rounding leaves are its work.
+constexpr Real rounding_margin = 10;
+
 /// What stands in for the condensed route: not regularized either, unless the settings ask for it.
 Settings on_A(Settings settings) {
   settings.method = settings.polish ? Method::gcx : Method::gc3;
   return settings;
 }
 
+Layer layer_of(Method method) {
+  if (method == Method::sorp) return Layer::sorp;
+  return method == Method::gcx ? Layer::gcx : Layer::gc;
+}
+
 Solution iterate(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                  Observer* observer) {
   const Index bound = settings.nbiter > 0 ? settings.nbiter : default_iterations(problem);
   const auto tresca = make_tresca_solver(problem, settings, bound, observer);
-  return FixedPoint(problem, settings, *tresca).solve(x0);
+  Solution s = FixedPoint(problem, settings, *tresca).solve(x0);
+  s.layer = layer_of(settings.method);
+  return s;
 }
 
 /// Where the condensed route fails short of rounding, stick as a face on A itself: it needs no
@@ -38,6 +49,28 @@ void second_opinion(const ContactProblem& problem, const Settings& settings, Obs
   t.times = s.times;
   t.iterations += s.iterations;
   s = std::move(t);
+}
+
+/// Neither a load nor a penetration: the body stays where it is, whatever else could move it.
+bool at_rest(const Increment& increment) {
+  const auto closed = increment.gap.array();
+  return increment.F.isZero(0) && (increment.bilateral ? (closed == 0).all() : (closed >= 0).all());
+}
+
+/// The last word on a field is its certificate's: converged where it is below tol and nowhere else;
+/// and where rounding is what keeps it above, the method is not blamed.
+void conclude(const ContactProblem& problem, const Settings& settings, Solution& s) {
+  const Certificate& c = s.certificate;
+  const bool by_rounding = c.residual <= rounding_margin * c.attainable;
+  const bool blames_method = s.status == Status::max_iterations ||
+                             s.status == Status::regularized ||
+                             s.status == Status::fixed_point_diverged;
+  if (c.residual <= settings.tol)
+    s.status = Status::converged;
+  else if (s.status == Status::converged ? settings.stop_on_step == 0
+                                         : blames_method && by_rounding)
+    s.status = Status::stagnated;
+  s.state = classify(problem, s.x, c);
 }
 
 }  // namespace
@@ -67,12 +100,28 @@ std::unique_ptr<TrescaSolver> make_tresca_solver(const ContactProblem& problem,
   return std::make_unique<ProjectedCG>(problem, settings, max_iterations, observer);
 }
 
-Solver::Solver(SystemPtr system) : system_(std::move(system)) {}
+Solver::Solver(SystemPtr system) : system_(std::move(system)) { validate(*system_); }
 Solver::~Solver() = default;
 
 Solution Solver::solve(const Increment& increment, const Settings& settings, const Vector& x0,
                        Observer* observer) {
+  validate(settings);
+  validate(increment, *system_);
+  validate_start(x0, *system_);
   const ContactProblem problem{system_, increment};
+  Solution s;
+  if (at_rest(increment)) {
+    s.x = Vector::Zero(problem.dofs());
+    s.certificate = certify(problem, s.x);
+  } else {
+    s = by_route(problem, settings, x0, observer);
+  }
+  conclude(problem, settings, s);
+  return s;
+}
+
+Solution Solver::by_route(const ContactProblem& problem, const Settings& settings, const Vector& x0,
+                          Observer* observer) {
   if (settings.method != Method::automatic && settings.method != Method::condensed)
     return iterate(problem, settings, x0, observer);
   const bool kept = tried_;

@@ -27,15 +27,18 @@ class CondensedSolver;
 /// wants it, and kept.
 class Solver {
  public:
+  /// Throws IllegalInput for what validate refuses.
   explicit Solver(SystemPtr system);
   ~Solver();
 
   /// Solves by the method of the settings, and certifies the answer. x0 (n), or empty to start from
-  /// the scene.
+  /// the scene. Throws IllegalInput for what validate refuses; the factorization stays as it was.
   Solution solve(const Increment& increment, const Settings& settings, const Vector& x0 = {},
                  Observer* observer = nullptr);
 
  private:
+  Solution by_route(const ContactProblem& problem, const Settings& settings, const Vector& x0,
+                    Observer* observer);
   bool condense(const Settings& settings);
 
   SystemPtr system_;

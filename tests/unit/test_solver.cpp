@@ -205,10 +205,10 @@ TEST(Solver, TheUniformStickPatchSlipsByExactlyTheRegularization) {
       settings.reg = reg;
       settings.regeps = 1e-3;
       settings.tol = 1e-12;
-      settings.polish = false;
       const Posed system = s.system();
       for (Method method : {Method::gc3, Method::condensed}) {
         settings.method = method;
+        settings.polish = method == Method::gc3;  // condensed: the conjugate gradient on S
         const Solution a = solve(system.problem(), settings);
         EXPECT_EQ(a.status, Status::regularized);
         const Real slip = reg == Regularization::polynomial ? 1e-3 * shear
@@ -428,4 +428,56 @@ TEST(Solver, ABlockBroughtFromFarObeysTheLawsOrSaysWhatRoundingAllows) {
         EXPECT_LT(c.residual, c.attainable) << D;
       }
     }
+}
+
+TEST(Solver, WithoutALoadOrAPenetrationTheBodyStaysWhereverTheStart) {
+  BlockOptions o;
+  o.pressure = o.shear = 0;
+  const Scene s = block(o);
+  const Posed system = s.system();
+  ContactProblem p = system.problem();
+  const Vector x0 = Vector::Random(p.dofs());
+  for (Real gap : {0.0, 1.0})
+    for (Method m : {Method::automatic, Method::gc3}) {
+      Settings settings;
+      settings.method = m;
+      p.increment.gap.setConstant(gap);
+      const Solution a = solve(p, settings, x0);
+      EXPECT_EQ(a.status, Status::converged);
+      EXPECT_EQ(a.layer, Layer::none);
+      EXPECT_EQ(a.x, Vector::Zero(p.dofs()));
+      EXPECT_EQ(Index(a.state.size()), p.nodes());
+    }
+  p.increment.gap.setConstant(-0.1);  // pushed out
+  EXPECT_GT(solve(p, Settings()).x.norm(), 0.1);
+  p.increment.gap.setConstant(0.1);
+  p.increment.bilateral = true;  // pulled to
+  EXPECT_GT(solve(p, Settings()).x.norm(), 0.1);
+}
+
+TEST(Solver, TheLayerThatAnsweredIsNamed) {
+  const Scene s = block(BlockOptions());
+  Settings settings;
+  settings.tol = 1e-6;
+  for (const auto& [method, layer] : {std::pair{Method::gc1, Layer::gc},
+                                      {Method::gc2, Layer::gc},
+                                      {Method::gc3, Layer::gc},
+                                      {Method::gcx, Layer::gcx},
+                                      {Method::sorp, Layer::sorp}}) {
+    settings.method = method;
+    EXPECT_EQ(run(s, settings).solution.layer, layer) << int(method);
+  }
+}
+
+TEST(Solver, AToleranceBelowRoundingEndsStagnatedAndSaysWhatCanBeReached) {
+  const Scene s = block(BlockOptions());
+  for (Method m : {Method::automatic, Method::gcx}) {
+    Settings settings;
+    settings.tol = 1e-18;
+    settings.method = m;
+    const Solution a = run(s, settings).solution;
+    EXPECT_EQ(a.status, Status::stagnated) << int(m);
+    EXPECT_GT(a.certificate.attainable, 1e-17) << int(m);
+    EXPECT_LT(a.certificate.residual, 10 * a.certificate.attainable) << int(m);
+  }
 }
