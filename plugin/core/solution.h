@@ -9,6 +9,19 @@ enum class Route {
   condensed   ///< one factorization, then the laws on the contact dofs
 };
 
+/// Which layer answered: a fallback that did shows here.
+enum class Layer {
+  none,          ///< nothing had to be solved
+  linear,        ///< no node can touch: a linear solve
+  newton,        ///< semismooth Newton on S
+  continuation,  ///< semismooth Newton on S, mu raised step by step
+  proximal,      ///< semismooth Newton on S with springs that vanish
+  fixed_point,   ///< the regularized conjugate gradient on S, without Newton after it
+  gcx,           ///< stick as a face, on A
+  gc,            ///< GC1, GC2 or GC3, on A
+  sorp
+};
+
 /// CPU seconds of the phases; zero where there is no such phase.
 struct Times {
   double order = 0, factor = 0, condense = 0;  ///< 0 where the factor was kept from before
@@ -18,6 +31,7 @@ struct Times {
 struct Solution {
   Status status = Status::converged;
   Route route = Route::iterative;
+  Layer layer = Layer::none;
   Vector x;                      ///< n, the increment in local frames [length]
   Certificate certificate;       ///< of x
   std::vector<NodeState> state;  ///< m

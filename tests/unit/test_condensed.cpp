@@ -90,6 +90,7 @@ TEST(Condensation, SeparateBodiesKeepTheirContactDofsLast) {
   system->A.resize(2 * n, 2 * n);
   system->A.setFromTriplets(t.begin(), t.end());
   system->D = system->A.diagonal();
+  system->weight = node_weights(*system);
   for (int body : {0, 1})
     for (Index k = 0; k < one.nodes(); ++k)
       system->first.push_back(place(one.system->first[k], body));
@@ -100,7 +101,7 @@ TEST(Condensation, SeparateBodiesKeepTheirContactDofsLast) {
     for (Index i = 0; i < n; ++i) two.increment.F[place(i, body)] = one.increment.F[i];
   two.increment.gap = Vector::Zero(two.nodes());
   two.increment.mu = Vector::Constant(two.nodes(), 0.3);
-  two.increment.force_scale = load_norm(*two.system, two.increment.F, two.increment.gap);
+  two.increment.force_scale = driving_norm(*two.system, two.increment);
   const Solution a = solve(one, Settings()), b = solve(two, Settings());
   ASSERT_EQ(b.status, Status::converged);
   EXPECT_EQ(b.route, Route::condensed);

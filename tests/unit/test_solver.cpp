@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/solver.h"
+#include "driven.h"
 #include "verifier.h"
 
 using namespace frictioncg;
@@ -406,4 +407,25 @@ TEST(Solver, TheDefaultTurnsWithTheSceneStepByStep) {
       }
     }
   }
+}
+
+TEST(Solver, ABlockBroughtFromFarObeysTheLawsOrSaysWhatRoundingAllows) {
+  BlockOptions o;
+  o.cells = 8;
+  o.mu = 0.2;
+  for (Real D : {0.0, 10.0, 1000.0, 1e6})
+    for (Method m :
+         {Method::automatic, Method::gc1, Method::gc2, Method::gc3, Method::gcx, Method::sorp}) {
+      Settings settings;
+      settings.method = m;
+      const Answer a = run(brought_from_far(o, D), settings);
+      const Certificate& c = a.solution.certificate;
+      if (a.solution.status == Status::converged) {
+        EXPECT_LT(a.verdict.worst(), 1e-6) << D << " " << int(m);
+      } else if (m == Method::automatic) {
+        EXPECT_EQ(a.solution.status, Status::stagnated) << D;
+        EXPECT_GT(c.attainable, settings.tol) << D;
+        EXPECT_LT(c.residual, c.attainable) << D;
+      }
+    }
 }

@@ -1,5 +1,7 @@
 #include "assembly/local_system.h"
 
+#include <limits>
+
 #include "assembly/transform.h"
 
 namespace frictioncg {
@@ -18,6 +20,7 @@ LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPo
   if (!A.half) check_symmetry(system->A, system->D, basis_->origin);
   if (!mesh_node.empty())
     for (Index dof : basis_->origin) system->mesh_node.push_back(mesh_node[dof]);
+  system->weight = node_weights(*system);
   system_ = system;
 }
 
@@ -30,20 +33,26 @@ LocalIncrement LocalSystem::increment(const Vector& b, const Vector& u_old,
   Vector start = Vector::Zero(w + fixed_dofs());
   start.tail(fixed_dofs()) = dirichlet_.data(b);
   increment.F = (basis_->T.transpose() * b).head(w);
+  increment.load_norm = norm_D(*system_, increment.F);
+  Vector terms = increment.F.cwiseAbs();  // sum of the sizes of what F is summed of
   increment.F.noalias() -= K_ * start.tail(fixed_dofs());
+  terms += magnitude(K_, start.tail(fixed_dofs()));
   const Real total_load = norm_D(*system_, increment.F);
   if (u_old.size() > 0) {
     start.head(w) = to_local(u_old);
     increment.F.noalias() -= system_->A * start.head(w);
+    terms += magnitude(system_->A, start.head(w));
   }
+  increment.rounding = std::numeric_limits<Real>::epsilon() * norm_D(*system_, terms);
   result.u0 = basis_->T * start;
 
   increment.gap.resize(nodes());
   for (Index k = 0; k < nodes(); ++k)
     increment.gap[k] = laws.gap[nodes_[k].point] - start[system_->first[k]];
-  increment.force_scale = std::max(total_load, load_norm(*system_, increment.F, increment.gap));
   increment.law = laws.law;
   increment.bilateral = laws.bilateral;
+  increment.force_scale = std::max(total_load, driving_norm(*system_, increment));
+  if (increment.force_scale == 0) increment.force_scale = 1;
   if (laws.law == Law::frictionless) return result;
   Vector& coefficient = laws.law == Law::coulomb ? increment.mu : increment.g;
   coefficient.resize(nodes());

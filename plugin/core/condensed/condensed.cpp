@@ -24,6 +24,7 @@ ContactProblem on_contact_dofs(const CondensedProblem& condensed) {
   s->A = condensed.S.sparseView(0, 0);
   s->A.makeCompressed();
   s->D = condensed.S.diagonal();
+  s->weight = node_weights(*s);
   ContactProblem p{s, condensed.laws.increment};
   p.increment.F = condensed.f;
   return p;
@@ -90,7 +91,7 @@ Solution CondensedSolver::solve(const ContactProblem& problem, const Settings& s
     s.x = Vector::Zero(problem.dofs());
     s.certificate = certify(problem, s.x);
   }
-  s.state = classify(problem, s.x, s.certificate.r);
+  s.state = classify(problem, s.x, s.certificate);
   return s;
 }
 

@@ -48,7 +48,7 @@ Solution FixedPoint::solve(const Vector& x0) {
   }
   if (!coulomb) solution_.passes = 0;
   solution_.x = it_.x;
-  solution_.state = classify(problem_, it_.x, solution_.certificate.r);
+  solution_.state = classify(problem_, it_.x, solution_.certificate);
   return solution_;
 }
 

@@ -1,67 +1,149 @@
 #include "model/certificate.h"
 
 #include <cmath>
+#include <limits>
 
 namespace frictioncg {
 
 namespace {
 
-/// One scalar per node, so that the law is the same in every tangential frame.
-Real tangential_stiffness(const System& system, Index i) {
-  return system.D.segment(system.first[i] + 1, system.tangents(i)).mean();
+constexpr Real epsilon = std::numeric_limits<Real>::epsilon();
+
+/// Forces below this many times the rounding of Ax are taken as rounding: solvers stop a digit or
+/// two above it.
+constexpr Real rounding_margin = 100;
+
+/// The share of the load that counts beside the contact forces: small enough that tol bounds the
+/// laws to 100 tol of contact forces down to 1e-4 of the load, large enough for those to vanish.
+constexpr Real load_share = 0.01;
+
+/// Gaps and forces below this, over the scale, cannot be told from 0: rounding does not decide on a
+/// node that grazes. Less precise answers leave more in doubt, up to `vaguest`.
+constexpr Real grazing = 1e-10, vaguest = 1e-6;
+
+/// Motion below this, over the scale, is no sliding: above eps of the regularized methods, 1e-8 of
+/// the displacement.
+constexpr Real still = 1e-6;
+
+/// r = F - Ax; returns |A||x|, whose rounding r carries.
+Vector residual_of(const ContactProblem& problem, const Vector& x, Vector& r) {
+  const Matrix& A = problem.system->A;
+  r = problem.increment.F;
+  Vector size(r.size());
+  for (Index i = 0; i < A.rows(); ++i) {
+    Real sum = 0, sum_of_sizes = 0;
+    for (Matrix::InnerIterator e(A, i); e; ++e) {
+      const Real product = e.value() * x[e.col()];
+      sum += product;
+      sum_of_sizes += std::abs(product);
+    }
+    r[i] -= sum;
+    size[i] = sum_of_sizes;
+  }
+  return size;
 }
 
-/// A gap below this, in the units of the certificate, is closed: rounding does not decide on a node
-/// that grazes, as the vertices of P2 do under a uniform pressure in 3D.
-constexpr Real grazing = 1e-10;
+Real closing_force(const ContactProblem& problem, Index i, const Vector& x) {
+  const Index N = problem.system->first[i];
+  return problem.system->weight[N] * (problem.increment.gap[i] - x[N]);
+}
+
+/// Norm of the forces of the nodes that are closed: an open node's r is an error, not a force.
+Real contact_force_norm(const ContactProblem& problem, const Vector& x, const Vector& r) {
+  Real sum = 0;
+  for (Index i = 0; i < problem.nodes(); ++i) {
+    const Index N = problem.system->first[i], size = problem.tangents(i) + 1;
+    if (!law_of(problem.increment, i).closed(closing_force(problem, i, x), r[N])) continue;
+    sum += (r.segment(N, size).array().square() / problem.system->weight.segment(N, size).array())
+               .sum();
+  }
+  return std::sqrt(sum);
+}
+
+/// The force, in norm_D, that would close the nearest gap.
+Real nearest_gap(const ContactProblem& problem, const Vector& x) {
+  Real nearest = std::numeric_limits<Real>::infinity();
+  for (Index i = 0; i < problem.nodes(); ++i)
+    nearest = std::min(nearest, std::abs(closing_force(problem, i, x)) /
+                                    std::sqrt(problem.system->weight[problem.system->first[i]]));
+  return nearest;
+}
+
+/// What the residual of x is measured in, > 0; violation: its norm; rounding: that of r.
+Real scale_of(const ContactProblem& problem, const Vector& x, const Vector& r, Real violation,
+              Real rounding) {
+  const Real at_work =
+      std::hypot(load_share * problem.increment.load_norm, contact_force_norm(problem, x, r));
+  if (at_work > rounding_margin * rounding) return at_work;
+  const Real driving = std::max(driving_norm(*problem.system, problem.increment),
+                                norm_D(*problem.system, problem.increment.F - r));
+  if (violation > rounding_margin * rounding)
+    return std::max(violation, std::min(driving, nearest_gap(problem, x)));
+  return driving > 0 ? driving : 1;
+}
 
 }  // namespace
 
 Certificate certify(const ContactProblem& problem, const Vector& x) {
-  const Vector& D = problem.system->D;
+  const Vector& w = problem.system->weight;
   Certificate c;
-  c.r = problem.increment.F - problem.system->A * x;
+  const Vector size = residual_of(problem, x, c.r);
+  const Real rounding =
+      std::hypot(problem.increment.rounding, epsilon * norm_D(*problem.system, size));
 
   const Index interior = problem.interior();
-  c.equilibrium = (c.r.head(interior).array().square() / D.head(interior).array()).sum();
+  c.equilibrium = (c.r.head(interior).array().square() / w.head(interior).array()).sum();
   for (Index i = 0; i < problem.nodes(); ++i) {
     const Index N = problem.system->first[i], t = problem.tangents(i);
     const NodeLaw law = law_of(problem.increment, i);
-    const Real closing = D[N] * (problem.increment.gap[i] - x[N]);
+    const Real closing = closing_force(problem, i, x);
     const Real normal = law.normal_residual(closing, c.r[N]);
-    c.normal += normal * normal / D[N];
+    c.normal += normal * normal / w[N];
     if (t == 0) continue;
-    const Real c_T = tangential_stiffness(*problem.system, i);
-    const Tangent friction =
-        friction_residual(c.r.segment(N + 1, t), x.segment(N + 1, t), c_T, law.limit(c.r[N]));
+    const Real c_T = w[N + 1];
+    const Tangent friction = friction_residual(c.r.segment(N + 1, t), x.segment(N + 1, t), c_T,
+                                               law.limit(closing, c.r[N]));
     c.friction += friction.squaredNorm() / c_T;
   }
-  c.residual = std::sqrt(c.equilibrium + c.normal + c.friction) / problem.increment.force_scale;
-  c.equilibrium = std::sqrt(c.equilibrium) / problem.increment.force_scale;
-  c.normal = std::sqrt(c.normal) / problem.increment.force_scale;
-  c.friction = std::sqrt(c.friction) / problem.increment.force_scale;
+  const Real violation = std::sqrt(c.equilibrium + c.normal + c.friction);
+  c.scale = scale_of(problem, x, c.r, violation, rounding);
+  c.attainable = rounding / c.scale;
+  c.residual = violation / c.scale;
+  c.equilibrium = std::sqrt(c.equilibrium) / c.scale;
+  c.normal = std::sqrt(c.normal) / c.scale;
+  c.friction = std::sqrt(c.friction) / c.scale;
   return c;
 }
 
-std::vector<NodeState> classify(const ContactProblem& problem, const Vector& x, const Vector& r) {
-  const Vector& D = problem.system->D;
+namespace {
+
+/// The branch of one node; doubt, motion: gaps and forces, and displacements, that count as 0, over
+/// the square root of the node's weight.
+NodeState state_of(const ContactProblem& problem, Index i, const Vector& x, const Vector& r,
+                   Real doubt, Real motion) {
+  const Vector& w = problem.system->weight;
+  const Index N = problem.system->first[i], t = problem.tangents(i);
+  const NodeLaw law = law_of(problem.increment, i);
+  const Real closing = closing_force(problem, i, x);
+  if (!law.closed(closing, r[N]) && closing > doubt * std::sqrt(w[N])) return NodeState::separated;
+  if (!law.has_friction()) return NodeState::slip;
+  if (t == 0) return NodeState::stick;  // Dirichlet conditions hold its tangents
+  const Real c_T = w[N + 1], g = law.limit(r[N]);
+  const Real strength = law.law == Law::tresca ? g : std::abs(r[N]);
+  const auto r_T = r.segment(N + 1, t), x_T = x.segment(N + 1, t);
+  if (strength <= doubt * std::sqrt(w[N]) && r_T.norm() <= doubt * std::sqrt(c_T))
+    return c_T * x_T.norm() <= motion * std::sqrt(c_T) ? NodeState::stick : NodeState::slip;
+  return (r_T + c_T * x_T).norm() <= g ? NodeState::stick : NodeState::slip;
+}
+
+}  // namespace
+
+std::vector<NodeState> classify(const ContactProblem& problem, const Vector& x,
+                                const Certificate& c) {
+  const Real doubt = std::min(std::max({grazing, c.residual, c.attainable}), vaguest);
   std::vector<NodeState> state(problem.nodes());
-  for (Index i = 0; i < problem.nodes(); ++i) {
-    const Index N = problem.system->first[i];
-    const Index t = problem.tangents(i);
-    const NodeLaw law = law_of(problem.increment, i);
-    const Real closing = D[N] * (problem.increment.gap[i] - x[N]);
-    const bool touches = closing <= grazing * std::sqrt(D[N]) * problem.increment.force_scale;
-    if (!law.closed(closing, r[N]) && !touches) {
-      state[i] = NodeState::separated;
-    } else if (t == 0) {  // Dirichlet conditions hold its tangents, or it has no friction
-      state[i] = law.has_friction() ? NodeState::stick : NodeState::slip;
-    } else {
-      const Real c_T = tangential_stiffness(*problem.system, i);
-      const Real y = (r.segment(N + 1, t) + c_T * x.segment(N + 1, t)).norm();
-      state[i] = y <= law.limit(r[N]) ? NodeState::stick : NodeState::slip;
-    }
-  }
+  for (Index i = 0; i < problem.nodes(); ++i)
+    state[i] = state_of(problem, i, x, c.r, doubt * c.scale, still * c.scale);
   return state;
 }
 

@@ -5,18 +5,25 @@
 namespace frictioncg {
 
 Real norm_D(const System& system, const Vector& r) {
-  return std::sqrt((r.array().square() / system.D.array()).sum());
+  return std::sqrt((r.array().square() / system.weight.array()).sum());
 }
 
-Real load_norm(const System& system, const Vector& F, const Vector& gap) {
-  const Real load = norm_D(system, F);
+Vector magnitude(const Matrix& A, const Vector& x) {
+  Vector sum = Vector::Zero(A.rows());
+  for (Index i = 0; i < A.rows(); ++i)
+    for (Matrix::InnerIterator e(A, i); e; ++e) sum[i] += std::abs(e.value() * x[e.col()]);
+  return sum;
+}
+
+Real driving_norm(const System& system, const Increment& increment) {
+  const Real load = norm_D(system, increment.F);
   if (load > 0) return load;
-  Real penetration = 0;
+  Real closing = 0;
   for (Index i = 0; i < system.nodes(); ++i) {
-    const Real depth = std::min(gap[i], 0.0);
-    penetration += system.D[system.first[i]] * depth * depth;
+    const Real gap = increment.gap[i], depth = increment.bilateral ? gap : std::min(gap, 0.0);
+    closing += system.weight[system.first[i]] * depth * depth;
   }
-  return penetration > 0 ? std::sqrt(penetration) : 1;
+  return std::sqrt(closing);
 }
 
 }  // namespace frictioncg

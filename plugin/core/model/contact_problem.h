@@ -22,13 +22,16 @@ struct ContactProblem {
   Index tangents(Index i) const { return system->tangents(i); }
 };
 
-/// |r| in the norm of D^{-1/2}, D = diag(A): the unit in which residuals are measured. Invariant
-/// under a change of units up to a factor that |F| shares.
+/// |r| in the norm of weight^{-1/2}: the unit in which residuals are measured. Invariant under a
+/// change of units up to a factor that |F| shares, and under rotation.
 Real norm_D(const System& system, const Vector& r);
 
-/// The unit of the residuals: the norm of the load, or, without a load, of the force that closes
-/// the initial penetration; 1 where there is neither.
-Real load_norm(const System& system, const Vector& F, const Vector& gap);
+/// What drives the increment, in norm_D: the norm of its load F, or, without a load, of the forces
+/// that close the initial penetration (bilateral: the gap); 0 where there is neither.
+Real driving_norm(const System& system, const Increment& increment);
+
+/// |A||x|, the sum of the sizes of what Ax is summed of: rounding of Ax is about 2^-53 of it.
+Vector magnitude(const Matrix& A, const Vector& x);
 
 /// |x_T| at contact node i.
 inline Real tangential_norm(const System& s, Index i, const Vector& x) {

@@ -16,6 +16,11 @@ struct Increment {
   Vector mu;               ///< m, >= 0, dimensionless; law coulomb
   Vector g;                ///< m, >= 0 [force]; law tresca
   Real force_scale = 0;    ///< norm of the total load, in norm_D; > 0
+  /// Norm of the external load on the free dofs, in norm_D: neither Dirichlet data nor u^{k-1} in
+  /// it.
+  Real load_norm = 0;
+  /// Norm of the rounding that F carries from the terms it was summed of, in norm_D.
+  Real rounding = 0;
 };
 
 }  // namespace frictioncg

@@ -13,13 +13,13 @@ using Tangent = Eigen::Matrix<Real, Eigen::Dynamic, 1, 0, 2, 1>;
 /// force of the body on the obstacle, c > 0 any stiffness [force/length]:
 ///   normal:    min(c (gap - x_N), r_N) = 0;  bilateral: c (gap - x_N) = 0
 ///   friction:  r_T - proj_{|.| <= g}(r_T + c x_T) = 0
-///   g = mu max(r_N, 0);  bilateral mu |r_N|;  or given;  or 0
+///   g = mu max(r_N, 0) where closed, 0 where open;  bilateral mu |r_N|;  or given;  or 0
 struct NodeLaw {
   Law law = Law::frictionless;
   bool bilateral = false;
   Real coefficient = 0;  ///< mu [1], or the given limit [force]
 
-  /// Sliding limit g [force].
+  /// Sliding limit g [force] of a node that is closed.
   Real limit(Real r_N) const {
     if (law == Law::frictionless) return 0;
     if (law == Law::tresca) return coefficient;
@@ -33,6 +33,9 @@ struct NodeLaw {
 
   /// The branch of the normal law: x_N = gap in place of r_N = 0.
   bool closed(Real closing, Real r_N) const { return bilateral || r_N > closing; }
+
+  /// Sliding limit g [force]: a node that is open has no pressure, whatever rounding leaves of it.
+  Real limit(Real closing, Real r_N) const { return limit(closed(closing, r_N) ? r_N : 0); }
 
   bool has_friction() const { return law != Law::frictionless && coefficient > 0; }
 };

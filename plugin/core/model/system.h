@@ -11,10 +11,11 @@ namespace frictioncg {
 /// The interior dofs come first, then the contact nodes one by one, each with its normal dof
 /// followed by its tangential dofs: two in 3D, one in 2D, none where there is no friction.
 struct System {
-  int dimension = 2;             ///< 2 or 3
-  Matrix A;                      ///< n x n, symmetric positive semi-definite [force/length]
-  Vector D;                      ///< n, diag(A)
-  std::vector<Index> first;      ///< m + 1; contact node i owns the dofs first[i] .. first[i+1]-1
+  int dimension = 2;         ///< 2 or 3
+  Matrix A;                  ///< n x n, symmetric positive semi-definite [force/length]
+  Vector D;                  ///< n, diag(A)
+  Vector weight;             ///< n, of node_weights: the stiffness that residuals are divided by
+  std::vector<Index> first;  ///< m + 1; contact node i owns the dofs first[i] .. first[i+1]-1
   std::vector<Index> mesh_node;  ///< n, or empty: dofs with one number share a mesh node (fill-in)
 
   Index dofs() const { return first.back(); }
@@ -23,6 +24,12 @@ struct System {
   Index contact_dofs() const { return dofs() - interior(); }
   Index tangents(Index i) const { return first[i + 1] - first[i] - 1; }
 };
+
+/// One stiffness per mesh node, the mean of its part of diag(A), spread over its dofs: a trace,
+/// which does not turn with the axes. A contact node has two, of its normal and of its tangents,
+/// whose frame turns with the body. Dofs without a mesh node have their own.   n, from D, first,
+/// mesh_node
+Vector node_weights(const System& system);
 
 /// Filled where it lies (Eigen 3.4 copies a sparse matrix that is moved), then shared as const.
 using SystemPtr = std::shared_ptr<const System>;

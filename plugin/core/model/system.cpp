@@ -1,0 +1,27 @@
+#include "model/system.h"
+
+#include <algorithm>
+
+namespace frictioncg {
+
+Vector node_weights(const System& system) {
+  Vector weight = system.D;
+  for (Index i = 0; i < system.nodes(); ++i) {
+    const Index T = system.first[i] + 1, t = system.tangents(i);
+    if (t > 0) weight.segment(T, t).setConstant(system.D.segment(T, t).mean());
+  }
+  if (system.mesh_node.empty()) return weight;
+  const auto end = system.mesh_node.begin() + system.interior();
+  const auto last = std::max_element(system.mesh_node.begin(), end);
+  const Index size = last == end ? 0 : *last + 1;
+  Vector sum = Vector::Zero(size), count = Vector::Zero(size);
+  for (Index k = 0; k < system.interior(); ++k) {
+    sum[system.mesh_node[k]] += system.D[k];
+    count[system.mesh_node[k]] += 1;
+  }
+  for (Index k = 0; k < system.interior(); ++k)
+    weight[k] = sum[system.mesh_node[k]] / count[system.mesh_node[k]];
+  return weight;
+}
+
+}  // namespace frictioncg

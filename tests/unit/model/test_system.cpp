@@ -1,0 +1,82 @@
+#include <gtest/gtest.h>
+
+#include "core/model/contact_problem.h"
+
+using namespace frictioncg;
+
+namespace {
+
+/// Interior dofs with the diagonal 1, 3, 8; contact nodes (N, T1, T2) with 5, 2, 4 and (N) with 7.
+System small(std::vector<Index> mesh_node) {
+  System s;
+  s.dimension = 3;
+  s.D.resize(7);
+  s.D << 1, 3, 8, 5, 2, 4, 7;
+  s.first = {3, 6, 7};
+  s.mesh_node = std::move(mesh_node);
+  s.weight = node_weights(s);
+  return s;
+}
+
+}  // namespace
+
+TEST(System, CountsItsDofsNodesAndTangents) {
+  const System s = small({});
+  EXPECT_EQ(s.dofs(), 7);
+  EXPECT_EQ(s.nodes(), 2);
+  EXPECT_EQ(s.interior(), 3);
+  EXPECT_EQ(s.contact_dofs(), 4);
+  EXPECT_EQ(s.tangents(0), 2);
+  EXPECT_EQ(s.tangents(1), 0);
+}
+
+TEST(System, InteriorDofsOfAMeshNodeShareTheirMeanDiagonal) {
+  const Vector w = small({4, 4, 0, 1, 1, 1, 2}).weight;
+  EXPECT_EQ(w[0], 2);
+  EXPECT_EQ(w[1], 2);
+  EXPECT_EQ(w[2], 8);
+}
+
+TEST(System, WithoutMeshNodesEachInteriorDofHasItsOwnWeight) {
+  const System s = small({});
+  EXPECT_EQ(s.weight.head(3), s.D.head(3));
+}
+
+TEST(System, AContactNodeHasOneWeightAlongItsNormalAndOneAcross) {
+  for (const System& s : {small({}), small({4, 4, 0, 4, 4, 4, 0})}) {
+    EXPECT_EQ(s.weight[3], 5);
+    EXPECT_EQ(s.weight[4], 3);
+    EXPECT_EQ(s.weight[5], 3);
+    EXPECT_EQ(s.weight[6], 7);
+  }
+}
+
+TEST(System, WithoutInteriorTheWeightsAreThoseOfTheContactNodes) {
+  System s;
+  s.D = Vector::Constant(2, 6);
+  s.first = {0, 2};
+  s.mesh_node = {0, 0};
+  EXPECT_EQ(node_weights(s), s.D);
+}
+
+TEST(System, ResidualsAreMeasuredOverTheRootOfTheWeight) {
+  const System s = small({4, 4, 0, 1, 1, 1, 2});
+  Vector r = Vector::Zero(7);
+  r[0] = 2;
+  r[5] = 3;
+  EXPECT_DOUBLE_EQ(norm_D(s, r), std::sqrt(4.0 / 2 + 9.0 / 3));
+}
+
+TEST(System, WhatDrivesAnIncrementIsItsLoadOrItsPenetration) {
+  const System s = small({});
+  Increment i;
+  i.F = Vector::Zero(7);
+  i.gap = Vector::Zero(2);
+  EXPECT_EQ(driving_norm(s, i), 0);
+  i.gap << 1, -2;
+  EXPECT_DOUBLE_EQ(driving_norm(s, i), std::sqrt(7.0) * 2);
+  i.bilateral = true;
+  EXPECT_DOUBLE_EQ(driving_norm(s, i), std::sqrt(5.0 + 7 * 4));
+  i.F[1] = 3;
+  EXPECT_DOUBLE_EQ(driving_norm(s, i), std::sqrt(3.0));
+}
