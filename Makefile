@@ -4,7 +4,11 @@ SHELL     := /bin/bash
 CXX       ?= g++
 BUILD     := build
 CXXFLAGS  ?= -O3
-WARN      := -Wall -Wextra -Wshadow -Werror
+# GCC 14 takes Eigen's vectors of at most two entries for overrun, where they are not.
+WARN      := -Wall -Wextra -Wshadow -Wno-array-bounds
+ifdef CI
+WARN      += -Werror
+endif
 INCLUDE   := -Iplugin/core -DEIGEN_USE_BLAS -isystem /usr/include/eigen3 -isystem /usr/include/suitesparse
 FF_HEADER := -isystem /usr/include/freefem++
 FLAGS      = -std=c++17 -fPIC $(CXXFLAGS) $(WARN) $(INCLUDE)
@@ -83,7 +87,7 @@ examples: all ## every example, on coarse meshes
 	@bash tests/run $(EXAMPLES)
 
 $(BUILD)/unit_tests: $(UNIT:tests/%.cpp=$(BUILD)/%.o) $(OBJECTS)
-	$(CXX) $(LDFLAGS) $(WRAP) $^ -o $@ -lgtest -lgtest_main -lpthread $(LIBS) -lsuitesparseconfig
+	$(CXX) $(LDFLAGS) $(WRAP) $^ -o $@ -lgtest -lgtest_main -lpthread $(LIBS)
 
 # test_faults.cpp counts allocations, and makes them fail
 WRAP := -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
