@@ -176,11 +176,12 @@ install: all ## the plugin and the .idp files where FreeFEM looks; then an examp
 	@# FreeFem++-mpi looks nowhere else where there is a folder mpi
 	if [ -d $(FF_PLUGINS)/mpi ]; then install -D -m 644 -t $(PLUGINS_TO)/mpi $(BUILD)/frictionCG.so; fi
 	install -m 644 $(IDP) $(IDP_TO)
-	@# Debian's preferences name folders that do not exist: add those that do
-	@pref=$(DESTDIR)/etc/freefem++.pref; plugins=$(PLUGINS_TO:$(DESTDIR)%=%); idp=$(IDP_TO:$(DESTDIR)%=%); \
-	if [ -z "$(FREEFEM)" ] && [ -w $$pref ] && ! grep -q "\"$$plugins\"" $$pref; then \
-	  echo "loadpath += \"$$plugins\"" >>$$pref; \
-	  echo "includepath += \"$$idp\"" >>$$pref; fi
+	@# Debian's preferences name folders that do not exist: add those that do. A private PREFIX is not theirs.
+	@pref=$(DESTDIR)/etc/freefem++.pref; \
+	add() { grep -qF "\"$$2\"" $$pref || { echo "$$pref: $$1 += \"$$2\""; echo "$$1 += \"$$2\"" >>$$pref; }; }; \
+	if [ -n "$(and $(filter /usr /usr/local,$(PREFIX)),$(if $(FREEFEM),,debian))" ] && [ -w $$pref ]; then \
+	  add loadpath $(PLUGINS_TO:$(DESTDIR)%=%); add loadpath $(FF_PLUGINS); \
+	  add includepath $(IDP_TO:$(DESTDIR)%=%); add includepath $(FF_IDP); fi
 	@DESTDIR="$(DESTDIR)" bash tests/installed $(PLUGINS_TO) $(IDP_TO) $(FF_PLUGINS) $(FF_IDP)
 
 # Bases of the systems, as debootstrap makes them; BASES may name a folder that has them already.
