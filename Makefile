@@ -41,7 +41,7 @@ PREFIX     ?= $(FF_PREFIX)
 CORE      := $(wildcard plugin/core/*.cpp plugin/core/*/*.cpp)
 OBJECTS   := $(CORE:plugin/%.cpp=$(BUILD)/%.o)
 HEADERS   := $(wildcard plugin/core/*.h plugin/core/*/*.h plugin/freefem/*.h)
-UNIT      := $(wildcard tests/unit/*.cpp tests/unit/*/*.cpp)
+UNIT      := $(filter-out tests/unit/standalone/%,$(wildcard tests/unit/*.cpp tests/unit/*/*.cpp))
 IDP       := $(wildcard edp/*.idp)
 SCRIPTS   := $(wildcard tests/edp/*.edp)
 EXAMPLES  := $(wildcard examples/*.edp)
@@ -55,7 +55,7 @@ export FF_INCLUDEPATH := $(CURDIR)/$(BUILD);$(FF_IDP)
 export FF_PROGRAM
 RUN       := $(FF_PROGRAM) -nw -v 0
 
-.PHONY: all help setup demo check unit scripts examples bench report format lint sanitize coverage \
+.PHONY: all core help setup demo check unit scripts examples bench report format lint sanitize coverage \
         install fresh clean
 
 all: $(BUILD)/frictionCG.so $(IDP:edp/%=$(BUILD)/%) ## build the plugin
@@ -85,6 +85,16 @@ $(BUILD)/frictionCG.o: plugin/frictionCG.cpp $(HEADERS)
 $(BUILD)/frictionCG.so: $(BUILD)/frictionCG.o $(OBJECTS)
 	$(CXX) -shared $(LDFLAGS) $^ -o $@ $(LIBS)
 
+core: $(BUILD)/libfrictioncg.a ## the core as a library, used through plugin/core/frictioncg.h
+
+$(BUILD)/libfrictioncg.a: $(OBJECTS)
+	rm -f $@
+	$(AR) rcs $@ $^
+
+# A program outside FreeFEM: one header, one library.
+$(BUILD)/two_springs: tests/unit/standalone/two_springs.cpp $(BUILD)/libfrictioncg.a
+	$(CXX) $(FLAGS) $^ -o $@ $(LIBS)
+
 # Beside the plugin: FreeFEM looks in the current folder before it looks where an older version is installed.
 $(BUILD)/%.idp: edp/%.idp
 	@mkdir -p $(@D)
@@ -95,8 +105,8 @@ demo: setup ## the block of the paper: displacement, contact forces, and their p
 	cd $(BUILD) && $(RUN) $(CURDIR)/examples/block.edp
 
 check: setup ## all tests
-	@$(MAKE) --no-print-directory -j$$(nproc) all $(BUILD)/unit_tests >/dev/null
-	@bash tests/run $(BUILD)/unit_tests $(SCRIPTS) $(EXAMPLES)
+	@$(MAKE) --no-print-directory -j$$(nproc) all $(BUILD)/unit_tests $(BUILD)/two_springs >/dev/null
+	@bash tests/run $(BUILD)/unit_tests $(BUILD)/two_springs $(SCRIPTS) $(EXAMPLES)
 
 unit: all $(BUILD)/unit_tests ## unit tests of the core only
 	$(BUILD)/unit_tests
