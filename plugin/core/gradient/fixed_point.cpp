@@ -8,7 +8,7 @@ namespace frictioncg {
 namespace {
 constexpr Real first_relative_eps = 1e-8;  ///< eps over max|x|: energy error 5e-9, see regeps
 constexpr Real first_tolerance = 1e-2;
-constexpr Real least_tolerance = 1e-13;
+constexpr Real least_precision = 1e-4;
 constexpr Index patience = 15;  ///< passes without halving the mismatch
 }  // namespace
 
@@ -90,14 +90,16 @@ bool FixedPoint::update_sliding_limit() {
   const Real mismatch = std::sqrt(sum) / problem_.increment.force_scale;
   if (mismatch <= 0.3 * settings_.tol && inner_ <= settings_.tol / 3) return false;
 
-  inner_ = std::min(inner_, std::max(0.1 * mismatch, settings_.tol / 3));
-  if (mismatch < 0.5 * best_) {
-    best_ = mismatch;
+  const Real inner_before = inner_;
+  const Real known = std::max(mismatch, inner_);  // a pass tells g no better than it was solved
+  if (known < 0.5 * best_) {
+    best_ = known;
     since_best_ = 0;
   } else {
-    inner_ = std::max(inner_ / 2, least_tolerance);  // forces may be less precise than the residual
+    precision_ = std::max(precision_ / 2, least_precision);
     ++since_best_;
   }
+  inner_ = std::min(inner_, std::max({precision_ * mismatch, 1e-3 * inner_, settings_.tol / 3}));
   if (since_best_ > patience) {
     if (damped_) {
       solution_.status = Status::fixed_point_diverged;
@@ -107,7 +109,14 @@ bool FixedPoint::update_sliding_limit() {
     best_ = mismatch;
     since_best_ = -3 * patience;
   }
-  g_ = damped_ ? Vector(0.5 * (g_ + image)) : Vector(anderson_.next(g_, image).cwiseMax(0));
+  if (mismatch < inner_before) {  // nothing learnt
+    g_ = image;
+    anderson_ = Anderson();
+  } else if (damped_) {
+    g_ = 0.5 * (g_ + image);
+  } else {
+    g_ = anderson_.next(g_, image).cwiseMax(0);
+  }
   if (settings_.regeps == 0 && solution_.eps > 0) {
     const Real eps = relative_eps_ * displacement_scale();
     if (eps > 2 * solution_.eps) solution_.eps = eps;  // the body slides farther than it seemed

@@ -29,6 +29,7 @@ class FixedPoint {
   Solution solution_;
   Real relative_eps_;  ///< eps over the displacement scale, where eps is ours to choose
   Real inner_ = 0;     ///< tolerance of the next minimization
+  Real precision_ = 0.1;  ///< of a minimization, over the mismatch that it is to improve
   Real best_ = 0;      ///< least mismatch |mu r_N - g| so far, in norm_D over the load
   Index since_best_ = 0;
   bool damped_ = false;

@@ -67,6 +67,16 @@ void DiagonalPreconditioner::advance(Real rho, const Vector& v, Vector& x) {
   }
 }
 
+/// The contact rows hold A_CI, and with it A_IC.
+void DiagonalPreconditioner::move_contact(const Vector& dx_C) {
+  for (Index c = 0; c < dx_C.size(); ++c) {
+    if (dx_C[c] == 0) continue;
+    for (Matrix::InnerIterator a(system_.A, interior_ + c); a && a.col() < interior_; ++a)
+      r_[a.col()] -= a.value() * dx_C[c];
+  }
+  interior_r_z_ = (r_.head(interior_).array().square() / C_.head(interior_).array()).sum();
+}
+
 Real DiagonalPreconditioner::free_norm() const {
   return std::sqrt((r_.array().square() / D_.array()).sum());
 }
@@ -245,6 +255,23 @@ void SsorPreconditioner::advance(Real rho, const Vector& v_in, Vector& x_out) {
   x_out.tail(system_.contact_dofs()) += rho * v_in.tail(system_.contact_dofs());
   interior_r_z_ = kappa_ * r_z;
   interior_dr_z_ = kappa_ * dr_z;
+}
+
+/// y_I -= (C/omega + E)_II^{-1} A_IC dx_C, e_I holding the correction.
+void SsorPreconditioner::move_contact(const Vector& dx_C) {
+  const Index* row = system_.A.outerIndexPtr();
+  const Index* col = system_.A.innerIndexPtr();
+  const Real* a = system_.A.valuePtr();
+  interior_r_z_ = 0;
+  for (Index i = 0; i < interior_; ++i) {
+    Real sum = 0;
+    for (Index k = row[i + 1] - 1; k > diagonal_[i] && col[k] >= interior_; --k)
+      sum += a[k] * dx_C[col[k] - interior_];
+    for (Index k = row[i]; k < diagonal_[i]; ++k) sum -= a[k] * e_[col[k]];
+    e_[i] = sum * inverse_[i];
+    y_[i] -= e_[i];
+    interior_r_z_ += kappa_ * C_[i] * y_[i] * y_[i];
+  }
 }
 
 Real SsorPreconditioner::free_norm() const {

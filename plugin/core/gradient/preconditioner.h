@@ -45,6 +45,10 @@ class Preconditioner {
   /// x += rho v, and r -= rho A v on the interior dofs; set_contact has to follow.
   virtual void advance(Real rho, const Vector& v, Vector& x) = 0;
 
+  /// x has been moved by dx_C (contact_dofs()) on the contact dofs alone: r -= A dx on the interior.
+  /// Half a pass over A; set_contact has to follow, and a restart.
+  virtual void move_contact(const Vector& dx_C) = 0;
+
   Real r_z() const { return r_z_; }             ///< <r, P r>
   Real dr_z() const { return dr_z_; }           ///< <r - r_before_advance, P r>, eq. (12)
   virtual Real r_v(const Vector& v) const = 0;  ///< <r, v>
@@ -70,6 +74,7 @@ class DiagonalPreconditioner final : public Preconditioner {
   void direction(Real gamma, Vector& v) override;
   Curvature curvature(const Vector& v) override;
   void advance(Real rho, const Vector& v, Vector& x) override;
+  void move_contact(const Vector& dx_C) override;
   Real r_v(const Vector& v) const override { return r_.dot(v); }
   Real free_norm() const override;
 
@@ -91,6 +96,7 @@ class SsorPreconditioner final : public Preconditioner {
   void direction(Real gamma, Vector& v) override;
   Curvature curvature(const Vector& v) override;
   void advance(Real rho, const Vector& v, Vector& x) override;
+  void move_contact(const Vector& dx_C) override;
   Real r_v(const Vector&) const override { return y_.dot(s_); }
   Real free_norm() const override;
 

@@ -28,6 +28,9 @@ ProjectedCG::ProjectedCG(const ContactProblem& problem, const Settings& settings
       line_search_(*problem.system, settings.step),
       part_{std::vector<char>(problem.contact_dofs(), 1), Vector::Zero(problem.contact_dofs())},
       stick_(problem.nodes(), 0),
+      dx_C_(Vector::Zero(problem.contact_dofs())),
+      d_C_(problem.contact_dofs()),
+      Ad_C_(problem.contact_dofs()),
       sticking_(problem.nodes(), 0),
       v_(Vector::Zero(problem.dofs())),
       Av_C_(problem.contact_dofs()),
@@ -52,7 +55,7 @@ Outcome ProjectedCG::minimize(Iterate& it, const Vector& g, Real eps, Tangents t
     const Real gamma = verdict.restart || r_z <= 0 ? 0 : std::max(0.0, P_->dr_z() / r_z);
     P_->direction(gamma, v_);  // v = P r + gamma v   (12)
     if (gamma != 0 && P_->r_v(v_) <= 0) P_->direction(0, v_);
-    while (hold_inward(it, g, phi)) P_->direction(0, v_);
+    while (regularized() && hold_inward(it, g, phi)) P_->direction(0, v_);
     const Real r_v = P_->r_v(v_);
     if (!(r_v > 0)) return end(Status::stagnated);  // all is held again: no way down
     const Curvature vAv = P_->curvature(v_);
@@ -91,7 +94,7 @@ void ProjectedCG::begin(Iterate& it, const Vector& g, const Phi& phi) {
   }
   if (!regularized() && tangents_ == Tangents::sliding)
     for (Index i = 0; i < problem_.nodes(); ++i)
-      stick_[i] = tangential_norm(*problem_.system, i, it.x) == 0;
+      stick_[i] = g[i] > 0 && tangential_norm(*problem_.system, i, it.x) == 0;
   recompute_residual(it);
   norm_ratio_ = 0;
   since_measured_ = 0;
@@ -125,15 +128,6 @@ bool ProjectedCG::hold_inward(Iterate& it, const Vector& g, const Phi& phi) {
     if (it.contact[i] || v_[N] <= 0 || it.x[N] < problem_.increment.gap[i]) continue;
     it.contact[i] = held = true;
   }
-  if (!regularized() && tangents_ == Tangents::sliding)
-    for (Index i = 0; i < problem_.nodes(); ++i) {
-      const Index T = problem_.system->first[i] + 1, t = problem_.tangents(i);
-      if (t == 0 || stick_[i] || g[i] == 0 || tangential_norm(*problem_.system, i, it.x) > 0)
-        continue;
-      const auto v_T = v_.segment(T, t);
-      if (r_C_.segment(T - problem_.interior(), t).dot(v_T) <= g[i] * v_T.norm())
-        stick_[i] = held = true;
-    }
   if (!held) return false;
   partial_ /= 10;
   update_friction(it, g, phi);
@@ -187,19 +181,61 @@ bool ProjectedCG::release_tensile(Iterate& it, Real tolerance) {
   return released;
 }
 
-/// Opens the faces x_T = 0 whose force exceeds the sliding limit.
-bool ProjectedCG::release_stick(const Vector& g, Real tolerance) {
+/// x_C += dx, r_C -= A_CC dx; the interior follows in settle_displacements.
+void ProjectedCG::displace(Iterate& it, Index c, Real dx) {
+  it.x[problem_.interior() + c] += dx;
+  dx_C_[c] += dx;
+  const Index *row = problem_.system->A.outerIndexPtr(), *col = problem_.system->A.innerIndexPtr();
+  const Real* a = problem_.system->A.valuePtr();
+  const Index i = problem_.interior() + c;
+  for (Index k = row[i + 1] - 1; k >= row[i] && col[k] >= problem_.interior(); --k)
+    r_C_[col[k] - problem_.interior()] -= a[k] * dx;
+}
+
+void ProjectedCG::settle_displacements() {
+  P_->move_contact(dx_C_);
+  dx_C_.setZero();
+}
+
+/// d = D^{-1} beta
+bool ProjectedCG::release_by_descent(Iterate& it, const Vector& g, Real tolerance) {
   const Real threshold = release_threshold(tolerance);
-  bool released = false;
+  d_C_.setZero();
+  Real beta_d = 0;
   for (Index i = 0; i < problem_.nodes(); ++i) {
-    const Index T = problem_.system->first[i] + 1, t = problem_.tangents(i);
-    if (t == 0 || !stick_[i]) continue;
-    const Real r_T = r_C_.segment(T - problem_.interior(), t).norm();
-    if (r_T <= g[i] + threshold * std::sqrt(D_[T])) continue;
-    stick_[i] = 0;
-    released = true;
+    const Index N = problem_.system->first[i], c = N - problem_.interior(), t = problem_.tangents(i);
+    if (it.contact[i] && !problem_.increment.bilateral &&
+        r_C_[c] < -threshold * std::sqrt(D_[N])) {
+      d_C_[c] = r_C_[c] / D_[N];
+      beta_d += r_C_[c] * d_C_[c];
+    }
+    if (t == 0 || !stick_[i] || tangents_ == Tangents::stuck) continue;
+    const auto r_T = r_C_.segment(c + 1, t);
+    const Real excess = r_T.norm() - g[i];
+    if (excess <= threshold * std::sqrt(D_[N + 1])) continue;
+    d_C_.segment(c + 1, t) = excess / r_T.norm() / D_[N + 1] * r_T;
+    beta_d += excess * excess / D_[N + 1];
   }
-  return released;
+  if (beta_d == 0) return false;
+  const Index *row = problem_.system->A.outerIndexPtr(), *col = problem_.system->A.innerIndexPtr();
+  const Real* a = problem_.system->A.valuePtr();
+  const Index interior = problem_.interior();
+  Real dAd = 0;
+  for (Index c = 0; c < d_C_.size(); ++c) {
+    if (d_C_[c] == 0) continue;
+    for (Index k = row[interior + c + 1] - 1; k >= row[interior + c] && col[k] >= interior; --k)
+      dAd += d_C_[c] * a[k] * d_C_[col[k] - interior];
+  }
+  const Real rho = beta_d / dAd;
+  for (Index i = 0; i < problem_.nodes(); ++i) {
+    const Index N = problem_.system->first[i], c = N - problem_.interior(), t = problem_.tangents(i);
+    if (d_C_[c] != 0) it.contact[i] = 0;
+    if (t > 0 && d_C_.segment(c + 1, t).squaredNorm() > 0) stick_[i] = 0;
+  }
+  for (Index c = 0; c < d_C_.size(); ++c)
+    if (d_C_[c] != 0) displace(it, c, rho * d_C_[c]);
+  settle_displacements();
+  return true;
 }
 
 /// Holds at x_T = 0 the nodes that the step has turned round, where x_T = 0 minimizes J over x_T.
@@ -211,18 +247,21 @@ bool ProjectedCG::freeze_stick(Iterate& it, const Vector& g, Real rho) {
     if (t == 0 || stick_[i] || g[i] == 0) continue;
     auto x_T = it.x.segment(T, t);
     const auto v_T = v_.segment(T, t);
+    static const Real kappa = getenv("KAPPA") ? atof(getenv("KAPPA")) : 0.1;
+    const bool tiny = D_[T] * x_T.squaredNorm() <= kappa * kappa * P_->r_z();
     // came nearer to 0 along the step, and is closest to it, or past it
-    if (x_T.dot(v_T) - rho * v_T.squaredNorm() >= 0) continue;
-    if (x_T.dot(v_T) < -1e-12 * x_T.norm() * v_T.norm() || v_T.isZero(0)) continue;
-    Eigen::Matrix<Real, Eigen::Dynamic, 1, 0, 2, 1> r_0 = r_C_.segment(T - problem_.interior(), t);
+    const bool turned = x_T.dot(v_T) - rho * v_T.squaredNorm() < 0 && x_T.dot(v_T) >= -1e-12 * x_T.norm() * v_T.norm();
+    if (!turned && !tiny) continue;
+    Tangent r_0 = r_C_.segment(T - problem_.interior(), t);
     for (Index k = 0; k < t; ++k)
       for (Index l = 0; l < t; ++l) r_0[k] += problem_.system->A.coeff(T + k, T + l) * x_T[l];
     if (r_0.norm() > g[i]) continue;
+    for (Index k = 0; k < t; ++k) displace(it, T - problem_.interior() + k, -x_T[k]);
     x_T.setZero();
     stick_[i] = 1;
     frozen = true;
   }
-  if (frozen) recompute_residual(it);
+  if (frozen) settle_displacements();
   return frozen;
 }
 
@@ -284,7 +323,7 @@ ProjectedCG::Verdict ProjectedCG::judge(Iterate& it, const Vector& g, const Phi&
   const Real violation = by_step ? 0 : dual_violation(it, g);
   Real eps_1 = eps_0;
   if (settings_.method == Method::gc3) eps_1 = partial_ * eps_0;
-  if (settings_.method == Method::gcx) eps_1 = partial_ / settings_.partial * violation;
+  if (settings_.method == Method::gcx) eps_1 = violation;
   const Real measure = !by_step  ? free_norm_if_below(std::max(eps_0, eps_1))
                        : rho > 0 ? rho * v_.norm() / it.x.norm()
                                  : infinity;
@@ -293,8 +332,7 @@ ProjectedCG::Verdict ProjectedCG::judge(Iterate& it, const Vector& g, const Phi&
   if (verdict.stop && !by_step) return verdict;
   const bool after_eps_1 = settings_.method == Method::gc3 || settings_.method == Method::gcx;
   if (!after_eps_1 || measure > eps_1) return verdict;
-  bool released = release_tensile(it, tolerance);
-  if (!regularized() && tangents_ == Tangents::sliding) released |= release_stick(g, tolerance);
+  const bool released = regularized() ? release_tensile(it, tolerance) : release_by_descent(it, g, tolerance);
   if (!released) return verdict;
   update_friction(it, g, phi);
   verdict.stop = false;

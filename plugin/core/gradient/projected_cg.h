@@ -27,8 +27,10 @@ class ProjectedCG final : public TrescaSolver {
   bool close_gaps(Iterate& it, Real rho, Real rho_gap);
   Real release_threshold(Real tolerance) const;
   bool release_tensile(Iterate& it, Real tolerance);
-  bool release_stick(const Vector& g, Real tolerance);
+  bool release_by_descent(Iterate& it, const Vector& g, Real tolerance);
   bool freeze_stick(Iterate& it, const Vector& g, Real rho);
+  void displace(Iterate& it, Index c, Real dx);
+  void settle_displacements();
   Real friction_part_along_v() const;
   Real dual_violation(const Iterate& it, const Vector& g) const;
   bool update_friction(const Iterate& it, const Vector& g, const Phi& phi);
@@ -46,6 +48,7 @@ class ProjectedCG final : public TrescaSolver {
   Tangents tangents_ = Tangents::sliding;
   ContactPart part_;
   std::vector<char> stick_;       ///< m, gcx: held at x_T = 0
+  Vector dx_C_, d_C_, Ad_C_;
   std::vector<char> sticking_;    ///< m, |x_T| <= eps: the node's piece of REG3
   Vector v_, Av_C_, r_C_, rf_C_;  ///< r_C without friction, rf_C with it, zero where held
   Real partial_ = 0;              ///< eps_1/eps_0 at present

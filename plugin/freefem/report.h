@@ -1,0 +1,207 @@
+#pragma once
+#include "freefem.h"
+
+#include <iostream>
+#include <string>
+
+#include "options.h"
+#include "scene.h"
+
+namespace frictioncg {
+
+/// One line of the report.
+inline std::ostream& line() { return std::cout << " -- " << operator_name << ": "; }
+
+inline const char* name_of(Status status) {
+  switch (status) {
+    case Status::converged:
+      return "converged";
+    case Status::max_iterations:
+      return "max_iterations";
+    case Status::stagnated:
+      return "stagnated";
+    case Status::no_equilibrium:
+      return "no_equilibrium";
+    case Status::not_positive_definite:
+      return "not_positive_definite";
+    case Status::fixed_point_diverged:
+      return "fixed_point_diverged";
+    case Status::regularized:
+      return "regularized";
+  }
+  return "unknown";
+}
+
+/// What to do about a call that did not converge. Only no_equilibrium blames the load.
+inline std::string remedy(Status status, const Settings& s) {
+  if (smooths_friction(s) && s.step != Step::exact && status != Status::no_equilibrium)
+    return std::string("step=\"") + name_of(s.step, steps) +
+           "\" need not converge where regeps is small; leave step out, or raise regeps";
+  switch (status) {
+    case Status::converged:
+      break;
+    case Status::max_iterations:
+      return smooths_friction(s) ? "raise nbiter, or try omega=1.5" : "raise nbiter";
+    case Status::stagnated:
+      return "the method came to a standstill above tol; raise tol, or name another method";
+    case Status::no_equilibrium:
+      return "contact and friction cannot hold this load; check the supports";
+    case Status::not_positive_definite:
+      return "A must be positive semi-definite; check its coefficients";
+    case Status::fixed_point_diverged:
+      return by_condensation(s) ? "mu is large for this scene; apply the load in increments"
+                                : "mu is large for this method; leave method out, or apply the "
+                                  "load in increments";
+    case Status::regularized:
+      return "regeps limits the accuracy; lower it, leave it out, or raise tol";
+  }
+  return "";
+}
+
+inline const char* name_of(Law law) {
+  switch (law) {
+    case Law::frictionless:
+      return "no friction";
+    case Law::tresca:
+      return "given sliding limit";
+    case Law::coulomb:
+      return "Coulomb friction";
+  }
+  return "";
+}
+
+/// What a scene can do without.
+inline void report_left_out(const Arguments& args, const Scene& scene, const Plan& plan) {
+  std::cout << "; left out:";
+  const char* separator = " ";
+  const auto left_out = [&](bool absent, const char* what) {
+    if (!absent) return;
+    std::cout << separator << what;
+    separator = ", ";
+  };
+  left_out(!scene.system->rotated(), "rotation");
+  left_out(!plan.fixed_point, "fixed point");
+  left_out(plan.tangents == 0, "tangential laws");
+  left_out(!plan.regularization, "regularization");
+  left_out(!args.has(p_uold), "previous state");
+  left_out(!args.has(p_history), "history");
+}
+
+/// What the scene needs, and what it does not.
+inline void report_plan(const Arguments& args, const Scene& scene, const ContactProblem& problem,
+                        const Settings& s) {
+  const Plan plan = make_plan(problem, s);
+  line() << scene.d << "D, " << plan.dofs << " dofs, " << plan.nodes << " contact nodes, "
+         << name_of(plan.law);
+  if (problem.increment.bilateral) std::cout << ", bilateral";
+  if (scene.system->rotated()) std::cout << ", frames rotated";
+  if (plan.nodes == 0)
+    std::cout << "; Dirichlet conditions hold every normal displacement: a plain linear solve";
+  std::cout << "; " << name_of(s.method, methods);
+  if (plan.regularization) std::cout << ", " << name_of(s.reg, regularizations);
+  report_left_out(args, scene, plan);
+  std::cout << std::endl;
+}
+
+/// The largest angle between a node's normal and those of its facets [rad], and the facet.
+inline double largest_turn(const BoundaryNode& node, const AdjacentFacet*& facet) {
+  double turn = 0;
+  for (const AdjacentFacet& f : node.facets)
+    for (const AdjacentFacet& g : node.facets) {
+      const double cosine = (f.normal, g.normal) / (Norme2(f.normal) * Norme2(g.normal));
+      const double angle = std::acos(std::max(-1.0, std::min(1.0, cosine)));
+      if (angle <= turn) continue;
+      turn = angle;
+      facet = f.label == node.label ? &g : &f;
+    }
+  return turn;
+}
+
+/// A warning for nodes at which the boundary turns: one normal stands for the facets of a label,
+/// and the first label for those that share the node.
+inline void warn_of_corners(const Scene& scene) {
+  constexpr double degree = M_PI / 180, corner = 30 * degree;
+  if (scene.given_normals) return;
+  const BoundaryNode* worst = nullptr;
+  double most = corner;
+  int count = 0;
+  const AdjacentFacet* facet = nullptr;
+  for (const BoundaryNode& n : scene.nodes) {
+    const AdjacentFacet* other = nullptr;
+    const double turn = largest_turn(n, other);
+    if (turn <= corner * (1 + 1e-9)) continue;
+    ++count;
+    if (turn <= most) continue;
+    most = turn;
+    worst = &n;
+    facet = other;
+  }
+  if (!worst) return;
+  line() << "warning: the boundary turns by " << std::lround(most / degree) << " degrees at "
+         << place(*worst, scene.d);
+  if (count > 1) std::cout << " (and by more than 30 at " << count - 1 << " other nodes)";
+  if (facet->label == worst->label)
+    std::cout << "; the node obeys the mean of the normals, and may penetrate both sides";
+  else
+    std::cout << "; the node obeys this label's normal, and may penetrate label " << facet->label;
+  std::cout << std::endl;
+}
+
+inline const char* name_of(Layer layer) {
+  switch (layer) {
+    case Layer::none:
+      return "nothing to solve";
+    case Layer::linear:
+      return "a linear solve";
+    case Layer::newton:
+      return "Newton on the condensed laws";
+    case Layer::continuation:
+      return "Newton on the condensed laws, mu raised step by step";
+    case Layer::proximal:
+      return "Newton on the condensed laws, with springs that vanish";
+    case Layer::fixed_point:
+      return "the regularized conjugate gradient on the condensed system";
+    case Layer::gcx:
+      return "GCX on A";
+    case Layer::gc:
+      return "the regularized conjugate gradient on A";
+    case Layer::sorp:
+      return "SORP on A";
+  }
+  return "unknown";
+}
+
+/// How a call ended, and which layer answered: a fallback shows here.
+inline void report_end(const Solution& solution) {
+  line() << name_of(solution.status) << " by " << name_of(solution.layer) << ", residual "
+         << solution.certificate.residual << ", " << solution.iterations << " iterations";
+  if (solution.passes > 0) std::cout << " in " << solution.passes << " passes of the fixed point";
+  if (solution.eps > 0) std::cout << ", regeps " << solution.eps;
+  std::cout << std::endl;
+}
+
+/// Phases and counters, for verb 3.
+inline void report_phases(const Scene& scene, const Solution& solution) {
+  const Times& t = solution.times;
+  line() << "CPU seconds: copy " << scene.copy_seconds << ", order " << t.order << ", factor "
+         << t.factor << ", condense " << t.condense << ", contact " << t.contact
+         << ", back-substitution " << t.back_substitution << ", certificate " << t.certificate
+         << std::endl;
+  Index count[4] = {0, 0, 0, 0};
+  for (NodeState s : solution.state) ++count[static_cast<Index>(s)];
+  const Certificate& c = solution.certificate;
+  line() << count[1] << " nodes separated, " << count[2] << " in slip, " << count[3]
+         << " in stick; residual of equilibrium " << c.equilibrium << ", of contact " << c.normal
+         << ", of friction " << c.friction << std::endl;
+}
+
+/// The error of a call that did not converge and whose script does not ask for the status.
+[[noreturn]] inline void refuse_unconverged(const Solution& solution, const Settings& s) {
+  std::ostringstream m;
+  m << "not converged (" << name_of(solution.status) << ") after " << solution.iterations
+    << " iterations: residual " << solution.certificate.residual << ", tol " << s.tol << "; "
+    << remedy(solution.status, s) << "; pass status=... to get the field all the same";
+  throw IllegalInput(m.str());
+}
+
+}  // namespace frictioncg
