@@ -56,7 +56,7 @@ export FF_PROGRAM
 RUN       := $(FF_PROGRAM) -nw -v 0
 
 .PHONY: all core help setup demo check unit scripts examples bench report format lint sanitize coverage \
-        install fresh clean
+        install fresh mutants clean
 
 all: $(BUILD)/frictionCG.so $(IDP:edp/%=$(BUILD)/%) ## build the plugin
 
@@ -117,7 +117,8 @@ scripts: all ## scripted tests in FreeFEM only
 examples: all ## every example, on coarse meshes
 	@bash tests/run $(EXAMPLES)
 
-$(BUILD)/unit_tests: $(UNIT:tests/%.cpp=$(BUILD)/%.o) $(OBJECTS)
+# The core first: what it has inline is then what the tests run.
+$(BUILD)/unit_tests: $(OBJECTS) $(UNIT:tests/%.cpp=$(BUILD)/%.o)
 	$(CXX) $(LDFLAGS) $(WRAP) $^ -o $@ -lgtest -lgtest_main -lpthread $(LIBS)
 
 # test_faults.cpp counts allocations, and makes them fail
@@ -162,6 +163,12 @@ sanitize: ## unit and scripted tests under ASan and UBSan
 	BUILD=$(BUILD)/sanitize \
 	LD_PRELOAD="$$($(CXX) -print-file-name=libasan.so) $$($(CXX) -print-file-name=libubsan.so)" \
 	ASAN_OPTIONS=detect_leaks=0:alloc_dealloc_mismatch=0 bash tests/run $(SCRIPTS)
+
+mutants: ## one-line faults in plugin/core, each noticed by a test; ONLY="word ..." names files
+	@$(MAKE) --no-print-directory setup PACKAGES="$(PACKAGES) python3" >/dev/null
+	@$(MAKE) --no-print-directory -j$$(nproc) BUILD=$(BUILD)/mutants CXXFLAGS=-O1 all \
+	  $(BUILD)/mutants/unit_tests >/dev/null
+	@FF_PLUGINS="$(FF_PLUGINS)" FF_IDP="$(FF_IDP)" python3 tests/mutants/run.py $(BUILD)/mutants $$(nproc) $(ONLY)
 
 # What stays unreached: messages of internal errors and of more than 2^31 entries; closing braces that only an
 # exception passes; a field of NaN; a fixed point that diverges although damped, or whose inner tolerance alone

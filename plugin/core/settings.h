@@ -1,5 +1,6 @@
 #pragma once
 #include "status.h"
+#include "steps.h"
 #include "types.h"
 
 namespace frictioncg {
@@ -45,7 +46,7 @@ struct Settings {
 class Observer {
  public:
   virtual ~Observer() = default;
-  virtual void iterate(Index iteration, const Vector& x) = 0;
+  virtual void iterate(Index iteration, StepLabel label, const Vector& x) = 0;
 };
 
 }  // namespace frictioncg

@@ -36,6 +36,7 @@ struct Solution {
   Certificate certificate;       ///< of x
   std::vector<NodeState> state;  ///< m
   Index iterations = 0;          ///< of all minimizations
+  StepCounts steps;              ///< what the iterations of the gradient methods were
   Index passes = 0;              ///< of the fixed point; 0 where there is none
   Real eps = 0;                  ///< the regularization used [length]; 0: none
   Times times;

@@ -151,7 +151,7 @@ Solution Solver::by_route(const ContactProblem& problem, const Settings& setting
     s.times.factor = t.factor;
     s.times.condense = t.condense;
   }
-  if (observer) observer->iterate(s.iterations, s.x);
+  if (observer) observer->iterate(s.iterations, StepLabel::newton, s.x);
   return s;
 }
 

@@ -68,7 +68,7 @@ inline KN_<double> solve(Stack stack, const Call& call, Scene& scene, const Poin
   const ContactProblem problem{scene.system->system(), now.increment};
   if (call.verb > 0) {
     report_plan(call.args, scene, problem, call.settings);
-    warn_of_corners(scene);
+    warn_of_averages(scene);
   }
   Progress progress(problem, call.verb, out.history);
   Vector x0;

@@ -9,6 +9,7 @@
 
 #include "boundary_node.h"
 #include "dimension.h"
+#include "normals.h"
 
 namespace frictioncg {
 
@@ -19,20 +20,23 @@ namespace frictioncg {
       "[P1,P1,P1]");
 }
 
-/// The nodes of one facet, with the dofs of each component, and whether they are its corners.
+/// The nodes of one facet: dofs of each component, grouped by the interpolation points they share.
 struct FacetNodes {
-  std::vector<BoundaryNode> node;
-  std::vector<bool> corner;
+  struct Node {
+    std::array<Index, 3> dof{{-1, -1, -1}};
+    Fem2D::R3 x, hat;
+    bool corner = false;
+  };
+  std::vector<Node> node;
 
   /// The node at a point of the reference element, a new one if need be.
-  std::size_t at(const Fem2D::R3& hat) {
-    for (std::size_t k = 0; k < node.size(); ++k) {
-      const Fem2D::R3 away = node[k].hat - hat;
-      if (std::abs(away.x) + std::abs(away.y) + std::abs(away.z) < 1e-10) return k;
+  Node& at(const Fem2D::R3& hat) {
+    for (Node& n : node) {
+      const Fem2D::R3 away = n.hat - hat;
+      if (std::abs(away.x) + std::abs(away.y) + std::abs(away.z) < 1e-10) return n;
     }
     node.emplace_back().hat = hat;
-    corner.push_back(false);
-    return node.size() - 1;
+    return node.back();
   }
 };
 
@@ -41,9 +45,9 @@ template <class FESpaceType>
 void check_trace(const FacetNodes& facet) {
   using D = Dimension<FESpaceType>;
   if (facet.node.empty()) refuse_space("has no degree of freedom on the boundary");
-  for (const BoundaryNode& n : facet.node)
+  for (const FacetNodes::Node& n : facet.node)
     for (int c = 0; c < D::d; ++c)
-      if (n.point.dof[c] < 0) refuse_space("mixes elements whose components have different nodes");
+      if (n.dof[c] < 0) refuse_space("mixes elements whose components have different nodes");
   if (D::known_trace(facet.node.size())) return;
   std::ostringstream m;
   m << "has " << facet.node.size() << " nodes on each boundary " << D::facet_name
@@ -51,11 +55,8 @@ void check_trace(const FacetNodes& facet) {
   refuse_space(m.str());
 }
 
-/// The nodes of one facet: dofs of each component, grouped by the interpolation points they share;
-/// weights for a facet of measure 1.
 template <class FESpaceType>
-std::vector<BoundaryNode> facet_nodes(const typename Dimension<FESpaceType>::Element& K,
-                                      int facet) {
+FacetNodes facet_nodes(const typename Dimension<FESpaceType>::Element& K, int facet) {
   using D = Dimension<FESpaceType>;
   const Interpolation ip = D::interpolation(K);
   std::map<int, int> uses;  // dof -> interpolation points it is made from
@@ -67,26 +68,24 @@ std::vector<BoundaryNode> facet_nodes(const typename Dimension<FESpaceType>::Ele
     if (uses[i] != 1 || ip.coefficient[k] != 1)
       refuse_space("has degrees of freedom that are not nodal values");
     const Fem2D::R3& hat = ip.hat[ip.point[k]];
-    const std::size_t at = found.at(hat);
-    found.node[at].x = D::position(K, hat);
-    found.node[at].point.dof[ip.component[k]] = K(i);
-    found.corner[at] = D::is_corner(K.DFOnWhat(i));
+    FacetNodes::Node& n = found.at(hat);
+    n.x = D::position(K, hat);
+    n.dof[ip.component[k]] = K(i);
+    n.corner = D::is_corner(K.DFOnWhat(i));
   }
   check_trace<FESpaceType>(found);
-  for (std::size_t k = 0; k < found.node.size(); ++k)
-    found.node[k].weight = D::share(found.node.size(), found.corner[k]);
-  return std::move(found.node);
+  return found;
 }
 
-/// Collects the contact nodes facet by facet.
+/// Collects the nodes of the contact boundary facet by facet.
 template <class FESpaceType>
-class ContactNodes {
+class BoundaryNodes {
   using D = Dimension<FESpaceType>;
 
  public:
-  explicit ContactNodes(const FESpaceType& Vh) : Vh_(Vh) {}
+  explicit BoundaryNodes(const FESpaceType& Vh) : Vh_(Vh) {}
 
-  /// Adds the facets of a label, once; a node keeps the label that came first.
+  /// Adds the facets of a label, once.
   void add(long label) {
     if (!labels_.insert(label).second) return;
     bool found = false;
@@ -100,27 +99,19 @@ class ContactNodes {
     if (!found) refuse_absent(label);
   }
 
-  std::vector<BoundaryNode> take() { return std::move(nodes_); }
+  const std::vector<SharedNode>& nodes() const { return nodes_; }
 
  private:
   void add(long label, int k, int facet) {
     const typename D::Element K(Vh_[k]);
     const Fem2D::R3 normal = D::normal(K, facet);
-    const double measure = Norme2(normal);
-    for (BoundaryNode& n : facet_nodes<FESpaceType>(K, facet)) {
-      if (!D::outer(Vh_.Th, k, facet)) refuse_inside(label, n);
-      const auto [entry, is_new] = node_of_dof_.emplace(n.point.dof[0], nodes_.size());
-      const double share = measure * n.weight;
-      if (is_new) {
-        n.label = label;
-        n.element = k;
-        n.facet = facet;
-        n.weight = 0;
-        nodes_.push_back(std::move(n));
-      }
-      BoundaryNode& node = nodes_[entry->second];
-      node.weight += share;
-      node.facets.push_back({label, normal});
+    const FacetNodes nodes = facet_nodes<FESpaceType>(K, facet);
+    if (!D::outer(Vh_.Th, k, facet)) refuse_inside(label, nodes.node.front().x);
+    for (const FacetNodes::Node& n : nodes.node) {
+      const auto [entry, is_new] = node_of_dof_.emplace(n.dof[0], nodes_.size());
+      if (is_new) nodes_.push_back({n.dof, n.x, {}});
+      const double share = Norme2(normal) * D::share(nodes.node.size(), n.corner);
+      nodes_[entry->second].facets.push_back({label, k, facet, n.hat, normal, share});
     }
   }
 
@@ -132,51 +123,32 @@ class ContactNodes {
     for (long p : present) s << " " << p;
     throw IllegalInput(s.str());
   }
-  [[noreturn]] static void refuse_inside(long label, const BoundaryNode& n) {
+  [[noreturn]] static void refuse_inside(long label, const Fem2D::R3& x) {
     throw IllegalInput("label " + std::to_string(label) + " lies inside the body at " +
-                       coordinates(n.x, D::d) + ", with elements on both sides of its " +
+                       coordinates(x, D::d) + ", with elements on both sides of its " +
                        D::facet_name + "s; an obstacle touches the outer boundary only");
   }
 
   const FESpaceType& Vh_;
   std::set<long> labels_;
   std::map<int, std::size_t> node_of_dof_;  // first dof of a node -> its place in nodes_
-  std::vector<BoundaryNode> nodes_;
+  std::vector<SharedNode> nodes_;
 };
 
-/// The mean of the facets' outward normals, weighted by their measure, of the label that the node
-/// belongs to; 0 where they cancel.
-inline Fem2D::R3 mean_normal(const BoundaryNode& node) {
-  Fem2D::R3 sum;
-  double total = 0;
-  for (const AdjacentFacet& f : node.facets) {
-    if (f.label != node.label) continue;
-    sum += f.normal;
-    total += Norme2(f.normal);
-  }
-  const double length = Norme2(sum);
-  return length > 1e-10 * total ? sum / length : Fem2D::R3();
-}
-
-/// The contact nodes of the given labels. A node shared by two labels belongs to the one listed
-/// first, and takes its normal from there; within a label the normals of its facets are averaged,
-/// weighted by their measure.
+/// The contact points of the given labels: one per node and normal (normals.h).
 template <class FESpaceType>
-std::vector<BoundaryNode> contact_nodes(const FESpaceType& Vh, const std::vector<long>& labels) {
+std::vector<BoundaryNode> contact_points(const FESpaceType& Vh, const std::vector<long>& labels) {
   using D = Dimension<FESpaceType>;
   if (Vh.N != D::d) {
     std::ostringstream s;
     s << "has " << Vh.N << " component" << (Vh.N > 1 ? "s" : "") << " on a " << D::d << "D mesh";
     refuse_space(s.str());
   }
-  ContactNodes<FESpaceType> all(Vh);
+  BoundaryNodes<FESpaceType> all(Vh);
   for (long label : labels) all.add(label);
-  std::vector<BoundaryNode> nodes = all.take();
-  for (BoundaryNode& n : nodes) {
-    const Fem2D::R3 N = mean_normal(n);
-    n.point.normal = {N.x, N.y, N.z};
-  }
-  return nodes;
+  std::vector<BoundaryNode> points;
+  for (const SharedNode& n : all.nodes()) add_points(n, D::d, points);
+  return points;
 }
 
 }  // namespace frictioncg

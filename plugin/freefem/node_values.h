@@ -62,7 +62,7 @@ inline bool unit_vector(Stack stack, const Arguments::Components& components, in
 /// A normal may lean away from the boundary's own, up to lying in it (the obstacle may give it),
 /// but not into the body.
 inline void refuse_inward(const BoundaryNode& node, const std::array<Real, 3>& n, int d) {
-  const Fem2D::R3 outward = mean_normal(node), given = as_R3(n);
+  const Fem2D::R3 outward = node.mean, given = as_R3(n);
   if ((outward, given) >= -1e-6) return;
   throw IllegalInput("normal = " + coordinates(given, d) + " at " + place(node, d) +
                      " points into the body, whose boundary has the outward normal " +
@@ -87,6 +87,7 @@ inline void set_normals(Stack stack, const Arguments& args, Scene& scene) {
     refuse_inward(node, n, scene.d);
     node.point.normal = n;
   }
+  if (scene.given_normals) merge_equal_normals(scene.nodes);
 }
 
 /// Orthotropic friction: the ratio of the coefficients, and the direction of the first. The frames

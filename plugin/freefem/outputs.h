@@ -36,14 +36,45 @@ inline void write_force(const Scene& scene, const Vector& r, KN<double>* out) {
   for (long i = 0; i < scene.ndof; ++i) (*out)[i] = force[i];
 }
 
-/// At each dof of a contact node, the value of its node; zero elsewhere (ndof).
-template <class T, class Value>
-void write_at_nodes(const Scene& scene, KN<T>* out, Value value) {
+/// The state of the mesh node that starts at contact node k. A node in a corner, where there is no
+/// friction, slides along what its closed normals leave, and sticks where they leave nothing.
+inline NodeState state_in_corner(const Scene& scene, const std::vector<NodeState>& state, Index k) {
+  if (!scene.system->node(k).shared) return state[k];
+  int closed = 0;
+  Index next = k;
+  do {
+    closed += state[next] != NodeState::separated;
+    ++next;
+  } while (next < scene.system->nodes() && !scene.starts_node(next));
+  if (closed == 0) return NodeState::separated;
+  return closed == scene.d ? NodeState::stick : NodeState::slip;
+}
+
+/// The state at each dof of a contact node; zero elsewhere (ndof).
+inline void write_state(const Scene& scene, const std::vector<NodeState>& state, KN<long>* out) {
   out->resize(scene.ndof);
-  *out = T(0);
+  *out = 0L;
   for (Index k = 0; k < scene.system->nodes(); ++k) {
-    const ContactPoint& point = scene.nodes[scene.system->node(k).point].point;
-    for (int c = 0; c < scene.d; ++c) (*out)[point.dof[c]] = value(k, point, c);
+    if (!scene.starts_node(k)) continue;
+    const long at_node = static_cast<long>(state_in_corner(scene, state, k));
+    for (int c = 0; c < scene.d; ++c) (*out)[scene.contact_point(k).point.dof[c]] = at_node;
+  }
+}
+
+/// The outward normal of the laws at each contact node, by components; zero elsewhere (ndof). In a
+/// corner, which slides freely along what its normals leave, the direction in which it presses.
+inline void write_normals(const Scene& scene, const Vector& r, KN<double>* out) {
+  const Vector force = scene.system->force_to_global(r);
+  out->resize(scene.ndof);
+  *out = 0.;
+  for (Index k = 0; k < scene.system->nodes(); ++k) {
+    if (!scene.starts_node(k)) continue;
+    const ContactPoint& point = scene.contact_point(k).point;
+    double pressed = 0;
+    for (int c = 0; c < scene.d; ++c) pressed = std::hypot(pressed, force[point.dof[c]]);
+    const bool corner = scene.system->node(k).shared && pressed > 0;
+    for (int c = 0; c < scene.d; ++c)
+      (*out)[point.dof[c]] = corner ? -force[point.dof[c]] / pressed : point.normal[c];
   }
 }
 
@@ -64,14 +95,8 @@ inline void write_outputs(const Scene& scene, const Solution& solution, const Pr
   if (out.residual) *out.residual = solution.certificate.residual;
   if (out.iterations) *out.iterations = solution.iterations;
   if (out.force) write_force(scene, solution.certificate.r, out.force);
-  if (out.state)
-    write_at_nodes(scene, out.state, [&](Index k, const ContactPoint&, int) {
-      return static_cast<long>(solution.state[k]);
-    });
-  // the outward normal of the laws
-  if (out.normals)
-    write_at_nodes(scene, out.normals,
-                   [](Index, const ContactPoint& point, int c) { return point.normal[c]; });
+  if (out.state) write_state(scene, solution.state, out.state);
+  if (out.normals) write_normals(scene, solution.certificate.r, out.normals);
   if (out.history) progress.write_history(out.history);
 }
 

@@ -19,7 +19,7 @@ class Progress final : public Observer {
   Progress(const ContactProblem& problem, long verb, bool keep_history)
       : problem_(problem), verb_(verb), keep_history_(keep_history) {}
 
-  void iterate(Index iteration, const Vector& x) override {
+  void iterate(Index iteration, StepLabel, const Vector& x) override {
     const double now = cpu_seconds();
     const bool speaks = is_time_to_speak();
     if (keep_history_ || speaks) {

@@ -87,6 +87,25 @@ inline void report_left_out(const Arguments& args, const Scene& scene, const Pla
   left_out(!args.has(p_history), "history");
 }
 
+/// Mesh nodes with several normals.
+inline Index nodes_in_corners(const Scene& scene) {
+  Index count = 0;
+  for (Index k = 0; k < scene.system->nodes(); ++k)
+    count += scene.system->node(k).shared && scene.starts_node(k);
+  return count;
+}
+
+/// A warning for nodes with more normals than they can obey, such as the tip of a pyramid.
+inline void warn_of_averages(const Scene& scene) {
+  if (scene.given_normals) return;
+  for (const BoundaryNode& n : scene.nodes) {
+    if (!n.averaged) continue;
+    line() << "warning: the normals at " << place(n, scene.d)
+           << " cannot all be obeyed; their mean stands for them" << std::endl;
+    return;
+  }
+}
+
 /// What the scene needs, and what it does not.
 inline void report_plan(const Arguments& args, const Scene& scene, const ContactProblem& problem,
                         const Settings& s) {
@@ -95,55 +114,13 @@ inline void report_plan(const Arguments& args, const Scene& scene, const Contact
          << name_of(plan.law);
   if (problem.increment.bilateral) std::cout << ", bilateral";
   if (scene.system->rotated()) std::cout << ", frames rotated";
+  if (const Index corners = nodes_in_corners(scene))
+    std::cout << ", " << corners << (corners == 1 ? " node" : " nodes") << " in a corner";
   if (plan.nodes == 0)
     std::cout << "; Dirichlet conditions hold every normal displacement: a plain linear solve";
   std::cout << "; " << name_of(s.method, methods);
   if (plan.regularization) std::cout << ", " << name_of(s.reg, regularizations);
   report_left_out(args, scene, plan);
-  std::cout << std::endl;
-}
-
-/// The largest angle between a node's normal and those of its facets [rad], and the facet.
-inline double largest_turn(const BoundaryNode& node, const AdjacentFacet*& facet) {
-  double turn = 0;
-  for (const AdjacentFacet& f : node.facets)
-    for (const AdjacentFacet& g : node.facets) {
-      const double cosine = (f.normal, g.normal) / (Norme2(f.normal) * Norme2(g.normal));
-      const double angle = std::acos(std::max(-1.0, std::min(1.0, cosine)));
-      if (angle <= turn) continue;
-      turn = angle;
-      facet = f.label == node.label ? &g : &f;
-    }
-  return turn;
-}
-
-/// A warning for nodes at which the boundary turns: one normal stands for the facets of a label,
-/// and the first label for those that share the node.
-inline void warn_of_corners(const Scene& scene) {
-  constexpr double degree = M_PI / 180, corner = 30 * degree;
-  if (scene.given_normals) return;
-  const BoundaryNode* worst = nullptr;
-  double most = corner;
-  int count = 0;
-  const AdjacentFacet* facet = nullptr;
-  for (const BoundaryNode& n : scene.nodes) {
-    const AdjacentFacet* other = nullptr;
-    const double turn = largest_turn(n, other);
-    if (turn <= corner * (1 + 1e-9)) continue;
-    ++count;
-    if (turn <= most) continue;
-    most = turn;
-    worst = &n;
-    facet = other;
-  }
-  if (!worst) return;
-  line() << "warning: the boundary turns by " << std::lround(most / degree) << " degrees at "
-         << place(*worst, scene.d);
-  if (count > 1) std::cout << " (and by more than 30 at " << count - 1 << " other nodes)";
-  if (facet->label == worst->label)
-    std::cout << "; the node obeys the mean of the normals, and may penetrate both sides";
-  else
-    std::cout << "; the node obeys this label's normal, and may penetrate label " << facet->label;
   std::cout << std::endl;
 }
 

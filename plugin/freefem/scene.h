@@ -18,10 +18,10 @@ namespace frictioncg {
 struct Scene {
   int d = 2;
   long ndof = 0;
-  std::vector<BoundaryNode> nodes;
-  bool given_normals = false;    ///< by the script, in place of the mesh's
-  bool tangents = false;         ///< some nodes have tangential laws
-  std::vector<Index> mesh_node;  ///< of each dof of Vh
+  std::vector<BoundaryNode> nodes;  ///< contact points, one per normal of a node
+  bool given_normals = false;       ///< by the script, in place of the mesh's
+  bool tangents = false;            ///< some nodes have tangential laws
+  std::vector<Index> mesh_node;     ///< of each dof of Vh
   /// Makes a contact node the point at which expressions are evaluated.
   std::function<void(MeshPoint*, const BoundaryNode&)> go_to;
   /// Where the nodal values of a displacement are.
@@ -31,18 +31,23 @@ struct Scene {
   double copy_seconds = 0;
   std::vector<char> held;  ///< ndof: by a Dirichlet condition
 
+  const BoundaryNode& contact_point(Index k) const { return nodes[system->node(k).point]; }
+  /// Whether contact node k is the first at its node of the mesh: a corner has several.
+  bool starts_node(Index k) const {
+    return k == 0 || contact_point(k).point.dof[0] != contact_point(k - 1).point.dof[0];
+  }
+
   /// Copies A into the local frames; the nodes carry their normals and whether they have friction.
   void assemble(const Triplets& A);
 };
 
-/// Which dofs Dirichlet conditions hold: those to which no displacement of the local frames gives a
-/// value. No combination of the entries tried vanishes.
-inline std::vector<char> held_dofs(const LocalSystem& system, long ndof) {
-  Vector x(system.system()->dofs());
-  for (Index i = 0; i < x.size(); ++i) x[i] = 1 + std::fmod(0.6180339887498949 * i, 1.0);
-  const Vector u = system.to_global(x, Vector::Zero(ndof));
-  std::vector<char> held(ndof);
-  for (long i = 0; i < ndof; ++i) held[i] = u[i] == 0;
+/// Which dofs Dirichlet conditions hold: their rows of the change of basis have prescribed
+/// displacements alone.
+inline std::vector<char> held_dofs(const Basis& basis) {
+  std::vector<char> held(basis.T.rows(), 1);
+  for (Index i = 0; i < basis.T.rows(); ++i)
+    for (Matrix::InnerIterator e(basis.T, i); e; ++e)
+      if (e.col() < basis.local_dofs()) held[i] = 0;
   return held;
 }
 
@@ -52,7 +57,7 @@ inline void Scene::assemble(const Triplets& A) {
   for (const BoundaryNode& n : nodes) points.push_back(n.point);
   system = std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node);
   solver = std::make_unique<Solver>(system->system());
-  held = held_dofs(*system, ndof);
+  held = held_dofs(system->basis());
   copy_seconds = cpu_seconds() - start;
 }
 
@@ -102,7 +107,7 @@ std::shared_ptr<Scene> make_scene(typename V::pfes* pVh, const std::vector<long>
   auto scene = std::make_shared<Scene>();
   scene->d = Dimension<Space>::d;
   scene->ndof = Vh->NbOfDF;
-  scene->nodes = contact_nodes(*Vh, labels);
+  scene->nodes = contact_points(*Vh, labels);
   scene->mesh_node = mesh_nodes(*Vh);
   const CountPointer<Space> keep(Vh);
   scene->go_to = [keep](MeshPoint* mp, const BoundaryNode& node) {

@@ -45,12 +45,12 @@ class Tables {
     s.omega = omega;
     s.nbiter = 20000;
     s.tol = 1e-15;
-    Iterate it{Vector::Zero(problem_.dofs()), std::vector<char>(problem_.nodes(), 0)};
+    Vector x = Vector::Zero(problem_.dofs());
     const auto solver = make_tresca_solver(problem_, s, s.nbiter, nullptr);
     const double start = cpu_seconds();
-    const Outcome o = solver->minimize(it, problem_.increment.g, eps, Tangents::sliding, 0);
+    const Outcome o = solver->minimize(x, problem_.increment.g, eps, Tangents::sliding, 0);
     const double seconds = cpu_seconds() - start;
-    const Vector e = it.x - x_;
+    const Vector e = x - x_;
     const double error = std::sqrt(std::abs(e.dot(problem_.system->A * e)) / energy_);
     std::ostringstream text;
     if (o.status == Status::converged && error > 1e-2) {
@@ -58,9 +58,9 @@ class Tables {
       return {text.str(), 0, seconds};
     }
     if (o.status == Status::converged) {
-      text << std::setw(6) << o.iterations << "  (" << std::setprecision(1) << std::scientific
+      text << std::setw(6) << o.iterations() << "  (" << std::setprecision(1) << std::scientific
            << error << ")";
-      return {text.str(), double(o.iterations), seconds};
+      return {text.str(), double(o.iterations()), seconds};
     }
     text << " stalls  (" << std::setprecision(1) << std::scientific << error << ")";
     return {text.str(), 0, seconds};

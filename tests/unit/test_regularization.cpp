@@ -26,7 +26,7 @@ TEST(Regularization, CurvatureMatchesACentredDifferenceOfTheSlope) {
     for (Real t : points) {
       const Phi phi{kind, 2.0};
       const Real h = 1e-5;
-      EXPECT_NEAR(phi.curvature(2 * t), (phi.slope(2 * t + h) - phi.slope(2 * t - h)) / (2 * h),
+      EXPECT_NEAR(phi.second_derivative(2 * t), (phi.slope(2 * t + h) - phi.slope(2 * t - h)) / (2 * h),
                   1e-8);
     }
 }
@@ -46,7 +46,7 @@ TEST(Regularization, IsFiniteAtZeroAtEpsAndFarOut) {
       const Phi phi{kind, 1e-8};
       EXPECT_TRUE(std::isfinite(phi.value(t)));
       EXPECT_TRUE(std::isfinite(phi.slope_over_t(t)));
-      EXPECT_TRUE(std::isfinite(phi.curvature(t)));
+      EXPECT_TRUE(std::isfinite(phi.second_derivative(t)));
       EXPECT_LE(phi.slope(t), 1 + 1e-14);
     }
 }

@@ -6,10 +6,19 @@
 namespace frictioncg {
 
 namespace {
-constexpr Real first_relative_eps = 1e-8;  ///< eps over max|x|: energy error 5e-9, see regeps
+
+/// eps over max|x|: energy error 0.46 eps/max|x|, below every tol; smaller costs more iterations.
+constexpr Real first_relative_eps = 1e-8;
+/// Of the first minimizations: mu F_N is known to a percent at best from sticking contact.
 constexpr Real first_tolerance = 1e-2;
-constexpr Real least_precision = 1e-4;
-constexpr Index patience = 15;  ///< passes without halving the mismatch
+/// The last minimization is more precise than tol: the certificate has two other shares.
+constexpr Real share = 1.0 / 3;
+constexpr Real first_precision = 0.1;   ///< contraction of the fixed point is 0.15 to 0.45
+constexpr Real least_precision = 1e-4;  ///< forces are less precise than the residual, at most so
+constexpr Real largest_cut = 1e-3;      ///< of the inner tolerance in one pass: g may be far yet
+constexpr Index patience = 15;          ///< passes without halving the mismatch
+constexpr Real infinity = std::numeric_limits<Real>::infinity();
+
 }  // namespace
 
 FixedPoint::FixedPoint(const ContactProblem& problem, const Settings& settings,
@@ -17,111 +26,134 @@ FixedPoint::FixedPoint(const ContactProblem& problem, const Settings& settings,
     : problem_(problem),
       settings_(settings),
       tresca_(tresca),
-      it_{Vector::Zero(problem.dofs()), std::vector<char>(problem.nodes(), 0)},
+      coulomb_(problem.increment.law == Law::coulomb),
       g_(Vector::Zero(problem.nodes())),
+      image_(problem.nodes()),
       relative_eps_(first_relative_eps),
-      best_(std::numeric_limits<Real>::infinity()) {}
+      precision_(first_precision),
+      best_(infinity) {}
 
 Solution FixedPoint::solve(const Vector& x0) {
-  const bool coulomb = problem_.increment.law == Law::coulomb;
-  inner_ = coulomb ? first_tolerance : settings_.tol / 3;
+  inner_ = coulomb_ ? first_tolerance : share * settings_.tol;
   start(x0);
-  Real last = std::numeric_limits<Real>::infinity();
+  Real last = infinity;
   while (solution_.status == Status::converged) {
-    solution_.status = pass();
-    solution_.certificate = certify(problem_, it_.x);
+    minimize(Tangents::sliding, inner_ * solution_.certificate.scale);
+    ++solution_.passes;
+    solution_.certificate = certify(problem_, solution_.x);
     if (solution_.certificate.residual <= settings_.tol) {
       solution_.status = Status::converged;
       break;
     }
-    if (solution_.status != Status::converged) break;
-    if (coulomb && update_sliding_limit()) continue;
-    if (inner_ > settings_.tol / 3) {
-      inner_ = settings_.tol / 3;
-      continue;
-    }
-    if (solution_.certificate.residual < 0.5 * last) {  // the recurrence of r had drifted
-      last = solution_.certificate.residual;
-      continue;
-    }
-    if (!sharpen_regularization()) break;
+    if (solution_.status != Status::converged || !improve(last)) break;
   }
-  if (!coulomb) solution_.passes = 0;
-  solution_.x = it_.x;
-  solution_.state = classify(problem_, it_.x, solution_.certificate);
-  return solution_;
+  if (!coulomb_) solution_.passes = 0;
+  solution_.state = classify(problem_, solution_.x, solution_.certificate);
+  return std::move(solution_);
 }
 
 /// The first g comes from sticking contact: it exists wherever contact alone holds the body, and
 /// its displacement is the unit of eps.
 void FixedPoint::start(const Vector& x0) {
-  if (x0.size() > 0) {
-    it_.x = x0;
-  } else if (problem_.increment.law != Law::frictionless && settings_.stop_on_step == 0) {
-    const Outcome o = tresca_.minimize(it_, g_, 1, Tangents::stuck, first_tolerance);
-    solution_.iterations += o.iterations;
-    if (o.status != Status::converged) solution_.status = o.status;
+  const bool friction = problem_.increment.law != Law::frictionless;
+  solution_.x = x0.size() > 0 ? x0 : Vector(Vector::Zero(problem_.dofs()));
+  solution_.certificate = certify(problem_, solution_.x);
+  if (x0.size() == 0 && friction && settings_.stop_on_step == 0) {
+    const Certificate& c = solution_.certificate;  // of rest: its residual is the load
+    minimize(Tangents::stuck, first_tolerance * c.scale * std::max(1.0, c.residual));
+    solution_.certificate = certify(problem_, solution_.x);
   }
-  solution_.certificate = certify(problem_, it_.x);
-  for (Index i = 0; i < problem_.nodes(); ++i)
-    g_[i] = law_of(problem_.increment, i).limit(solution_.certificate.r[problem_.system->first[i]]);
-  if (problem_.increment.law != Law::frictionless && tresca_.regularized())
+  g_ = sliding_limits();
+  if (friction && tresca_.regularized())
     solution_.eps = settings_.regeps > 0 ? settings_.regeps : relative_eps_ * displacement_scale();
 }
 
-Status FixedPoint::pass() {
-  const Outcome o = tresca_.minimize(it_, g_, solution_.eps, Tangents::sliding, inner_);
-  solution_.iterations += o.iterations;
-  ++solution_.passes;
-  return o.status;
+void FixedPoint::minimize(Tangents tangents, Real bound) {
+  const Real eps = tangents == Tangents::stuck ? 1 : solution_.eps;  // stuck: no friction acts
+  const Outcome o = tresca_.minimize(solution_.x, g_, eps, tangents, bound);
+  solution_.steps += o.steps;
+  solution_.iterations += o.iterations();
+  solution_.status = o.status;
 }
 
-/// g := G(g) = mu max(r_N, 0), accelerated. False where g is settled to the tolerance.
-bool FixedPoint::update_sliding_limit() {
-  const Vector& r = solution_.certificate.r;
-  Vector image(problem_.nodes());
-  Real sum = 0;
-  for (Index i = 0; i < problem_.nodes(); ++i) {
-    const Index N = problem_.system->first[i];
-    image[i] = law_of(problem_.increment, i).limit(r[N]);
-    const Real d = image[i] - g_[i];
-    if (problem_.tangents(i) > 0) sum += d * d / problem_.system->D[N + 1];
+/// What can be done about a certificate above tol after a minimization that met its bound, in this
+/// order: a better g, a smaller bound, the same again where the recurrence of r had drifted, a
+/// smaller eps. False where nothing is left.
+bool FixedPoint::improve(Real& last) {
+  if (coulomb_ && update_sliding_limit()) return solution_.status == Status::converged;
+  if (inner_ > share * settings_.tol) {
+    inner_ = share * settings_.tol;
+    return true;
   }
-  const Real mismatch = std::sqrt(sum) / problem_.increment.force_scale;
-  if (mismatch <= 0.3 * settings_.tol && inner_ <= settings_.tol / 3) return false;
+  if (solution_.certificate.residual < 0.5 * last) {
+    last = solution_.certificate.residual;
+    return true;
+  }
+  return sharpen_regularization();
+}
 
-  const Real inner_before = inner_;
-  const Real known = std::max(mismatch, inner_);  // a pass tells g no better than it was solved
-  if (known < 0.5 * best_) {
-    best_ = known;
-    since_best_ = 0;
-  } else {
-    precision_ = std::max(precision_ / 2, least_precision);
-    ++since_best_;
-  }
-  inner_ = std::min(inner_, std::max({precision_ * mismatch, 1e-3 * inner_, settings_.tol / 3}));
-  if (since_best_ > patience) {
-    if (damped_) {
-      solution_.status = Status::fixed_point_diverged;
-      return true;
-    }
-    damped_ = true;
-    best_ = mismatch;
-    since_best_ = -3 * patience;
-  }
-  if (mismatch < inner_before) {  // nothing learnt
-    g_ = image;
-    anderson_ = Anderson();
-  } else if (damped_) {
-    g_ = 0.5 * (g_ + image);
-  } else {
-    g_ = anderson_.next(g_, image).cwiseMax(0);
-  }
+/// g := G(g), accelerated. False where g is settled to the tolerance.
+bool FixedPoint::update_sliding_limit() {
+  const Real mismatch = measure_image();
+  if (mismatch <= 0.9 * share * settings_.tol && inner_ <= share * settings_.tol) return false;
+  const bool learnt = mismatch >= inner_;
+  judge_progress(std::max(mismatch, inner_));  // a pass tells g no better than it was solved
+  sharpen_pass(mismatch);
+  if (solution_.status != Status::converged) return true;
+  step_towards_image(learnt);
   if (settings_.regeps == 0 && solution_.eps > 0) {
     const Real eps = relative_eps_ * displacement_scale();
     if (eps > 2 * solution_.eps) solution_.eps = eps;  // the body slides farther than it seemed
   }
   return true;
+}
+
+/// G(g) = mu max(r_N, 0); returns |G(g) - g| in norm_D over the scale.
+Real FixedPoint::measure_image() {
+  image_ = sliding_limits();
+  Real sum = 0;
+  for (Index i = 0; i < problem_.nodes(); ++i) {
+    if (problem_.tangents(i) == 0) continue;
+    const Real d = image_[i] - g_[i];
+    sum += d * d / problem_.system->weight[problem_.system->first[i] + 1];
+  }
+  return std::sqrt(sum) / solution_.certificate.scale;
+}
+
+/// Damping where acceleration has not helped for long; diverged where damping has not either.
+void FixedPoint::judge_progress(Real mismatch) {
+  if (mismatch < 0.5 * best_) {
+    best_ = mismatch;
+    since_best_ = 0;
+    return;
+  }
+  precision_ = std::max(precision_ / 2, least_precision);
+  if (++since_best_ <= patience) return;
+  if (damped_) {
+    solution_.status = Status::fixed_point_diverged;
+    return;
+  }
+  damped_ = true;
+  best_ = mismatch;
+  since_best_ = -3 * patience;  // damping is slow: it gets four times as long
+}
+
+void FixedPoint::sharpen_pass(Real mismatch) {
+  const Real wanted =
+      std::max({precision_ * mismatch, largest_cut * inner_, share * settings_.tol});
+  inner_ = std::min(inner_, wanted);
+}
+
+/// learnt: the mismatch is one of g, not of the minimization; else it would mislead Anderson.
+void FixedPoint::step_towards_image(bool learnt) {
+  if (!learnt) {
+    g_ = image_;
+    anderson_.forget();
+  } else if (damped_) {
+    g_ = 0.5 * (g_ + image_);
+  } else {
+    g_ = anderson_.next(g_, image_).cwiseMax(0);
+  }
 }
 
 /// Where everything else is settled, what keeps the certificate above tol is eps. False where eps
@@ -143,9 +175,23 @@ bool FixedPoint::sharpen_regularization() {
 }
 
 Real FixedPoint::displacement_scale() const {
-  const Real moved = it_.x.lpNorm<Eigen::Infinity>();
+  const Real moved = solution_.x.lpNorm<Eigen::Infinity>();
   if (moved > 0) return moved;
-  return (problem_.increment.F.cwiseAbs().array() / problem_.system->D.array()).maxCoeff() + 1e-300;
+  const Vector &F = problem_.increment.F, &D = problem_.system->D;
+  return (F.cwiseAbs().array() / D.array()).maxCoeff() + std::numeric_limits<Real>::min();
+}
+
+/// mu max(r_N, 0) at the present x; 0 where the node is open: what rounding leaves of its r_N is no
+/// pressure, however large mu.
+Vector FixedPoint::sliding_limits() const {
+  const System& system = *problem_.system;
+  Vector g(problem_.nodes());
+  for (Index i = 0; i < problem_.nodes(); ++i) {
+    const Index N = system.first[i];
+    const Real closing = system.weight[N] * (problem_.increment.gap[i] - solution_.x[N]);
+    g[i] = law_of(problem_.increment, i).limit(closing, solution_.certificate.r[N]);
+  }
+  return g;
 }
 
 }  // namespace frictioncg

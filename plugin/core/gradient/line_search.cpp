@@ -7,10 +7,12 @@ namespace frictioncg {
 
 namespace {
 constexpr Real infinity = std::numeric_limits<Real>::infinity();
-constexpr Real rigid = 1e-13;  ///< <Av,v>/<Dv,v> at which v counts as a rigid motion
+constexpr Real overshoot = 0.5;  ///< J'(rho) over |J'(0)| from which (14) has overshot
+constexpr Real rigid = 1e-13;    ///< <Av,v>/<Dv,v> at which v counts as a rigid motion
 }  // namespace
 
-LineSearch::LineSearch(const System& system, Step step) : system_(system), step_(step) {
+LineSearch::LineSearch(const System& system, Step step, bool safeguarded)
+    : system_(system), step_(step), safeguarded_(safeguarded) {
   nodes_.reserve(system.nodes());
   breaks_.reserve(2 * nodes_.capacity());
   for (Index i = 0; i < system.nodes(); ++i)
@@ -46,7 +48,7 @@ Real LineSearch::friction_curvature(const Phi& phi, Real rho) const {
     const Real t = std::sqrt(tt);
     const Real along = n.xv + rho * n.vv;
     const Real radial = tt > 0 ? std::min(along * along / tt, n.vv) : n.vv;
-    sum += n.g * (phi.curvature(t) * radial + phi.slope_over_t(t) * (n.vv - radial));
+    sum += n.g * (phi.second_derivative(t) * radial + phi.slope_over_t(t) * (n.vv - radial));
   }
   return sum;
 }
@@ -59,13 +61,10 @@ Real LineSearch::operator()(const Phi& phi, const Vector& g, const Vector& x, co
                             Real r_v, Real a, Curvature vAv, Real rho_max) {
   gather(g, x, v);
   vAv_ = vAv.A > rigid * vAv.D ? vAv.A : 0;
-  if (step_ == Step::newton) {
-    const Real curvature = vAv_ + friction_curvature(phi, 0);
-    return curvature > 0 ? std::min(r_v / curvature, rho_max) : rho_max;
-  }
-  if (nodes_.empty()) return vAv_ > 0 ? std::min(r_v / vAv_, rho_max) : rho_max;
-
   a_ = a;
+  if (nodes_.empty()) return vAv_ > 0 ? std::min(r_v / vAv_, rho_max) : rho_max;
+  if (step_ == Step::newton && (!safeguarded_ || vAv_ > 0)) return newton(phi, r_v, rho_max);
+
   // friction only brakes: the root of J' lies below that of its quadratic part
   Real high = std::min(rho_max, vAv_ > 0 ? r_v / vAv_ : infinity);
   if (high == infinity) {
@@ -78,6 +77,28 @@ Real LineSearch::operator()(const Phi& phi, const Vector& g, const Vector& x, co
     return walk(phi, high);
   if (slope(phi, high) <= 0) return high;
   return step_ == Step::exact ? bracketed_newton(phi, high) : false_position(phi, high);
+}
+
+/// J(rho) - J(0).
+Real LineSearch::rise(const Phi& phi, Real rho) const {
+  Real sum = rho * (0.5 * rho * vAv_ - a_);
+  for (const Node& n : nodes_) {
+    const Real t = std::sqrt(std::max(0.0, n.xx + rho * (2 * n.xv + rho * n.vv)));
+    sum += n.g * (phi.value(t) - phi.value(std::sqrt(n.xx)));
+  }
+  return sum;
+}
+
+/// (14). J'' at x does not see a kink ahead: where the step crosses one, J' at its end is large, or
+/// J has even risen, and (13) by false position takes its place.
+Real LineSearch::newton(const Phi& phi, Real r_v, Real rho_max) {
+  const Real curvature = vAv_ + friction_curvature(phi, 0);
+  const Real rho = curvature > 0 ? std::min(r_v / curvature, rho_max) : rho_max;
+  if (!safeguarded_) return rho;
+  const Real s = slope(phi, rho);
+  if (s <= 0 || (s <= overshoot * r_v && rise(phi, rho) <= 0)) return rho;
+  ++damped_;
+  return false_position(phi, rho);
 }
 
 /// REG3 with one tangent: J' is piecewise linear and increasing, with two breakpoints a node.

@@ -1,4 +1,6 @@
 #pragma once
+#include <utility>
+
 #include "model/system.h"
 #include "gradient/preconditioner.h"
 #include "gradient/regularization.h"
@@ -9,12 +11,16 @@ namespace frictioncg {
 ///   J'(rho) = rho <Av,v> - <F-Ax,v> + sum_i g_i phi'(|x_T + rho v_T|) (x_T + rho v_T).v_T / |.|
 class LineSearch {
  public:
-  LineSearch(const System& system, Step step);
+  /// safeguarded: (14) is replaced by (13) where it overshoots; else it is taken as printed.
+  LineSearch(const System& system, Step step, bool safeguarded = true);
 
   /// rho in (0, rho_max] for the direction v with <r,v> > 0, r including friction, and a =
   /// <F-Ax,v>; infinite where J decreases for ever along a rigid motion.
   Real operator()(const Phi& phi, const Vector& g, const Vector& x, const Vector& v, Real r_v,
                   Real a, Curvature vAv, Real rho_max);
+
+  /// How many steps (14) have overshot since the last call.
+  Index take_damped() { return std::exchange(damped_, 0); }
 
  private:
   struct Node {
@@ -29,12 +35,16 @@ class LineSearch {
   Real friction_slope(const Phi& phi, Real rho) const;
   Real friction_curvature(const Phi& phi, Real rho) const;
   Real slope(const Phi& phi, Real rho) const;
+  Real rise(const Phi& phi, Real rho) const;
+  Real newton(const Phi& phi, Real r_v, Real rho_max);
   Real walk(const Phi& phi, Real rho_max);
   Real bracketed_newton(const Phi& phi, Real high) const;
   Real false_position(const Phi& phi, Real high) const;
 
   const System& system_;
   const Step step_;
+  const bool safeguarded_;
+  Index damped_ = 0;
   bool single_tangent_ = true;  ///< no node has two tangents
   std::vector<Node> nodes_;     ///< those that move tangentially and have g > 0
   std::vector<Break> breaks_;

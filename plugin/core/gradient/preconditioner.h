@@ -45,8 +45,8 @@ class Preconditioner {
   /// x += rho v, and r -= rho A v on the interior dofs; set_contact has to follow.
   virtual void advance(Real rho, const Vector& v, Vector& x) = 0;
 
-  /// x has been moved by dx_C (contact_dofs()) on the contact dofs alone: r -= A dx on the interior.
-  /// Half a pass over A; set_contact has to follow, and a restart.
+  /// x has been moved by dx_C (contact_dofs()) on the contact dofs alone: r -= A dx on the
+  /// interior. Half a pass over A; set_contact has to follow, and a restart.
   virtual void move_contact(const Vector& dx_C) = 0;
 
   Real r_z() const { return r_z_; }             ///< <r, P r>
@@ -64,57 +64,5 @@ class Preconditioner {
 };
 
 std::unique_ptr<Preconditioner> make_preconditioner(const System& system, Precon kind, Real omega);
-
-/// C = I, diag(A) or diag(J''): r itself is kept.
-class DiagonalPreconditioner final : public Preconditioner {
- public:
-  DiagonalPreconditioner(const System& system, Precon kind);
-  void start(const Vector& r) override;
-  void set_contact(const Vector& r_C, const ContactPart& part) override;
-  void direction(Real gamma, Vector& v) override;
-  Curvature curvature(const Vector& v) override;
-  void advance(Real rho, const Vector& v, Vector& x) override;
-  void move_contact(const Vector& dx_C) override;
-  Real r_v(const Vector& v) const override { return r_.dot(v); }
-  Real free_norm() const override;
-
- private:
-  const bool on_hessian_;
-  Vector C_;     ///< the diagonal
-  Vector r_;     ///< zero where masked
-  Vector Av_;    ///< of the last direction
-  Vector dr_C_;  ///< change of r on the contact dofs
-  Real interior_r_z_ = 0, interior_dr_z_ = 0;
-};
-
-/// C = omega/(2-omega) (D/omega + E) D^{-1} (D/omega + E)', eq. (16), with D of A or of J''.
-class SsorPreconditioner final : public Preconditioner {
- public:
-  SsorPreconditioner(const System& system, bool on_hessian, Real omega);
-  void start(const Vector& r) override;
-  void set_contact(const Vector& r_C, const ContactPart& part) override;
-  void direction(Real gamma, Vector& v) override;
-  Curvature curvature(const Vector& v) override;
-  void advance(Real rho, const Vector& v, Vector& x) override;
-  void move_contact(const Vector& dx_C) override;
-  Real r_v(const Vector&) const override { return y_.dot(s_); }
-  Real free_norm() const override;
-
- private:
-  void forward_contact(const Vector& lower_interior, const Vector& rhs, Vector& y) const;
-
-  const bool on_hessian_;
-  const Real omega_, kappa_;        ///< kappa = (2 - omega)/omega
-  std::vector<Index> diagonal_;     ///< n, position of a_ii in the row
-  Vector C_;                        ///< n, D of A or of J''
-  Vector inverse_;                  ///< n, omega/C
-  std::vector<char> free_;          ///< contact dofs
-  Vector y_;                        ///< (C/omega + E)^{-1} r, zero where masked
-  Vector s_;                        ///< (C/omega + E') v
-  Vector e_;                        ///< A v = (C/omega + E)(v + e)
-  Vector r_C_, E_y_, dy_C_, work_;  ///< contact dofs: r; E_CI y_I; change of y; right-hand side
-  bool C_changed_ = false;          ///< since s was formed
-  Real interior_r_z_ = 0, interior_dr_z_ = 0;
-};
 
 }  // namespace frictioncg

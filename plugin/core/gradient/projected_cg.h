@@ -1,59 +1,68 @@
 #pragma once
+#include "gradient/friction_term.h"
+#include "gradient/iterate.h"
 #include "gradient/line_search.h"
 #include "gradient/preconditioner.h"
+#include "gradient/release_rule.h"
+#include "gradient/stopping.h"
 #include "gradient/tresca.h"
 
 namespace frictioncg {
 
-/// Minimizes J_eps at given g over x_N <= gap by projected conjugate gradients.   sections 3 to 5
+/// Problem 4 of (10): minimizes J_eps at given g over x_N <= gap by conjugate gradients projected
+/// on the faces of the present contact.   sections 3 to 5
+///
+///   r = F - Ax - g phi'(x_T), 0 on held dofs               -J' of (11)
+///   repeat
+///     v = P r + gamma v, gamma of (12), P of (15)           P and v on the free dofs only
+///     rho of (13) or (14), at most up to the first gap
+///     x += rho v
+///     nodes that reached their gap are held; restart
+///     release of held nodes, as the rule of GC1, GC2, GC3 or GCX wants it; restart
+///   until |r_free|^2 + |violation|^2 <= eps_0^2             in norm_D
+///
+/// gamma is cut off at 0, and a restart follows a node that crosses eps (REG3, exact step): J has
+/// another quadratic form from there on.
 class ProjectedCG final : public TrescaSolver {
  public:
+  /// max_iterations bounds all minimizations together. The observer may be null.
   ProjectedCG(const ContactProblem& problem, const Settings& settings, Index max_iterations,
               Observer* observer);
 
-  Outcome minimize(Iterate& it, const Vector& g, Real eps, Tangents tangents,
-                   Real tolerance) override;
-  bool regularized() const override { return settings_.method != Method::gcx; }
+  Outcome minimize(Vector& x, const Vector& g, Real eps, Tangents tangents, Real bound) override;
+  bool regularized() const override { return !rule_->stick_is_a_face(); }
 
  private:
-  struct Verdict {
-    bool stop = false, restart = false;
+  /// What an iteration, or the start, has led to.
+  struct Turn {
+    bool contact_hit = false, stick_frozen = false, released = false, crossed = false;
+    bool restart = true;  ///< the direction of the next iteration
+    bool stop = false;
   };
 
-  void begin(Iterate& it, const Vector& g, const Phi& phi);
-  void recompute_residual(const Iterate& it);
-  bool hold_inward(Iterate& it, const Vector& g, const Phi& phi);
-  Real step_to_gap(const Iterate& it) const;
-  bool close_gaps(Iterate& it, Real rho, Real rho_gap);
-  Real release_threshold(Real tolerance) const;
-  bool release_tensile(Iterate& it, Real tolerance);
-  bool release_by_descent(Iterate& it, const Vector& g, Real tolerance);
-  bool freeze_stick(Iterate& it, const Vector& g, Real rho);
-  void displace(Iterate& it, Index c, Real dx);
-  void settle_displacements();
-  Real friction_part_along_v() const;
-  Real dual_violation(const Iterate& it, const Vector& g) const;
-  bool update_friction(const Iterate& it, const Vector& g, const Phi& phi);
-  Verdict judge(Iterate& it, const Vector& g, const Phi& phi, Real rho, Real tolerance);
-  Real free_norm_if_below(Real bound);
-  void contact_rows_times_v();
+  void begin(const Vector& g, Tangents tangents, Real bound);
+  Status direct(bool restart);
+  Status search(Real& rho, Real& rho_gap);
+  Turn advance(Real rho, Real rho_gap);
+  void judge(Turn& turn, Real rho);
+  bool update_friction();
 
   const ContactProblem& problem_;
   const Settings& settings_;
   const Index max_iterations_;
   Observer* const observer_;
-  const Vector& D_;
-  std::unique_ptr<Preconditioner> P_;
+  const Vector stiffness_;  ///< m, of A_TT
+  const std::unique_ptr<ReleaseRule> rule_;
+  const std::unique_ptr<Preconditioner> P_;
   LineSearch line_search_;
-  Tangents tangents_ = Tangents::sliding;
-  ContactPart part_;
-  std::vector<char> stick_;       ///< m, gcx: held at x_T = 0
-  Vector dx_C_, d_C_, Ad_C_;
-  std::vector<char> sticking_;    ///< m, |x_T| <= eps: the node's piece of REG3
-  Vector v_, Av_C_, r_C_, rf_C_;  ///< r_C without friction, rf_C with it, zero where held
-  Real partial_ = 0;              ///< eps_1/eps_0 at present
-  Real norm_ratio_ = 1;           ///< last measured |r_free| over <r, Pr>^(1/2)
-  Index since_measured_ = 0;
+  StoppingTest stopping_;
+  FrictionTerm friction_;
+  Iterate it_;
+  Phi phi_;
+  Vector v_;              ///< n, the direction
+  Vector residual_;       ///< n, of the start
+  Real r_z_ = 0;          ///< <r, P r> of the last direction
+  Real least_ = 0;        ///< violations of a face up to here are left to the tolerance
   Index iterations_ = 0;  ///< over all minimizations
 };
 

@@ -40,7 +40,7 @@ struct Phi {
 
   Real slope(Real t) const { return t * slope_over_t(t); }
 
-  Real curvature(Real t) const {
+  Real second_derivative(Real t) const {
     switch (kind) {
       case Regularization::square_root: {
         const Real h = std::hypot(t, eps);
@@ -58,8 +58,8 @@ struct Phi {
 
   /// phi''(x_T) averaged over the tangential directions: the diagonal of (17), the same in each
   /// frame.
-  Real mean_curvature(Real t, Index tangents) const {
-    return (curvature(t) + (tangents - 1) * slope_over_t(t)) / tangents;
+  Real mean_second_derivative(Real t, Index tangents) const {
+    return (second_derivative(t) + (tangents - 1) * slope_over_t(t)) / tangents;
   }
 };
 

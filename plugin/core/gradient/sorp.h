@@ -1,5 +1,6 @@
 #pragma once
 #include "gradient/tresca.h"
+#include "model/contact_problem.h"
 
 namespace frictioncg {
 
@@ -8,18 +9,26 @@ namespace frictioncg {
 /// thresholded at g. Not regularized.
 class Sorp final : public TrescaSolver {
  public:
+  /// max_iterations bounds the sweeps of all minimizations together. The observer may be null.
   Sorp(const ContactProblem& problem, const Settings& settings, Index max_iterations,
        Observer* observer);
-  Outcome minimize(Iterate& it, const Vector& g, Real eps, Tangents tangents,
-                   Real tolerance) override;
+  Outcome minimize(Vector& x, const Vector& g, Real eps, Tangents tangents, Real bound) override;
   bool regularized() const override { return false; }
 
  private:
-  void sweep(Vector& x, const Vector& g, Tangents tangents);
-  void update(Vector& x, Index i, Real value);
-  void relax_tangents(Vector& x, Index node, Real g);
+  struct Change {
+    Real energy = 0;  ///< sum of a_ii dx_i^2
+    Real square = 0;  ///< sum of dx_i^2
+  };
+
+  void start(Vector& x, Tangents tangents) const;
+  Change sweep(Vector& x, const Vector& g, Tangents tangents) const;
+  void update(Vector& x, Index i, Real value, Change& change) const;
+  void relax_tangents(Vector& x, Index node, Real g, Change& change) const;
   Real row_residual(const Vector& x, Index i) const;
   Real violation(const Vector& x, const Vector& g, Tangents tangents);
+  bool settled(const Vector& x, const Vector& g, Tangents tangents, Real bound,
+               const Change& change);
 
   const ContactProblem& problem_;
   const Settings& settings_;
@@ -27,10 +36,11 @@ class Sorp final : public TrescaSolver {
   Observer* const observer_;
   const Vector& D_;
   const Real omega_;
-  Vector stiffness_;  ///< m, largest eigenvalue of A_TT at the node
-  Vector r_;
-  Real change_ = 0;  ///< of the last sweep: sum a_ii dx_i^2
-  Index iterations_ = 0;
+  const Vector stiffness_;  ///< m, of A_TT
+  Vector residual_;         ///< n, of the last measurement
+  Real ratio_ = 0;          ///< last measured violation over the change of its sweep
+  Index since_measured_ = 0;
+  Index iterations_ = 0;  ///< over all minimizations
 };
 
 }  // namespace frictioncg

@@ -1,18 +1,15 @@
 #pragma once
 #include "model/law.h"
 #include "settings.h"
+#include "steps.h"
 
 namespace frictioncg {
 
-/// Where a minimization starts, and where it stands when it ends.
-struct Iterate {
-  Vector x;                   ///< n, x_N <= gap
-  std::vector<char> contact;  ///< m, 1: held at the gap
-};
-
+/// How a minimization ended, and what it took.
 struct Outcome {
   Status status = Status::converged;
-  Index iterations = 0;
+  StepCounts steps;
+  Index iterations() const { return steps.total(); }
 };
 
 /// Where the tangential dofs of a minimization stand.
@@ -21,15 +18,18 @@ enum class Tangents {
   stuck     ///< held at x_T = 0, whatever the force: the start of the fixed point
 };
 
-/// Problem 2 (section 2): minimizes J, or J_eps, at a given sliding limit g over x_N <= gap.
+/// Problem 2 (section 2): minimizes J of (3), (5), or J_eps of (11), at a given sliding limit g
+/// over x_N <= gap. The bound on the iterations is shared by all minimizations of one solver.
 class TrescaSolver {
  public:
   virtual ~TrescaSolver() = default;
 
-  /// g: m [force]; eps [length]. Ends when what is left of the optimality conditions of J (J_eps)
-  /// is below tolerance |F|, in norm_D.
-  virtual Outcome minimize(Iterate& it, const Vector& g, Real eps, Tangents tangents,
-                           Real tolerance) = 0;
+  /// x: n, where it starts (put on x_N <= gap first) and where it ends. g: m [force]; eps [length].
+  /// Converged where the norm (norm_D) of what is left of the optimality conditions of J (J_eps) is
+  /// below bound.
+  virtual Outcome minimize(Vector& x, const Vector& g, Real eps, Tangents tangents, Real bound) = 0;
+
+  /// Whether it minimizes J_eps, and needs eps > 0 where there is friction.
   virtual bool regularized() const { return true; }
 };
 

@@ -1,0 +1,98 @@
+#include "gradient/active_set.h"
+
+#include <cmath>
+#include <limits>
+
+namespace frictioncg {
+
+namespace {
+/// Rounding of gap and of rho v_N: a node this close to its gap has reached it.
+constexpr Real rounding = 1e-15;
+}  // namespace
+
+ActiveSet::ActiveSet(const ContactProblem& problem)
+    : problem_(problem),
+      system_(*problem.system),
+      contact_(problem.nodes(), 0),
+      stick_(problem.nodes(), 0) {}
+
+void ActiveSet::start(Vector& x, const Vector& g, Tangents tangents, bool stick_is_a_face) {
+  const Increment& now = problem_.increment;
+  stuck_ = tangents == Tangents::stuck;
+  for (Index i = 0; i < problem_.nodes(); ++i) {
+    const Index N = system_.first[i], t = system_.tangents(i);
+    x[N] = now.bilateral ? now.gap[i] : std::min(x[N], now.gap[i]);
+    contact_[i] = x[N] == now.gap[i];
+    auto x_T = x.segment(N + 1, t);
+    if (stuck_) x_T.setZero();
+    stick_[i] = !stuck_ && stick_is_a_face && t > 0 && g[i] > 0 && x_T.isZero(0);
+  }
+}
+
+Real ActiveSet::step_to_gap(const Vector& x, const Vector& v) const {
+  Real rho = std::numeric_limits<Real>::infinity();
+  for (Index i = 0; i < problem_.nodes(); ++i) {
+    const Index N = system_.first[i];
+    if (!contact_[i] && v[N] > 0) rho = std::min(rho, (problem_.increment.gap[i] - x[N]) / v[N]);
+  }
+  return std::max(rho, 0.0);
+}
+
+bool ActiveSet::close_gaps(Vector& x, const Vector& v, Real rho) {
+  bool closed = false;
+  for (Index i = 0; i < problem_.nodes(); ++i) {
+    const Index N = system_.first[i];
+    const Real gap = problem_.increment.gap[i];
+    if (contact_[i] || v[N] <= 0) continue;
+    if (x[N] < gap - rounding * std::abs(gap) - rounding * rho * v[N]) continue;
+    x[N] = gap;
+    contact_[i] = 1;
+    closed = true;
+  }
+  return closed;
+}
+
+bool ActiveSet::activate_blocked(const Vector& x, const Vector& v) {
+  bool blocked = false;
+  for (Index i = 0; i < problem_.nodes(); ++i) {
+    const Index N = system_.first[i];
+    if (contact_[i] || v[N] <= 0 || x[N] < problem_.increment.gap[i]) continue;
+    contact_[i] = 1;
+    blocked = true;
+  }
+  return blocked;
+}
+
+bool ActiveSet::open_tensile(const Vector& r_C, Real threshold) {
+  bool opened = false;
+  for (Index i = 0; i < problem_.nodes(); ++i) {
+    if (tension(i, r_C) <= threshold * std::sqrt(system_.weight[system_.first[i]])) continue;
+    contact_[i] = 0;
+    opened = true;
+  }
+  return opened;
+}
+
+Real ActiveSet::tension(Index i, const Vector& r_C) const {
+  if (!contact_[i] || problem_.increment.bilateral) return 0;
+  return std::max(-r_C[system_.first[i] - system_.interior()], 0.0);
+}
+
+Real ActiveSet::stick_excess(Index i, const Vector& r_C, const Vector& g) const {
+  if (!stick_[i]) return 0;
+  const Index T = system_.first[i] + 1 - system_.interior();
+  return std::max(r_C.segment(T, system_.tangents(i)).norm() - g[i], 0.0);
+}
+
+Real ActiveSet::violation(const Vector& r_C, const Vector& g) const {
+  Real sum = 0;
+  for (Index i = 0; i < problem_.nodes(); ++i) {
+    const Index N = system_.first[i];
+    const Real normal = tension(i, r_C), tangential = stick_excess(i, r_C, g);
+    if (normal > 0) sum += normal * normal / system_.weight[N];
+    if (tangential > 0) sum += tangential * tangential / system_.weight[N + 1];
+  }
+  return std::sqrt(sum);
+}
+
+}  // namespace frictioncg

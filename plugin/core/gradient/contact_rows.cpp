@@ -1,0 +1,70 @@
+#include "gradient/contact_rows.h"
+
+#include <cmath>
+
+namespace frictioncg {
+
+ContactRows::ContactRows(const ContactProblem& problem)
+    : system_(*problem.system),
+      r_(Vector::Zero(problem.contact_dofs())),
+      dx_C_(Vector::Zero(problem.contact_dofs())) {}
+
+void ContactRows::advance(Real rho, const Vector& v) {
+  const Index* row = system_.A.outerIndexPtr();
+  const Index* col = system_.A.innerIndexPtr();
+  const Real* a = system_.A.valuePtr();
+  for (Index c = 0; c < r_.size(); ++c) {
+    const Index i = system_.interior() + c;
+    Real sum = 0;
+    for (Index k = row[i]; k < row[i + 1]; ++k) sum += a[k] * v[col[k]];
+    r_[c] -= rho * sum;
+  }
+}
+
+void ContactRows::displace(Vector& x, Index c, Real dx) {
+  const Index* row = system_.A.outerIndexPtr();
+  const Index* col = system_.A.innerIndexPtr();
+  const Real* a = system_.A.valuePtr();
+  const Index interior = system_.interior(), i = interior + c;
+  x[i] += dx;
+  dx_C_[c] += dx;
+  displaced_ = true;
+  for (Index k = row[i + 1] - 1; k >= row[i] && col[k] >= interior; --k)
+    r_[col[k] - interior] -= a[k] * dx;
+}
+
+void ContactRows::settle(Preconditioner& P) {
+  if (!displaced_) return;
+  P.move_contact(dx_C_);
+  dx_C_.setZero();
+  displaced_ = false;
+}
+
+Real ContactRows::energy(const Vector& d) const {
+  const Index* row = system_.A.outerIndexPtr();
+  const Index* col = system_.A.innerIndexPtr();
+  const Real* a = system_.A.valuePtr();
+  const Index interior = system_.interior();
+  Real sum = 0;
+  for (Index c = 0; c < d.size(); ++c) {
+    if (d[c] == 0) continue;
+    const Index i = interior + c;
+    for (Index k = row[i + 1] - 1; k >= row[i] && col[k] >= interior; --k)
+      sum += d[c] * a[k] * d[col[k] - interior];
+  }
+  return sum;
+}
+
+Vector tangential_stiffness(const System& system) {
+  Vector stiffness = Vector::Zero(system.nodes());
+  for (Index i = 0; i < system.nodes(); ++i) {
+    const Index T = system.first[i] + 1, t = system.tangents(i);
+    if (t == 1) stiffness[i] = system.D[T];
+    if (t != 2) continue;
+    const Real off = system.A.coeff(T, T + 1), half = (system.D[T] - system.D[T + 1]) / 2;
+    stiffness[i] = (system.D[T] + system.D[T + 1]) / 2 + std::hypot(half, off);
+  }
+  return stiffness;
+}
+
+}  // namespace frictioncg

@@ -1,0 +1,54 @@
+#include "gradient/friction_term.h"
+
+namespace frictioncg {
+
+FrictionTerm::FrictionTerm(const ContactProblem& problem)
+    : system_(*problem.system),
+      r_(Vector::Zero(problem.contact_dofs())),
+      part_{std::vector<char>(problem.contact_dofs(), 1), Vector::Zero(problem.contact_dofs())},
+      piece_(problem.nodes(), 0) {}
+
+bool FrictionTerm::update(const Vector& x, const Vector& r_C, const ActiveSet& faces,
+                          const Vector& g, const Phi& phi) {
+  bool crossed = false;
+  r_ = r_C;
+  for (Index i = 0; i < system_.nodes(); ++i) {
+    const Index c = system_.first[i] - system_.interior(), t = system_.tangents(i);
+    part_.free[c] = !faces.contact(i);
+    if (faces.contact(i)) r_[c] = 0;
+    for (Index k = 1; k <= t; ++k) part_.free[c + k] = !faces.at_rest(i);
+    part_.hessian.segment(c + 1, t).setZero();
+    if (faces.at_rest(i)) {
+      r_.segment(c + 1, t).setZero();
+    } else if (t > 0 && g[i] > 0) {
+      brake(i, x, g[i], phi);
+      crossed |= changes_piece(i, x, phi);
+    }
+  }
+  return crossed;
+}
+
+void FrictionTerm::brake(Index i, const Vector& x, Real g, const Phi& phi) {
+  const Index T = system_.first[i] + 1, c = T - system_.interior(), t = system_.tangents(i);
+  const auto x_T = x.segment(T, t);
+  const Real slip = x_T.norm();
+  r_.segment(c, t) -= g * phi.slope_over_t(slip) * x_T;
+  part_.hessian.segment(c, t).setConstant(g * phi.mean_second_derivative(slip, t));
+}
+
+bool FrictionTerm::changes_piece(Index i, const Vector& x, const Phi& phi) {
+  const Index T = system_.first[i] + 1, t = system_.tangents(i);
+  const char piece = phi.eps > 0 ? x.segment(T, t).norm() <= phi.eps : t == 1 && x[T] > 0;
+  const bool changed = piece != piece_[i];
+  piece_[i] = piece;
+  return changed;
+}
+
+Real FrictionTerm::along(const Vector& r_C, const Vector& v) const {
+  Real sum = 0;
+  for (Index c = 0; c < r_C.size(); ++c)
+    if (part_.free[c]) sum += (r_C[c] - r_[c]) * v[system_.interior() + c];
+  return sum;
+}
+
+}  // namespace frictioncg

@@ -1,0 +1,39 @@
+#pragma once
+#include <array>
+
+#include "types.h"
+
+namespace frictioncg {
+
+/// What an iteration was: each has one label. Where several fit, the last of them counts.
+enum class StepLabel {
+  conjugate,     ///< along v = P r + gamma v, eq. (12)
+  restart,       ///< along v = P r
+  stick_frozen,  ///< nodes that came to rest are held at x_T = 0 from here on
+  contact_hit,   ///< nodes that reached their gap are held there from here on
+  release,       ///< held nodes are let go
+  sweep,         ///< SORP: every dof once
+  newton         ///< semismooth Newton on the contact dofs
+};
+constexpr int step_labels = 7;
+
+/// How many iterations carried which label.
+struct StepCounts {
+  std::array<Index, step_labels> count{};
+  Index damped = 0;  ///< steps (14) that would have overshot, and were shortened
+
+  Index operator[](StepLabel label) const { return count[static_cast<int>(label)]; }
+  void add(StepLabel label) { ++count[static_cast<int>(label)]; }
+  Index total() const {
+    Index sum = 0;
+    for (Index n : count) sum += n;
+    return sum;
+  }
+  StepCounts& operator+=(const StepCounts& other) {
+    for (int k = 0; k < step_labels; ++k) count[k] += other.count[k];
+    damped += other.damped;
+    return *this;
+  }
+};
+
+}  // namespace frictioncg
