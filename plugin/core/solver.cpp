@@ -55,8 +55,10 @@ void try_without_factor(const ContactProblem& problem, const Settings& settings,
   if (rest.nbiter <= 0) return;
   Solution t = iterate(problem, rest, {}, observer);
   t.iterations += s.iterations;
+  t.steps += s.steps;
   if (t.status != Status::converged && t.status != Status::no_equilibrium) {
     s.iterations = t.iterations;
+    s.steps = t.steps;
     return;
   }
   t.times = s.times;
