@@ -18,10 +18,16 @@ constexpr Real rounding = 1e-10;
 /// Residuals up to this many times what rounding leaves are its work.
 constexpr Real rounding_margin = 10;
 
-/// What stands in for the condensed route: not regularized either, unless the settings ask for it.
-Settings on_A(Settings settings) {
+/// The method that stands in for the condensed route, without a factor: not regularized either,
+/// unless the settings ask for it.
+Settings without_factor(Settings settings) {
   settings.method = settings.polish ? Method::gcx : Method::gc3;
   return settings;
+}
+
+/// Bound on the iterations of a call, all layers together.
+Index bound_of(const ContactProblem& problem, const Settings& settings) {
+  return settings.nbiter > 0 ? settings.nbiter : default_iterations(problem);
 }
 
 Layer layer_of(Method method) {
@@ -31,23 +37,31 @@ Layer layer_of(Method method) {
 
 Solution iterate(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                  Observer* observer) {
-  const Index bound = settings.nbiter > 0 ? settings.nbiter : default_iterations(problem);
-  const auto tresca = make_tresca_solver(problem, settings, bound, observer);
+  const auto tresca = make_tresca_solver(problem, settings, bound_of(problem, settings), observer);
   Solution s = FixedPoint(problem, settings, *tresca).solve(x0);
   s.layer = layer_of(settings.method);
   return s;
 }
 
 /// Where the condensed route fails short of rounding, stick as a face on A itself: it needs no
-/// factor, which a nearly singular A spoils, and tells a load that nothing holds.
-void second_opinion(const ContactProblem& problem, const Settings& settings, Observer* observer,
-                    Solution& s) {
+/// factor, which a nearly singular A spoils, and tells a load that nothing holds. It takes what the
+/// condensed route has left of the bound on the iterations.
+void try_without_factor(const ContactProblem& problem, const Settings& settings, Observer* observer,
+                        Solution& s) {
   if (s.status == Status::converged || s.status == Status::no_equilibrium) return;
   if (s.certificate.residual <= rounding) return;
-  Solution t = iterate(problem, on_A(settings), {}, observer);
-  if (t.status != Status::converged && t.status != Status::no_equilibrium) return;
-  t.times = s.times;
+  Settings rest = without_factor(settings);
+  rest.nbiter = bound_of(problem, settings) - s.iterations;
+  if (rest.nbiter <= 0) return;
+  Solution t = iterate(problem, rest, {}, observer);
   t.iterations += s.iterations;
+  t.steps += s.steps;
+  if (t.status != Status::converged && t.status != Status::no_equilibrium) {
+    s.iterations = t.iterations;
+    s.steps = t.steps;
+    return;
+  }
+  t.times = s.times;
   s = std::move(t);
 }
 
@@ -75,14 +89,17 @@ void conclude(const ContactProblem& problem, const Settings& settings, Solution&
 
 }  // namespace
 
+/// A factorization serves every load and law that follows, and the laws on the contact dofs alone
+/// are then exact and cheap: the route unless the settings name another method.
 Plan make_plan(const ContactProblem& problem, const Settings& settings) {
   Plan plan;
+  const bool direct = settings.method == Method::automatic || settings.method == Method::condensed;
+  plan.route = direct ? Route::condensed : Route::iterative;
   plan.dofs = problem.dofs();
   plan.nodes = problem.nodes();
   plan.tangents = problem.contact_dofs() - problem.nodes();
   plan.law = problem.nodes() > 0 ? problem.increment.law : Law::frictionless;
   plan.fixed_point = plan.law == Law::coulomb;
-  const bool direct = settings.method == Method::automatic || settings.method == Method::condensed;
   const bool smooths = settings.method != Method::sorp && settings.method != Method::gcx;
   plan.regularization = plan.law != Law::frictionless && (direct ? !settings.polish : smooths);
   return plan;
@@ -120,14 +137,16 @@ Solution Solver::solve(const Increment& increment, const Settings& settings, con
   return s;
 }
 
+/// The condensed route where the plan asks for it and its factor fits; where it does not arrive,
+/// or does not fit, the same laws on A.
 Solution Solver::by_route(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                           Observer* observer) {
-  if (settings.method != Method::automatic && settings.method != Method::condensed)
+  if (make_plan(problem, settings).route == Route::iterative)
     return iterate(problem, settings, x0, observer);
   const bool kept = tried_;
-  if (!condense(settings)) return iterate(problem, on_A(settings), x0, observer);
+  if (!condense(settings)) return iterate(problem, without_factor(settings), x0, observer);
   Solution s = condensed_->solve(problem, settings, x0);
-  if (settings.polish) second_opinion(problem, settings, observer, s);
+  if (settings.polish) try_without_factor(problem, settings, observer, s);
   if (!kept) {
     const CondensationTimes& t = condensed_->condensation().times();
     s.times.order = t.order;

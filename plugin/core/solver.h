@@ -8,6 +8,8 @@ namespace frictioncg {
 
 /// What the scene needs, decided before anything is solved; what is absent is left out.
 struct Plan {
+  Route route =
+      Route::iterative;  ///< the first choice; a factor that does not fit leaves the other
   Index dofs = 0, nodes = 0, tangents = 0;
   Law law = Law::frictionless;
   bool fixed_point = false;     ///< law coulomb: g depends on the answer
@@ -37,6 +39,7 @@ class Solver {
                  Observer* observer = nullptr);
 
  private:
+  /// Solves on the way of the plan; what answered stands in Solution::layer.
   Solution by_route(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                     Observer* observer);
   bool condense(const Settings& settings);

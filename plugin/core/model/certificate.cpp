@@ -9,9 +9,9 @@ namespace {
 
 constexpr Real epsilon = std::numeric_limits<Real>::epsilon();
 
-/// Forces below this many times the rounding of Ax are taken as rounding: solvers stop a digit or
-/// two above it.
-constexpr Real rounding_margin = 100;
+/// Forces below this many times the rounding of Ax are taken as rounding: solvers stop a little
+/// above it.
+constexpr Real rounding_margin = 10;
 
 /// The share of the load that counts beside the contact forces: small enough that tol bounds the
 /// laws to 100 tol of contact forces down to 1e-4 of the load, large enough for those to vanish.
@@ -72,9 +72,9 @@ Real nearest_gap(const ContactProblem& problem, const Vector& x) {
 /// What the residual of x is measured in, > 0; violation: its norm; rounding: that of r.
 Real scale_of(const ContactProblem& problem, const Vector& x, const Vector& r, Real violation,
               Real rounding) {
-  const Real at_work =
-      std::hypot(load_share * problem.increment.load_norm, contact_force_norm(problem, x, r));
-  if (at_work > rounding_margin * rounding) return at_work;
+  const Real load = problem.increment.load_norm, contact = contact_force_norm(problem, x, r);
+  if (std::hypot(load, contact) > rounding_margin * rounding)
+    return std::max(std::hypot(load_share * load, contact), rounding);
   const Real driving = std::max(driving_norm(*problem.system, problem.increment),
                                 norm_D(*problem.system, problem.increment.F - r));
   if (violation > rounding_margin * rounding)

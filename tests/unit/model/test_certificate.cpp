@@ -181,6 +181,22 @@ TEST(Certificate, WhereAllIsRoundingItsScaleIsWhatDrivesTheBody) {
   }
 }
 
+TEST(Certificate, ForcesWithinTenTimesTheirRoundingAreTakenForRounding) {
+  // sqrt(k) = 2, 3; |F| = 20 stands for Dirichlet data, r_N and the load for what is at work
+  ContactProblem p = one_node(Law::coulomb, 0.3);
+  const auto scale = [&](Real r_N, Real load, Real rounding) {
+    p.increment.F << r_N, 60;
+    p.increment.load_norm = load;
+    p.increment.rounding = rounding;
+    return certify(p, Eigen::Vector2d(0, 60.0 / 9)).scale;
+  };
+  EXPECT_NEAR(scale(2e-3, 0, 0.99e-4), 1e-3, 1e-12);
+  EXPECT_NEAR(scale(2e-3, 0, 1.01e-4), 20, 1e-3);
+  EXPECT_NEAR(scale(0, 1e-3, 1.01e-4), 20, 1e-3);
+  EXPECT_NEAR(scale(0, 1e-3, 0.99e-5), 1e-5, 1e-12);     // a hundredth of the load
+  EXPECT_NEAR(scale(0, 1e-3, 0.99e-4), 0.99e-4, 1e-12);  // never below rounding
+}
+
 TEST(Certificate, ABodyThatStopsShortOfTheObstacleIsNotTakenForOpen) {
   // nothing touches yet, and what is left to go is small beside the way: 1e-9 of the load
   BlockOptions o;
