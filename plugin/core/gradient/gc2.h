@@ -7,7 +7,8 @@ namespace frictioncg {
 /// goes on.
 class Gc2 final : public ReleaseRule {
  public:
-  Real threshold(Real, Real) const override { return std::numeric_limits<Real>::infinity(); }
+  bool at_once() const override { return true; }
+  Real threshold(Real, Real) const override { return 0; }
   bool release(Iterate& it, Real least) override {
     return it.faces.open_tensile(it.rows.r(), least);
   }

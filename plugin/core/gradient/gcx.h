@@ -10,7 +10,8 @@ namespace frictioncg {
 ///     while |r_free| > |beta|       r_free: residual on the free dofs of the present face
 ///       one step of the conjugate gradient on the face, down to the first gap
 ///       a node that reached its gap joins the contact face
-///       a node that came to rest joins the stick face, where x_T = 0 minimizes J over x_T
+///       a node that turned round goes to the minimum of J over its x_T; at 0, it joins the stick
+///       face
 ///     release:  d = W^{-1} beta,  rho = <beta, d>/<A d, d>,  x += rho d,  new face, restart
 ///   until |r_free|^2 + |beta|^2 <= eps_0^2
 ///
@@ -21,8 +22,10 @@ namespace frictioncg {
 ///
 /// Why it ends: J never rises. A release lowers it by at least c |beta|^2, c > 0 fixed by A alone,
 /// so |beta| at the releases tends to 0, and |r_free| <= |beta| with it: infinitely many releases
-/// would meet eps_0. After the last of them the faces only grow, at most 2m times; from there on it
-/// is a conjugate gradient on one face, which brings r_free below any bound.
+/// would meet eps_0. After the last of them the faces only grow, at most 2m times. From there on it
+/// is a conjugate gradient on one face, which brings r_free below any bound: it cannot come to a
+/// stand at a kink x_T = 0 that is no minimum over x_T, because turning round there lowers J by an
+/// amount that the distance from the kink does not change.
 class Gcx final : public ReleaseRule {
  public:
   explicit Gcx(const System& system) : d_(Vector::Zero(system.contact_dofs())) {}

@@ -55,10 +55,7 @@ Outcome ProjectedCG::minimize(Vector& x, const Vector& g, Real eps, Tangents tan
   Outcome outcome;
   phi_ = regularized() ? Phi{settings_.reg, eps} : Phi{Regularization::polynomial, 0};
   it_.x.swap(x);
-  begin(g, tangents, bound);  // r = F - Ax - g phi'(x_T)
-  Turn turn;
-  judge(turn, 0);
-  turn.restart = true;
+  Turn turn = begin(g, tangents, bound);  // r = F - Ax - g phi'(x_T)
   while (!turn.stop && outcome.status == Status::converged) {
     if (iterations_ >= max_iterations_) {
       outcome.status = Status::max_iterations;
@@ -83,7 +80,7 @@ Outcome ProjectedCG::minimize(Vector& x, const Vector& g, Real eps, Tangents tan
   return outcome;
 }
 
-void ProjectedCG::begin(const Vector& g, Tangents tangents, Real bound) {
+ProjectedCG::Turn ProjectedCG::begin(const Vector& g, Tangents tangents, Real bound) {
   rule_->start();
   stopping_.start(bound);
   least_ = stopping_.by_step() ? 0 : unreleased * bound / std::sqrt(Real(problem_.nodes()));
@@ -94,7 +91,12 @@ void ProjectedCG::begin(const Vector& g, Tangents tangents, Real bound) {
   it_.rows.start(residual_);
   P_->start(residual_);
   v_.setZero();
+  Turn turn;
+  if (rule_->at_once()) turn.released = rule_->release(it_, least_);
   update_friction();
+  judge(turn, 0);
+  turn.restart = true;
+  return turn;
 }
 
 /// v = P r + gamma v, or P r alone: at a restart, where that is no descent, and where it would
@@ -129,12 +131,14 @@ ProjectedCG::Turn ProjectedCG::advance(Real rho, Real rho_gap) {
   it_.rows.advance(rho, v_);
   if (rho >= rho_gap) turn.contact_hit = it_.faces.close_gaps(it_.x, v_, rho);
   if (rule_->stick_is_a_face() &&
-      freeze_stick(it_, v_, rho, stiffness_, std::sqrt(std::max(P_->r_z(), 0.0)))) {
+      come_to_rest(it_, v_, rho, stiffness_, std::sqrt(std::max(P_->r_z(), 0.0)))) {
     turn.stick_frozen = true;
     it_.rows.settle(*P_);
   }
+  if (rule_->at_once()) turn.released = rule_->release(it_, least_);
   turn.crossed = update_friction();
-  turn.restart = turn.contact_hit || turn.stick_frozen || turn.crossed;
+  turn.restart =
+      turn.contact_hit || turn.stick_frozen || turn.crossed || (turn.released && rule_->restarts());
   return turn;
 }
 
@@ -143,8 +147,7 @@ void ProjectedCG::judge(Turn& turn, Real rho) {
   const Real eps_0 = stopping_.eps_0();
   const Real violation = stopping_.by_step() ? 0 : it_.faces.violation(it_.rows.r(), it_.g);
   const Real eps_1 = rule_->threshold(eps_0, violation);
-  const Real wanted = eps_1 < infinity ? std::max(eps_0, eps_1) : eps_0;
-  const Real left = stopping_.left(*P_, wanted, rho, v_, it_.x);
+  const Real left = stopping_.left(*P_, std::max(eps_0, eps_1), rho, v_, it_.x);
   turn.stop = left <= eps_0 && std::hypot(left, violation) <= eps_0;
   if (left > eps_1 || (turn.stop && !stopping_.by_step())) return;
   if (!rule_->release(it_, least_)) return;

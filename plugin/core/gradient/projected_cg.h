@@ -40,7 +40,7 @@ class ProjectedCG final : public TrescaSolver {
     bool stop = false;
   };
 
-  void begin(const Vector& g, Tangents tangents, Real bound);
+  Turn begin(const Vector& g, Tangents tangents, Real bound);
   Status direct(bool restart);
   Status search(Real& rho, Real& rho_gap);
   Turn advance(Real rho, Real rho_gap);

@@ -1,5 +1,4 @@
 #pragma once
-#include <limits>
 #include <memory>
 
 #include "gradient/iterate.h"
@@ -15,8 +14,11 @@ class ReleaseRule {
   /// At the start of a minimization.
   virtual void start() {}
 
-  /// The norm of the residual on the free dofs down to which the faces are kept, given the final
-  /// one, eps_0, and the violation (all in norm_D). Infinite: let go at each iteration.
+  /// Let go at each iteration, before anything is measured.
+  virtual bool at_once() const { return false; }
+
+  /// Else: the norm of the residual on the free dofs down to which the faces are kept, given the
+  /// final one, eps_0, and the violation (all in norm_D).
   virtual Real threshold(Real eps_0, Real violation) const = 0;
 
   /// Lets go of the nodes that violate by more than `least` (norm_D). True if there is one; where x

@@ -1,7 +1,6 @@
 #include "gradient/rest.h"
 
 #include <cmath>
-#include <cstdlib>
 
 #include "model/law.h"
 
@@ -22,29 +21,25 @@ bool turned(const Tangent& x_T, const Tangent& v_T, Real rho) {
 
 }  // namespace
 
-bool freeze_stick(Iterate& it, const Vector& v, Real rho, const Vector& stiffness, Real residual) {
-  bool frozen = false;
+bool come_to_rest(Iterate& it, const Vector& v, Real rho, const Vector& stiffness, Real residual) {
+  bool moved = false;
   for (Index i = 0; i < it.system.nodes(); ++i) {
     const Index T = it.system.first[i] + 1, c = T - it.system.interior(), t = it.system.tangents(i);
     if (t == 0 || it.faces.at_rest(i) || it.g[i] == 0) continue;
     const Tangent x_T = it.x.segment(T, t);
+    const bool turns = turned(x_T, v.segment(T, t), rho);
     const bool creeps = std::sqrt(stiffness[i]) * x_T.norm() <= creep * residual;
-    if (!creeps && !turned(x_T, v.segment(T, t), rho)) continue;
+    if (!turns && !creeps) continue;
     const Tangent y = it.rows.r().segment(c, t) + stiffness[i] * x_T;
-    static const bool relax = getenv("RELAX");
-    if (y.norm() > it.g[i]) {
-      if (!relax || creeps) continue;
-      const Tangent to = (1 - it.g[i] / y.norm()) / stiffness[i] * y;
-      for (Index k = 0; k < t; ++k) it.rows.displace(it.x, c + k, to[k] - x_T[k]);
-      frozen = true;
-      continue;
-    }
-    for (Index k = 0; k < t; ++k) it.rows.displace(it.x, c + k, -x_T[k]);
-    it.x.segment(T, t).setZero();
-    it.faces.activate_stick(i);
-    frozen = true;
+    const bool rests = y.norm() <= it.g[i];
+    if (!rests && !turns) continue;
+    const Real share = rests ? 0 : (1 - it.g[i] / y.norm()) / stiffness[i];
+    for (Index k = 0; k < t; ++k) it.rows.displace(it.x, c + k, share * y[k] - x_T[k]);
+    if (rests) it.x.segment(T, t).setZero();
+    if (rests) it.faces.activate_stick(i);
+    moved = true;
   }
-  return frozen;
+  return moved;
 }
 
 }  // namespace frictioncg
