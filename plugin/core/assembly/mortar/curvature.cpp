@@ -1,5 +1,9 @@
 #include "assembly/mortar/curvature.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <map>
+
 namespace frictioncg::mortar {
 
 namespace {
@@ -43,24 +47,61 @@ Vec3 arc(const Vec3& n_a, const Vec3& n_b, const Vec3& e) {
   return (n_b - n_a).dot(e) / 2 / (1 + cosine) * (n_a + n_b);
 }
 
+/// Normals at the rim in 3D, where those of the facets see one side only: n with n.e = -n_a.e for
+/// the edges e to inner vertices a, by least squares. Vertices whose edges leave a direction open
+/// wait for their neighbours on the rim; in the end the mean of the mirrored normals decides there.
+void resolve_rim(const Side& side, const std::vector<Vec3>& X, std::vector<Vec3>& normal,
+                 std::vector<Place>& place) {
+  struct Fit {
+    Eigen::Matrix3d M = Eigen::Matrix3d::Zero();
+    Vec3 right = Vec3::Zero(), mirrored = Vec3::Zero();
+  };
+  for (int pass = 0; pass < 4; ++pass) {
+    std::map<Index, Fit> fits;
+    for (const Facet& facet : side.surface.facets)
+      for (int p = 0; p < 3; ++p)
+        for (int q = 0; q < 3; ++q) {
+          const Index a = facet.node[p], b = facet.node[q];
+          if (place[a] != Place::inner || place[b] != Place::rim) continue;
+          const Vec3 e = (X[b] - X[a]).normalized();
+          Fit& fit = fits[b];
+          fit.M += e * e.transpose();
+          fit.right -= normal[a].dot(e) * e;
+          fit.mirrored += mirrored(normal[a], e);
+        }
+    for (const auto& [i, fit] : fits) {
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread(fit.M);
+      if (pass < 2 && spread.eigenvalues()[1] < 0.05 * spread.eigenvalues()[2]) continue;
+      constexpr Real weak = 1e-4;
+      const Eigen::Matrix3d M = fit.M + weak * Eigen::Matrix3d::Identity();
+      normal[i] = M.ldlt().solve(fit.right + weak * fit.mirrored.normalized()).normalized();
+      place[i] = Place::inner;
+    }
+  }
+}
+
 }  // namespace
 
 CurvedOffset::CurvedOffset(const Side& side, const std::vector<Vec3>& X)
     : edge_(side.facets()), d_(side.d) {
-  const std::vector<Vec3> normal = vertex_normals(side, X);
+  std::vector<Vec3> normal = vertex_normals(side, X);
   const std::vector<Place> place = places(side, X.size());
+  std::vector<Place> resolved = place;
+  if (d_ == 3) resolve_rim(side, X, normal, resolved);
   for (Index f = 0; f < side.facets(); ++f)
     for (int k = 0; k < edges_of_facet(d_); ++k) {
       const auto [p, q] = edge_ends(d_, k);
       const Index a = side.facet(f).node[p], b = side.facet(f).node[q];
       const Vec3 e = X[b] - X[a];
-      const bool a_inner = place[a] == Place::inner, b_inner = place[b] == Place::inner;
-      const bool on_ridge = place[a] == Place::ridge || place[b] == Place::ridge;
-      if (a_inner != b_inner)
-        edge_[f][k] = a_inner ? arc(normal[a], mirrored(normal[a], e), e)
-                              : arc(mirrored(normal[b], e), normal[b], e);
+      const bool a_decides = place[a] == Place::inner || resolved[b] == Place::ridge;
+      const bool b_decides = place[b] == Place::inner || resolved[a] == Place::ridge;
+      if (resolved[a] == Place::ridge && resolved[b] == Place::ridge)
+        edge_[f][k] = Vec3::Zero();
+      else if (a_decides != b_decides)
+        edge_[f][k] = a_decides ? arc(normal[a], mirrored(normal[a], e), e)
+                                : arc(mirrored(normal[b], e), normal[b], e);
       else
-        edge_[f][k] = !a_inner && on_ridge ? Vec3::Zero() : arc(normal[a], normal[b], e);
+        edge_[f][k] = arc(normal[a], normal[b], e);
     }
 }
 
