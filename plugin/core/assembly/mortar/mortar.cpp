@@ -2,8 +2,8 @@
 
 #include <stdexcept>
 
-#include "assembly/mortar/curvature.h"
 #include "assembly/mortar/dual_basis.h"
+#include "assembly/mortar/integration.h"
 #include "assembly/mortar/validation.h"
 
 namespace frictioncg::mortar {
@@ -26,22 +26,6 @@ Matrix identity(Index n) {
   return I;
 }
 
-/// A slave facet and what covers it.
-struct Part {
-  const Side &slave, &master;
-  Index facet;
-  const std::vector<Cell>& cells;
-  Index node(int k) const { return slave.facet(facet).node[k]; }
-};
-
-/// Integrals over the covered part of a slave facet, of each lambda_v times ...
-struct Moments {
-  Eigen::Matrix3d vertices = Eigen::Matrix3d::Zero();  ///< ... lambda_w
-  Eigen::Matrix3d edges = Eigen::Matrix3d::Zero();     ///< ... phi_e
-  Eigen::Matrix3d offset = Eigen::Matrix3d::Zero();    ///< ... delta_m(chi) - delta_s, row v
-  std::vector<Eigen::Matrix<Real, 3, 6>> master;       ///< ... phi^m_l(chi), one per cell
-};
-
 }  // namespace
 
 /// Sums over the facets; then the rows are divided by D.
@@ -57,7 +41,6 @@ class Assembly {
 
  private:
   Index size() const { return static_cast<Index>(nodes_.X.size()); }
-  Moments integrate(const Part& part);
   void add_facet(const Part& part, const Moments& moments, const Ownership::Carriers& carriers);
   void add_multiplier(Index i, const Eigen::RowVector3d& psi, const Part& part,
                       const Moments& moments, const std::array<bool, 3>& kept);
@@ -74,54 +57,21 @@ class Assembly {
   std::vector<Vec3> offset_;  ///< int psi_i (delta_m(chi) - delta_s)
   std::vector<char> on_edge_;
   std::vector<Mortar::Edge> edges_;
-  const CurvedOffset *slave_offset_ = nullptr, *master_offset_ = nullptr;
-  std::vector<QuadraturePoint> points_;
   Index partly_covered_ = 0;
   std::size_t visited_ = 0;
 };
 
 void Assembly::add_pair(Index p, const Side& slave, const Side& master, const Cover& cover) {
-  const CurvedOffset of_slave(slave, nodes_.X), of_master(master, nodes_.X);
-  slave_offset_ = &of_slave, master_offset_ = &of_master;
+  const Integration integration(slave, master, nodes_.X, options_.smooth);
   visited_ += cover.visited;
   for (Index f = 0; f < slave.facets(); ++f) {
     const std::vector<Cell>& cells = cover.cells[f];
     if (cells.empty()) continue;
     if (cover.fraction[f] < 1 - 1e-9) ++partly_covered_;
     const Part part{slave, master, f, cells};
-    add_facet(part, integrate(part), ownership_.carriers[p][f]);
+    add_facet(part, integration.over(part), ownership_.carriers[p][f]);
     if (slave.surface.quadratic) add_edges(slave, f);
   }
-}
-
-Moments Assembly::integrate(const Part& part) {
-  const Side &slave = part.slave, &master = part.master;
-  const int d = slave.d;
-  const Plane& plane = slave.planes[part.facet];
-  const Real jacobian = plane.measure / extent(reference_facet(d));
-  Moments moments;
-  for (const Cell& cell : part.cells) {
-    const Projection chi = project(d, plane, master.facet(cell.master), nodes_.X);
-    Eigen::Matrix<Real, 3, 6> of_cell = Eigen::Matrix<Real, 3, 6>::Zero();
-    quadrature(cell.part, points_);
-    for (const QuadraturePoint& point : points_) {
-      const Vec3 lambda = slave_coordinates(d, point.xi), on_master = chi.at(point.xi);
-      const Vec3 weighted = jacobian * point.weight * lambda;
-      const Shape phi_m = shape_functions(d, master.surface.quadratic, on_master);
-      of_cell += weighted * Eigen::Map<const Eigen::Matrix<Real, 1, 6>>(phi_m.data());
-      moments.vertices += weighted * lambda.transpose();
-      for (int k = 0; k < edges_of_facet(d); ++k) {
-        const auto [a, b] = edge_ends(d, k);
-        moments.edges.col(k) += 4 * lambda[a] * lambda[b] * weighted;
-      }
-      if (options_.smooth)
-        moments.offset += weighted * (master_offset_->at(cell.master, on_master) -
-                                      slave_offset_->at(part.facet, lambda))
-                                         .transpose();
-    }
-    moments.master.push_back(of_cell);
-  }
-  return moments;
 }
 
 void Assembly::add_facet(const Part& part, const Moments& moments,
@@ -269,6 +219,23 @@ Matrix Mortar::change_of_basis(const std::vector<char>& held) const {
     sum += term;
   }
   return C * sum;
+}
+
+Matrix Mortar::inverse_basis(const std::vector<char>& held) const {
+  Entries rows;
+  std::vector<char> relative(size_, 0);
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    const Index i = nodes_[k].node;
+    if (!held.empty() && held[i]) continue;
+    relative[i] = 1;
+    for (Matrix::InnerIterator it(G_, static_cast<Index>(k)); it; ++it)
+      rows.emplace_back(i, it.col(), it.value());
+  }
+  const Matrix inverse_of_C = halving(held, false, -0.5);
+  for (Index i = 0; i < size_; ++i)
+    for (Matrix::InnerIterator it(inverse_of_C, i); it && !relative[i]; ++it)
+      rows.emplace_back(i, it.col(), it.value());
+  return sparse(size_, size_, rows);
 }
 
 }  // namespace frictioncg::mortar

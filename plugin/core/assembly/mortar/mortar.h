@@ -68,6 +68,9 @@ class Mortar {
   /// with Dirichlet conditions at some nodes.
   Matrix change_of_basis(const std::vector<char>& held = {}) const;
 
+  /// Its inverse: the rows of G at contact nodes, of C^-1 at mid-edges, of the identity elsewhere.
+  Matrix inverse_basis(const std::vector<char>& held = {}) const;
+
   /// The gap of each contact node (m), from a gap given at every slave node (nodes).
   Vector weighted(const Vector& gap) const { return S_ * gap; }
 
