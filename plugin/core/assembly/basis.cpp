@@ -11,4 +11,12 @@ std::vector<Image> images(const Basis& basis) {
   return all;
 }
 
+Basis composed(const Coupling& coupling, const Basis& of_v) {
+  Basis of_u = of_v;
+  of_u.T = coupling.T * of_v.T;
+  of_u.W = of_v.W * coupling.W;
+  of_u.rotated = of_v.rotated || coupling.T.nonZeros() > coupling.T.rows();
+  return of_u;
+}
+
 }  // namespace frictioncg

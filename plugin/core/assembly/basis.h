@@ -8,7 +8,8 @@ namespace frictioncg {
 ///
 /// By virtual work loads go T'b, and forces lambda on the contact dofs come back as W'lambda: on
 /// the obstacle's normal whole, what Dirichlet conditions hold of it included, the reactions of the
-/// supports left out. Frames of contact nodes fill it today; a mortar is another filler.
+/// supports left out. Frames of contact nodes fill it, on top of the relative displacements of a
+/// mortar where two bodies touch.
 struct Basis {
   Matrix T;                   ///< n x (n_w + n_D)
   Matrix W;                   ///< n_w x n
@@ -27,5 +28,14 @@ struct Image {
   bool single() const { return image >= 0; }
 };
 std::vector<Image> images(const Basis& basis);
+
+/// A change u = T v among the dofs of the script, v = W u, both n x n, with rows of the identity at
+/// Dirichlet dofs: v of a contact node is its displacement relative to the other body.
+struct Coupling {
+  Matrix T, W;
+};
+
+/// A basis of v as one of u.
+Basis composed(const Coupling& coupling, const Basis& of_v);
 
 }  // namespace frictioncg

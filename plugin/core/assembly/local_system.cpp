@@ -9,9 +9,22 @@ namespace frictioncg {
 LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
                          const std::vector<Index>& mesh_node)
     : points_(std::move(points)), dirichlet_(A, points_) {
+  assemble(A, dimension, mesh_node, nullptr);
+}
+
+LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
+                         const std::vector<Index>& mesh_node, Dirichlet dirichlet,
+                         const Coupling& coupling)
+    : points_(std::move(points)), dirichlet_(std::move(dirichlet)) {
+  assemble(A, dimension, mesh_node, &coupling);
+}
+
+void LocalSystem::assemble(const Triplets& A, int dimension, const std::vector<Index>& mesh_node,
+                           const Coupling* coupling) {
   const Frames frames(dimension, A.n, points_, dirichlet_);
   nodes_ = frames.nodes();
   basis_ = frames.basis();
+  if (coupling) basis_ = std::make_shared<const Basis>(composed(*coupling, *basis_));
   const auto system = std::make_shared<System>();
   system->dimension = dimension;
   system->first = basis_->first;

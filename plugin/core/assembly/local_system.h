@@ -29,6 +29,10 @@ class LocalSystem {
   /// for what is not finite, not symmetric, or has a diagonal <= 0.
   LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
               const std::vector<Index>& mesh_node = {});
+  /// With two bodies: frames and laws act on the relative displacements of the coupling, that knows
+  /// what `dirichlet` holds of A.
+  LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
+              const std::vector<Index>& mesh_node, Dirichlet dirichlet, const Coupling& coupling);
   LocalSystem(const LocalSystem&) = delete;
   LocalSystem& operator=(const LocalSystem&) = delete;
 
@@ -52,6 +56,9 @@ class LocalSystem {
   Vector force_to_global(const Vector& r) const;
 
  private:
+  void assemble(const Triplets& A, int dimension, const std::vector<Index>& mesh_node,
+                const Coupling* coupling);
+
   std::vector<ContactPoint> points_;
   Dirichlet dirichlet_;
   std::vector<ContactNode> nodes_;
