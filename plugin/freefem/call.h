@@ -77,10 +77,13 @@ inline KN_<double> solve(Stack stack, const Call& call, Scene& scene, const Poin
                                                        : Vector(call.u_init - call.u_old));
   const Solution solution = scene.solver->solve(now.increment, call.settings, x0,
                                                 call.verb > 0 || out.history ? &progress : nullptr);
-  if (call.verb > 0) report_end(solution);
+  if (call.verb > 0) {
+    report_end(solution);
+    report_motions(scene, solution);
+  }
   if (call.verb > 2) report_phases(scene, solution);
   if (solution.status != Status::converged && !out.status)
-    refuse_unconverged(solution, call.settings);
+    refuse_unconverged(scene, solution, call.settings);
   write_outputs(scene, solution, progress, out);
 
   KN<double>* u = Add2StackOfPtr2Free(stack, new KN<double>(scene.ndof));

@@ -5,6 +5,7 @@
 #include <limits>
 #include <sstream>
 
+#include "../core/model/validate.h"
 #include "arguments.h"
 
 namespace frictioncg {
@@ -37,7 +38,8 @@ inline bool has_relaxation(const Settings& s) {
   return s.method == Method::sorp || s.precon == Precon::ssor || s.precon == Precon::hessian_ssor;
 }
 
-/// An option without effect is refused: it would let the user believe in what does not happen.
+/// An option without effect is refused: it would let the user believe in what does not happen. The
+/// core sees values alone; here what is given counts, be it the default.
 inline void refuse_without_effect(const Arguments& args, const Settings& s) {
   const bool newton = by_condensation(s) && s.polish, smooth = smooths_friction(s);
   const auto rule = [&](Parameter p, bool has_effect, const char* because) {
@@ -60,7 +62,8 @@ inline void refuse_without_effect(const Arguments& args, const Settings& s) {
                        "\", which does not relax; leave it out, or take an SSOR");
 }
 
-/// The settings of a call, one clear sentence each for what they may not be.
+/// The settings of a call. Refused here is what a script alone can say: zeros, which stand for the
+/// defaults in the core, and its units.
 inline Settings read_settings(Stack stack, const Arguments& args) {
   Settings s;
   s.method = args.chosen(stack, p_method, methods, s.method);
@@ -77,9 +80,9 @@ inline Settings read_settings(Stack stack, const Arguments& args) {
           "the regularization is a length > 0; leave it out to scale it from the scene");
   require(!args.has(p_omega) || (s.omega > 0 && s.omega < 2), p_omega, s.omega,
           "a relaxation parameter lies between 0 and 2");
-  require(s.tol > 0 && s.tol < 1, p_tol, s.tol, "the tolerance lies between 0 and 1");
   require(s.memory > 0, p_memory, s.memory / 1e9, "the memory bound is a number of GB > 0");
   refuse_without_effect(args, s);
+  validate(s);
   return s;
 }
 

@@ -15,6 +15,7 @@ struct Outputs {
   KN<double>* force;
   KN<long>* state;
   KN<double>* normals;
+  long* free;
   KNM<double>* history;
   KN<double>* times;
 
@@ -25,6 +26,7 @@ struct Outputs {
         force(args.output<KN<double>>(stack, p_force)),
         state(args.output<KN<long>>(stack, p_state)),
         normals(args.output<KN<double>>(stack, p_normals)),
+        free(args.output<long>(stack, p_free)),
         history(args.output<KNM<double>>(stack, p_history)),
         times(args.output<KN<double>>(stack, p_times)) {}
 };
@@ -97,6 +99,7 @@ inline void write_outputs(const Scene& scene, const Solution& solution, const Pr
   if (out.force) write_force(scene, solution.certificate.r, out.force);
   if (out.state) write_state(scene, solution.state, out.state);
   if (out.normals) write_normals(scene, solution.certificate.r, out.normals);
+  if (out.free) *out.free = solution.undetermined.cols();
   if (out.history) progress.write_history(out.history);
 }
 

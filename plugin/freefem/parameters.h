@@ -39,6 +39,7 @@ enum Parameter {
   p_force,
   p_state,
   p_normals,
+  p_free,
   p_history,
   p_times,
   parameter_count
@@ -72,6 +73,7 @@ inline basicAC_F0::name_and_type parameters[] = {
     {"force", &typeid(KN<double>*)},     // out [force]
     {"state", &typeid(KN<long>*)},       // out
     {"normals", &typeid(KN<double>*)},   // out
+    {"free", &typeid(long*)},            // out
     {"history", &typeid(KNM<double>*)},  // out
     {"times", &typeid(KN<double>*)},     // out [s]
 };

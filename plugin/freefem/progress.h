@@ -11,6 +11,9 @@
 
 namespace frictioncg {
 
+constexpr const char* step_names[step_labels] = {
+    "conjugate", "restart", "stick frozen", "contact hit", "release", "sweep", "Newton"};
+
 /// Hears of the iterations: keeps the history, and shows that a long run lives.
 ///   verb 1: a line every five seconds; from 2 on the first iteration, then a line every second
 /// Its own cost is not counted.
@@ -19,22 +22,23 @@ class Progress final : public Observer {
   Progress(const ContactProblem& problem, long verb, bool keep_history)
       : problem_(problem), verb_(verb), keep_history_(keep_history) {}
 
-  void iterate(Index iteration, StepLabel, const Vector& x) override {
+  void iterate(Index iteration, StepLabel label, const Vector& x) override {
     const double now = cpu_seconds();
     const bool speaks = is_time_to_speak();
     if (keep_history_ || speaks) {
       const double residual = certify(problem_, x).residual;
-      if (keep_history_) rows_.push_back({now - start_, double(iteration), residual});
-      if (speaks) say(iteration, residual);
+      if (keep_history_)
+        rows_.push_back({now - start_, double(iteration), residual, double(label)});
+      if (speaks) say(iteration, label, residual);
     }
     start_ += cpu_seconds() - now;
   }
 
-  /// Rows (CPU seconds, iteration, certificate).
+  /// Rows (CPU seconds, iteration, certificate, label of the step).
   void write_history(KNM<double>* out) const {
-    out->resize(static_cast<long>(rows_.size()), 3);
+    out->resize(static_cast<long>(rows_.size()), 4);
     for (std::size_t k = 0; k < rows_.size(); ++k)
-      for (int c = 0; c < 3; ++c) (*out)(static_cast<int>(k), c) = rows_[k][c];
+      for (int c = 0; c < 4; ++c) (*out)(static_cast<int>(k), c) = rows_[k][c];
   }
 
  private:
@@ -47,11 +51,12 @@ class Progress final : public Observer {
     if (verb_ == 1) return since(spoken_) >= 5;
     return first_ || since(spoken_) >= 1;
   }
-  void say(Index iteration, double residual) {
+  void say(Index iteration, StepLabel label, double residual) {
     first_ = false;
     spoken_ = Clock::now();
-    std::cout << " -- " << operator_name << ": iteration " << iteration << ", certificate "
-              << residual << ", " << since(begun_) << " s" << std::endl;
+    std::cout << " -- " << operator_name << ": iteration " << iteration << " ("
+              << step_names[static_cast<int>(label)] << "), certificate " << residual << ", "
+              << since(begun_) << " s" << std::endl;
   }
 
   const ContactProblem& problem_;
@@ -59,7 +64,7 @@ class Progress final : public Observer {
   bool keep_history_, first_ = true;
   double start_ = cpu_seconds();
   Clock::time_point begun_ = Clock::now(), spoken_ = begun_;
-  std::vector<std::array<double, 3>> rows_;
+  std::vector<std::array<double, 4>> rows_;
 };
 
 }  // namespace frictioncg

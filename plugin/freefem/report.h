@@ -5,6 +5,7 @@
 #include <string>
 
 #include "options.h"
+#include "progress.h"
 #include "scene.h"
 
 namespace frictioncg {
@@ -33,19 +34,22 @@ inline const char* name_of(Status status) {
 }
 
 /// What to do about a call that did not converge. Only no_equilibrium blames the load.
-inline std::string remedy(Status status, const Settings& s) {
+inline std::string remedy(const Solution& solution, const Settings& s) {
+  const Status status = solution.status;
+  const Certificate& c = solution.certificate;
   if (smooths_friction(s) && s.step != Step::exact && status != Status::no_equilibrium)
     return std::string("step=\"") + name_of(s.step, steps) +
-           "\" need not converge where regeps is small; leave step out, or raise regeps";
+           "\" may be what keeps it from converging; leave step out, or raise nbiter";
   switch (status) {
     case Status::converged:
       break;
     case Status::max_iterations:
       return smooths_friction(s) ? "raise nbiter, or try omega=1.5" : "raise nbiter";
     case Status::stagnated:
+      if (c.residual <= 10 * c.attainable) return "rounding leaves no less of it; raise tol";
       return "the method came to a standstill above tol; raise tol, or name another method";
     case Status::no_equilibrium:
-      return "contact and friction cannot hold this load; check the supports";
+      return "contact, friction and supports cannot hold this load";
     case Status::not_positive_definite:
       return "A must be positive semi-definite; check its coefficients";
     case Status::fixed_point_diverged:
@@ -148,9 +152,26 @@ inline const char* name_of(Layer layer) {
   return "unknown";
 }
 
+/// A motion of the local dofs in words.
+inline std::string describe(const Scene& scene, const Vector& motion) {
+  return describe_motion(scene.places(), scene.d,
+                         scene.system->to_global(motion, Vector::Zero(scene.ndof)));
+}
+
+/// The motions that a call leaves open: one that nothing holds, or some that nothing determines.
+inline void report_motions(const Scene& scene, const Solution& solution) {
+  if (solution.unheld_motion.size() > 0)
+    line() << "nothing holds " << describe(scene, solution.unheld_motion) << std::endl;
+  for (Index k = 0; k < solution.undetermined.cols(); ++k)
+    line() << "nothing determines " << describe(scene, solution.undetermined.col(k))
+           << "; the field has the least of it" << std::endl;
+}
+
 /// How a call ended, and which layer answered: a fallback shows here.
 inline void report_end(const Solution& solution) {
-  line() << name_of(solution.status) << " by " << name_of(solution.layer) << ", residual "
+  const bool unnamed = solution.layer == Layer::none && solution.route == Route::condensed;
+  line() << name_of(solution.status) << " by "
+         << (unnamed ? "the condensed route" : name_of(solution.layer)) << ", residual "
          << solution.certificate.residual << ", " << solution.iterations << " iterations";
   if (solution.passes > 0) std::cout << " in " << solution.passes << " passes of the fixed point";
   if (solution.eps > 0) std::cout << ", regeps " << solution.eps;
@@ -164,6 +185,12 @@ inline void report_phases(const Scene& scene, const Solution& solution) {
          << t.factor << ", condense " << t.condense << ", contact " << t.contact
          << ", back-substitution " << t.back_substitution << ", certificate " << t.certificate
          << std::endl;
+  line() << "steps:";
+  for (int k = 0; k < step_labels; ++k)
+    if (solution.steps.count[k] > 0)
+      std::cout << " " << solution.steps.count[k] << " " << step_names[k];
+  if (solution.steps.total() == 0) std::cout << " none of the gradient methods";
+  std::cout << std::endl;
   Index count[4] = {0, 0, 0, 0};
   for (NodeState s : solution.state) ++count[static_cast<Index>(s)];
   const Certificate& c = solution.certificate;
@@ -173,11 +200,15 @@ inline void report_phases(const Scene& scene, const Solution& solution) {
 }
 
 /// The error of a call that did not converge and whose script does not ask for the status.
-[[noreturn]] inline void refuse_unconverged(const Solution& solution, const Settings& s) {
+[[noreturn]] inline void refuse_unconverged(const Scene& scene, const Solution& solution,
+                                            const Settings& s) {
   std::ostringstream m;
   m << "not converged (" << name_of(solution.status) << ") after " << solution.iterations
     << " iterations: residual " << solution.certificate.residual << ", tol " << s.tol << "; "
-    << remedy(solution.status, s) << "; pass status=... to get the field all the same";
+    << remedy(solution, s);
+  if (solution.unheld_motion.size() > 0)
+    m << ", which nothing holds against " << describe(scene, solution.unheld_motion);
+  m << "; pass status=... to get the field all the same";
   throw IllegalInput(m.str());
 }
 
