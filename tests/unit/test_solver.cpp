@@ -409,7 +409,7 @@ TEST(Solver, TheDefaultTurnsWithTheSceneStepByStep) {
   }
 }
 
-TEST(Solver, ABlockBroughtFromFarObeysTheLawsOrSaysWhatRoundingAllows) {
+TEST(Solver, ABlockBroughtFromFarObeysTheLawsByEveryMethodOrSaysWhatRoundingAllows) {
   BlockOptions o;
   o.cells = 8;
   o.mu = 0.2;
@@ -420,11 +420,16 @@ TEST(Solver, ABlockBroughtFromFarObeysTheLawsOrSaysWhatRoundingAllows) {
       settings.method = m;
       const Answer a = run(brought_from_far(o, D), settings);
       const Certificate& c = a.solution.certificate;
+      // rounding leaves about 2e-11 D; sweeps of SORP come less near to it
+      if (D <= 10 || (D <= 1000 && m != Method::sorp))
+        EXPECT_EQ(a.solution.status, Status::converged) << D << " " << int(m);
       if (a.solution.status == Status::converged) {
         EXPECT_LT(a.verdict.worst(), 1e-6) << D << " " << int(m);
-      } else if (m == Method::automatic) {
+      } else {
+        EXPECT_GT(c.attainable, settings.tol) << D << " " << int(m);
+      }
+      if (D >= 1e6 && m == Method::automatic) {
         EXPECT_EQ(a.solution.status, Status::stagnated) << D;
-        EXPECT_GT(c.attainable, settings.tol) << D;
         EXPECT_LT(c.residual, 10 * c.attainable) << D;
       }
     }
