@@ -1,8 +1,11 @@
 #include "solver.h"
 
 #include <cmath>
+#include <sstream>
 
 #include "condensed/condensed.h"
+#include "condensed/equilibrium.h"
+#include "condensed/rigid_motions.h"
 #include "gradient/fixed_point.h"
 #include "gradient/projected_cg.h"
 #include "gradient/sorp.h"
@@ -35,17 +38,34 @@ Layer layer_of(Method method) {
   return method == Method::gcx ? Layer::gcx : Layer::gc;
 }
 
+/// J without a bound at the present sliding limit says nothing about Coulomb's law, and a stall
+/// nothing about the load. Rigid motions do: no_equilibrium where one of them is a proof, and
+/// nowhere else.
+void decide_on_equilibrium(const ContactProblem& problem, Solution& s) {
+  const bool open = s.status == Status::no_equilibrium || s.status == Status::stagnated ||
+                    s.status == Status::fixed_point_diverged;
+  if (!open) return;
+  const DenseMatrix W = rigid_motions(*problem.system, default_iterations(problem));
+  const Statics statics = balance(W, problem);
+  s.unheld_motion = statics.motion;
+  if (statics.balance == Balance::unheld)
+    s.status = Status::no_equilibrium;
+  else if (s.status == Status::no_equilibrium)
+    s.status = Status::stagnated;
+}
+
 Solution iterate(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                  Observer* observer) {
   const auto tresca = make_tresca_solver(problem, settings, bound_of(problem, settings), observer);
   Solution s = FixedPoint(problem, settings, *tresca).solve(x0);
   s.layer = layer_of(settings.method);
+  decide_on_equilibrium(problem, s);
   return s;
 }
 
 /// Where the condensed route fails short of rounding, stick as a face on A itself: it needs no
-/// factor, which a nearly singular A spoils, and tells a load that nothing holds. It takes what the
-/// condensed route has left of the bound on the iterations.
+/// factor, which a nearly singular A spoils. It takes what the condensed route has left of the bound
+/// on the iterations.
 void try_without_factor(const ContactProblem& problem, const Settings& settings, Observer* observer,
                         Solution& s) {
   if (s.status == Status::converged || s.status == Status::no_equilibrium) return;
@@ -56,12 +76,12 @@ void try_without_factor(const ContactProblem& problem, const Settings& settings,
   Solution t = iterate(problem, rest, {}, observer);
   t.iterations += s.iterations;
   t.steps += s.steps;
-  if (t.status != Status::converged && t.status != Status::no_equilibrium) {
-    s.iterations = t.iterations;
-    s.steps = t.steps;
-    return;
-  }
+  s.iterations = t.iterations;
+  s.steps = t.steps;
+  const bool decided = t.status == Status::converged || t.status == Status::no_equilibrium;
+  if (!decided && !(t.certificate.residual < s.certificate.residual)) return;
   t.times = s.times;
+  if (!decided) t.status = s.status;
   s = std::move(t);
 }
 
@@ -143,12 +163,12 @@ Solution Solver::by_route(const ContactProblem& problem, const Settings& setting
                           Observer* observer) {
   if (make_plan(problem, settings).route == Route::iterative)
     return iterate(problem, settings, x0, observer);
-  const bool kept = tried_;
+  const bool kept = factored_;
   if (!condense(settings)) return iterate(problem, without_factor(settings), x0, observer);
   Solution s = condensed_->solve(problem, settings, x0);
   if (settings.polish) try_without_factor(problem, settings, observer, s);
   if (!kept) {
-    const CondensationTimes& t = condensed_->condensation().times();
+    const EliminationTimes& t = condensed_->elimination().times();
     s.times.order = t.order;
     s.times.factor = t.factor;
     s.times.condense = t.condense;
@@ -157,13 +177,33 @@ Solution Solver::by_route(const ContactProblem& problem, const Settings& setting
   return s;
 }
 
+/// Whether the condensed route is open: factors A where that was not done, and fits now.
 bool Solver::condense(const Settings& settings) {
-  if (tried_) return factored_;
-  tried_ = true;
-  condensed_ = std::make_unique<CondensedSolver>(system_);
-  factored_ = condensed_->factor(settings.memory) == Condensation::Outcome::done;
-  if (!factored_) condensed_.reset();
-  return factored_;
+  const bool fits = settings.memory >= memory_needed_;
+  if (fits && !factored_ && !indefinite_) {
+    condensed_ = std::make_unique<CondensedSolver>(system_);
+    const Elimination::Outcome outcome = condensed_->factor(settings.memory);
+    memory_needed_ = condensed_->elimination().memory_needed();
+    factored_ = outcome == Elimination::Outcome::done;
+    indefinite_ = outcome == Elimination::Outcome::not_positive_definite;
+    if (!factored_) condensed_.reset();
+  }
+  if (settings.memory >= memory_needed_) return factored_;
+  if (settings.method == Method::condensed) refuse_memory(settings.memory);
+  return false;
+}
+
+void Solver::refuse_memory(double given) const {
+  std::ostringstream m;
+  m << "method=\"condensed\" ";
+  if (std::isfinite(memory_needed_))
+    m << "needs at least " << memory_needed_ / 1e9 << " GB for its factor and the dense matrices on "
+      << system_->contact_dofs() << " contact dofs, more than memory = " << given / 1e9
+      << " GB; raise memory";
+  else
+    m << "needs a factor of more than 2^31 entries, which CHOLMOD cannot index; take method=\"GCX\"";
+  m << ", or leave the choice to method=\"auto\"";
+  throw IllegalInput(m.str());
 }
 
 Solution solve(const ContactProblem& problem, const Settings& settings, const Vector& x0,

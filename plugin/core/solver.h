@@ -34,7 +34,8 @@ class Solver {
   ~Solver();
 
   /// Solves by the method of the settings, and certifies the answer. x0 (n), or empty to start from
-  /// the scene. Throws IllegalInput for what validate refuses; the factorization stays as it was.
+  /// the scene. Throws IllegalInput for what validate refuses, and where the condensed route is
+  /// demanded and does not fit in settings.memory; the factorization stays as it was.
   Solution solve(const Increment& increment, const Settings& settings, const Vector& x0 = {},
                  Observer* observer = nullptr);
 
@@ -43,11 +44,13 @@ class Solver {
   Solution by_route(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                     Observer* observer);
   bool condense(const Settings& settings);
+  [[noreturn]] void refuse_memory(double given) const;
 
   SystemPtr system_;
   std::unique_ptr<CondensedSolver> condensed_;
-  bool tried_ = false;  ///< the factorization was attempted
+  double memory_needed_ = 0;  ///< by the condensed route, as far as it is known [bytes]
   bool factored_ = false;
+  bool indefinite_ = false;  ///< A has no factor, whatever the memory
 };
 
 /// One problem, solved once.
