@@ -38,9 +38,9 @@ endif
 FF_HEADER  := -isystem $(FF_INCLUDE)
 PREFIX     ?= $(FF_PREFIX)
 
-CORE      := $(wildcard plugin/core/*.cpp plugin/core/*/*.cpp)
+CORE      := $(wildcard plugin/core/*.cpp plugin/core/*/*.cpp plugin/core/*/*/*.cpp)
 OBJECTS   := $(CORE:plugin/%.cpp=$(BUILD)/%.o)
-HEADERS   := $(wildcard plugin/core/*.h plugin/core/*/*.h plugin/freefem/*.h)
+HEADERS   := $(wildcard plugin/core/*.h plugin/core/*/*.h plugin/core/*/*/*.h plugin/freefem/*.h)
 UNIT      := $(filter-out tests/unit/standalone/%,$(wildcard tests/unit/*.cpp tests/unit/*/*.cpp))
 IDP       := $(wildcard edp/*.idp)
 SCRIPTS   := $(wildcard tests/edp/*.edp)
@@ -123,7 +123,7 @@ $(BUILD)/unit_tests: $(UNIT:tests/%.cpp=$(BUILD)/%.o) $(OBJECTS)
 # test_faults.cpp counts allocations, and makes them fail
 WRAP := -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
-$(BUILD)/unit/%.o: tests/unit/%.cpp $(HEADERS) $(wildcard tests/unit/*.h)
+$(BUILD)/unit/%.o: tests/unit/%.cpp $(HEADERS) $(wildcard tests/unit/*.h tests/unit/*/*.h)
 	@mkdir -p $(@D)
 	$(CXX) $(FLAGS) -Iplugin -Itests -c $< -o $@
 
