@@ -64,8 +64,8 @@ Solution iterate(const ContactProblem& problem, const Settings& settings, const 
 }
 
 /// Where the condensed route fails short of rounding, stick as a face on A itself: it needs no
-/// factor, which a nearly singular A spoils. It takes what the condensed route has left of the bound
-/// on the iterations.
+/// factor, which a nearly singular A spoils. It takes what the condensed route has left of the
+/// bound on the iterations.
 void try_without_factor(const ContactProblem& problem, const Settings& settings, Observer* observer,
                         Solution& s) {
   if (s.status == Status::converged || s.status == Status::no_equilibrium) return;
@@ -197,11 +197,12 @@ void Solver::refuse_memory(double given) const {
   std::ostringstream m;
   m << "method=\"condensed\" ";
   if (std::isfinite(memory_needed_))
-    m << "needs at least " << memory_needed_ / 1e9 << " GB for its factor and the dense matrices on "
-      << system_->contact_dofs() << " contact dofs, more than memory = " << given / 1e9
-      << " GB; raise memory";
+    m << "needs at least " << memory_needed_ / 1e9
+      << " GB for its factor and the dense matrices on " << system_->contact_dofs()
+      << " contact dofs, more than memory = " << given / 1e9 << " GB; raise memory";
   else
-    m << "needs a factor of more than 2^31 entries, which CHOLMOD cannot index; take method=\"GCX\"";
+    m << "needs a factor of more than 2^31 entries, which CHOLMOD cannot index; take "
+         "method=\"GCX\"";
   m << ", or leave the choice to method=\"auto\"";
   throw IllegalInput(m.str());
 }

@@ -16,10 +16,10 @@ namespace {
 
 constexpr Index newton_steps = 40;
 constexpr int refinements = 4;
-constexpr Real refines = 0.3;            ///< a refinement that reduces the residual less is the last
-constexpr Real least_stiffness = 1e-8;   ///< of diag(S) over diag(A)
-constexpr Real rigid_field = 1e-12;      ///< <Aw,w>/<Dw,w> of a motion that is used as a proof
-constexpr Real blocked = 1e-9;           ///< part of a rigid motion that a contact law forbids
+constexpr Real refines = 0.3;           ///< a refinement that reduces the residual less is the last
+constexpr Real least_stiffness = 1e-8;  ///< of diag(S) over diag(A)
+constexpr Real rigid_field = 1e-12;     ///< <Aw,w>/<Dw,w> of a motion that is used as a proof
+constexpr Real blocked = 1e-9;          ///< part of a rigid motion that a contact law forbids
 
 /// The condensed problem in the form the conjugate gradient takes: all dofs are contact dofs.
 ContactProblem on_contact_dofs(const CondensedProblem& condensed) {
@@ -44,9 +44,9 @@ struct CondensedSolver::Run {
   const Settings& settings;
   const Index bound;  ///< on all iterations
   Solution s;
-  bool asked = false;        ///< whether the load can be held
+  bool asked = false;  ///< whether the load can be held
   bool undetermined = false;
-  DenseMatrix rigid;         ///< n x k: found where it was asked
+  DenseMatrix rigid;  ///< n x k: found where it was asked
 
   Index left() const { return bound - s.iterations; }
 };
@@ -56,8 +56,9 @@ CondensedSolver::CondensedSolver(SystemPtr system)
 
 Solution CondensedSolver::solve(const ContactProblem& problem, const Settings& settings,
                                 const Vector& x0) {
-  Run run{problem, settings,
-          settings.nbiter > 0 ? settings.nbiter : default_iterations(problem), {}, {}, {}, {}};
+  Run run{problem, settings, settings.nbiter > 0 ? settings.nbiter : default_iterations(problem),
+          {},      {},       {},
+          {}};
   Solution& s = run.s;
   s.route = Route::condensed;
   const Statics statics = balance(elimination_->floating(), problem);
@@ -149,7 +150,8 @@ CondensedSolver::Answer CondensedSolver::solve_laws(Run& run, const CondensedPro
   }
   a = by_fixed_point(run, condensed, x_C);
   if (a.solved) return a;
-  if (a.status == Status::regularized || a.status == Status::no_equilibrium) a.status = Status::stagnated;
+  if (a.status == Status::regularized || a.status == Status::no_equilibrium)
+    a.status = Status::stagnated;
   if (run.left() <= 0) a.status = Status::max_iterations;
   return a;
 }
@@ -180,8 +182,7 @@ CondensedSolver::Answer CondensedSolver::by_newton(Run& run, const CondensedProb
 }
 
 /// The paper's method on S; where it converges, Newton once more.
-CondensedSolver::Answer CondensedSolver::by_fixed_point(Run& run,
-                                                        const CondensedProblem& condensed,
+CondensedSolver::Answer CondensedSolver::by_fixed_point(Run& run, const CondensedProblem& condensed,
                                                         const Vector* x_C) {
   // a body on one or two nodes leaves S without a diagonal to precondition with: then on A itself
   const bool on_S = (condensed.S.diagonal().array() > least_stiffness * condensed.D.array()).all();
