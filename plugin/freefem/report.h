@@ -169,9 +169,7 @@ inline void report_motions(const Scene& scene, const Solution& solution) {
 
 /// How a call ended, and which layer answered: a fallback shows here.
 inline void report_end(const Solution& solution) {
-  const bool unnamed = solution.layer == Layer::none && solution.route == Route::condensed;
-  line() << name_of(solution.status) << " by "
-         << (unnamed ? "the condensed route" : name_of(solution.layer)) << ", residual "
+  line() << name_of(solution.status) << " by " << name_of(solution.layer) << ", residual "
          << solution.certificate.residual << ", " << solution.iterations << " iterations";
   if (solution.passes > 0) std::cout << " in " << solution.passes << " passes of the fixed point";
   if (solution.eps > 0) std::cout << ", regeps " << solution.eps;
@@ -185,12 +183,13 @@ inline void report_phases(const Scene& scene, const Solution& solution) {
          << t.factor << ", condense " << t.condense << ", contact " << t.contact
          << ", back-substitution " << t.back_substitution << ", certificate " << t.certificate
          << std::endl;
-  line() << "steps:";
-  for (int k = 0; k < step_labels; ++k)
-    if (solution.steps.count[k] > 0)
-      std::cout << " " << solution.steps.count[k] << " " << step_names[k];
-  if (solution.steps.total() == 0) std::cout << " none of the gradient methods";
-  std::cout << std::endl;
+  if (solution.steps.total() > 0) {
+    line() << "steps:";
+    for (int k = 0; k < step_labels; ++k)
+      if (solution.steps.count[k] > 0)
+        std::cout << " " << solution.steps.count[k] << " " << step_names[k];
+    std::cout << std::endl;
+  }
   Index count[4] = {0, 0, 0, 0};
   for (NodeState s : solution.state) ++count[static_cast<Index>(s)];
   const Certificate& c = solution.certificate;
