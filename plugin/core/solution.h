@@ -40,6 +40,10 @@ struct Solution {
   Index passes = 0;              ///< of the fixed point; 0 where there is none
   Real eps = 0;                  ///< the regularization used [length]; 0: none
   Times times;
+  Vector unheld_motion;  ///< no_equilibrium: n, the rigid motion that nothing holds (local frames)
+  /// n x k: rigid motions that neither contact nor friction nor a support determines. x is the
+  /// solution with the least of them, in the product of diag(A).
+  Eigen::MatrixXd undetermined;
 };
 
 /// Bound on the iterations of a call that names none.

@@ -1,11 +1,15 @@
 #include "solver.h"
 
 #include <cmath>
+#include <sstream>
 
 #include "condensed/condensed.h"
+#include "condensed/equilibrium.h"
+#include "condensed/rigid_motions.h"
 #include "gradient/fixed_point.h"
 #include "gradient/projected_cg.h"
 #include "gradient/sorp.h"
+#include "model/validate.h"
 
 namespace frictioncg {
 
@@ -14,42 +18,108 @@ namespace {
 /// A residual below this is the limit of the matrix, not of the method.
 constexpr Real rounding = 1e-10;
 
-/// What stands in for the condensed route: not regularized either, unless the settings ask for it.
-Settings on_A(Settings settings) {
+/// Residuals up to this many times what rounding leaves are its work.
+constexpr Real rounding_margin = 10;
+
+/// The method that stands in for the condensed route, without a factor: not regularized either,
+/// unless the settings ask for it.
+Settings without_factor(Settings settings) {
   settings.method = settings.polish ? Method::gcx : Method::gc3;
   return settings;
 }
 
+/// Bound on the iterations of a call, all layers together.
+Index bound_of(const ContactProblem& problem, const Settings& settings) {
+  return settings.nbiter > 0 ? settings.nbiter : default_iterations(problem);
+}
+
+Layer layer_of(Method method) {
+  if (method == Method::sorp) return Layer::sorp;
+  return method == Method::gcx ? Layer::gcx : Layer::gc;
+}
+
+/// J without a bound at the present sliding limit says nothing about Coulomb's law, and a stall
+/// nothing about the load. Rigid motions do: no_equilibrium where one of them is a proof, and
+/// nowhere else.
+void decide_on_equilibrium(const ContactProblem& problem, Solution& s) {
+  const bool open = s.status == Status::no_equilibrium || s.status == Status::stagnated ||
+                    s.status == Status::fixed_point_diverged;
+  if (!open) return;
+  const DenseMatrix W = rigid_motions(*problem.system, default_iterations(problem));
+  const Statics statics = balance(W, problem);
+  s.unheld_motion = statics.motion;
+  if (statics.balance == Balance::unheld)
+    s.status = Status::no_equilibrium;
+  else if (s.status == Status::no_equilibrium)
+    s.status = Status::stagnated;
+}
+
 Solution iterate(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                  Observer* observer) {
-  const Index bound = settings.nbiter > 0 ? settings.nbiter : default_iterations(problem);
-  const auto tresca = make_tresca_solver(problem, settings, bound, observer);
-  return FixedPoint(problem, settings, *tresca).solve(x0);
+  const auto tresca = make_tresca_solver(problem, settings, bound_of(problem, settings), observer);
+  Solution s = FixedPoint(problem, settings, *tresca).solve(x0);
+  s.layer = layer_of(settings.method);
+  decide_on_equilibrium(problem, s);
+  return s;
 }
 
 /// Where the condensed route fails short of rounding, stick as a face on A itself: it needs no
-/// factor, which a nearly singular A spoils, and tells a load that nothing holds.
-void second_opinion(const ContactProblem& problem, const Settings& settings, Observer* observer,
-                    Solution& s) {
+/// factor, which a nearly singular A spoils. It takes what the condensed route has left of the
+/// bound on the iterations.
+void try_without_factor(const ContactProblem& problem, const Settings& settings, Observer* observer,
+                        Solution& s) {
   if (s.status == Status::converged || s.status == Status::no_equilibrium) return;
   if (s.certificate.residual <= rounding) return;
-  Solution t = iterate(problem, on_A(settings), {}, observer);
-  if (t.status != Status::converged && t.status != Status::no_equilibrium) return;
-  t.times = s.times;
+  Settings rest = without_factor(settings);
+  rest.nbiter = bound_of(problem, settings) - s.iterations;
+  if (rest.nbiter <= 0) return;
+  Solution t = iterate(problem, rest, {}, observer);
   t.iterations += s.iterations;
+  t.steps += s.steps;
+  s.iterations = t.iterations;
+  s.steps = t.steps;
+  const bool decided = t.status == Status::converged || t.status == Status::no_equilibrium;
+  if (!decided && !(t.certificate.residual < s.certificate.residual)) return;
+  t.times = s.times;
+  if (!decided) t.status = s.status;
   s = std::move(t);
+}
+
+/// Neither a load nor a penetration: the body stays where it is, whatever else could move it.
+bool at_rest(const Increment& increment) {
+  const auto closed = increment.gap.array();
+  return increment.F.isZero(0) && (increment.bilateral ? (closed == 0).all() : (closed >= 0).all());
+}
+
+/// The last word on a field is its certificate's: converged where it is below tol and nowhere else;
+/// and where rounding is what keeps it above, the method is not blamed.
+void conclude(const ContactProblem& problem, const Settings& settings, Solution& s) {
+  const Certificate& c = s.certificate;
+  const bool by_rounding = c.residual <= rounding_margin * c.attainable;
+  const bool blames_method = s.status == Status::max_iterations ||
+                             s.status == Status::regularized ||
+                             s.status == Status::fixed_point_diverged;
+  if (c.residual <= settings.tol)
+    s.status = Status::converged;
+  else if (s.status == Status::converged ? settings.stop_on_step == 0
+                                         : blames_method && by_rounding)
+    s.status = Status::stagnated;
+  s.state = classify(problem, s.x, c);
 }
 
 }  // namespace
 
+/// A factorization serves every load and law that follows, and the laws on the contact dofs alone
+/// are then exact and cheap: the route unless the settings name another method.
 Plan make_plan(const ContactProblem& problem, const Settings& settings) {
   Plan plan;
+  const bool direct = settings.method == Method::automatic || settings.method == Method::condensed;
+  plan.route = direct ? Route::condensed : Route::iterative;
   plan.dofs = problem.dofs();
   plan.nodes = problem.nodes();
   plan.tangents = problem.contact_dofs() - problem.nodes();
   plan.law = problem.nodes() > 0 ? problem.increment.law : Law::frictionless;
   plan.fixed_point = plan.law == Law::coulomb;
-  const bool direct = settings.method == Method::automatic || settings.method == Method::condensed;
   const bool smooths = settings.method != Method::sorp && settings.method != Method::gcx;
   plan.regularization = plan.law != Law::frictionless && (direct ? !settings.polish : smooths);
   return plan;
@@ -67,20 +137,38 @@ std::unique_ptr<TrescaSolver> make_tresca_solver(const ContactProblem& problem,
   return std::make_unique<ProjectedCG>(problem, settings, max_iterations, observer);
 }
 
-Solver::Solver(SystemPtr system) : system_(std::move(system)) {}
+Solver::Solver(SystemPtr system) : system_(std::move(system)) { validate(*system_); }
 Solver::~Solver() = default;
 
 Solution Solver::solve(const Increment& increment, const Settings& settings, const Vector& x0,
                        Observer* observer) {
+  validate(settings);
+  validate(increment, *system_);
+  validate_start(x0, *system_);
   const ContactProblem problem{system_, increment};
-  if (settings.method != Method::automatic && settings.method != Method::condensed)
+  Solution s;
+  if (at_rest(increment)) {
+    s.x = Vector::Zero(problem.dofs());
+    s.certificate = certify(problem, s.x);
+  } else {
+    s = by_route(problem, settings, x0, observer);
+  }
+  conclude(problem, settings, s);
+  return s;
+}
+
+/// The condensed route where the plan asks for it and its factor fits; where it does not arrive,
+/// or does not fit, the same laws on A.
+Solution Solver::by_route(const ContactProblem& problem, const Settings& settings, const Vector& x0,
+                          Observer* observer) {
+  if (make_plan(problem, settings).route == Route::iterative)
     return iterate(problem, settings, x0, observer);
-  const bool kept = tried_;
-  if (!condense(settings)) return iterate(problem, on_A(settings), x0, observer);
+  const bool kept = factored_;
+  if (!condense(settings)) return iterate(problem, without_factor(settings), x0, observer);
   Solution s = condensed_->solve(problem, settings, x0);
-  if (settings.polish) second_opinion(problem, settings, observer, s);
+  if (settings.polish) try_without_factor(problem, settings, observer, s);
   if (!kept) {
-    const CondensationTimes& t = condensed_->condensation().times();
+    const EliminationTimes& t = condensed_->elimination().times();
     s.times.order = t.order;
     s.times.factor = t.factor;
     s.times.condense = t.condense;
@@ -89,13 +177,34 @@ Solution Solver::solve(const Increment& increment, const Settings& settings, con
   return s;
 }
 
+/// Whether the condensed route is open: factors A where that was not done, and fits now.
 bool Solver::condense(const Settings& settings) {
-  if (tried_) return factored_;
-  tried_ = true;
-  condensed_ = std::make_unique<CondensedSolver>(system_);
-  factored_ = condensed_->factor(settings.memory) == Condensation::Outcome::done;
-  if (!factored_) condensed_.reset();
-  return factored_;
+  const bool fits = settings.memory >= memory_needed_;
+  if (fits && !factored_ && !indefinite_) {
+    condensed_ = std::make_unique<CondensedSolver>(system_);
+    const Elimination::Outcome outcome = condensed_->factor(settings.memory);
+    memory_needed_ = condensed_->elimination().memory_needed();
+    factored_ = outcome == Elimination::Outcome::done;
+    indefinite_ = outcome == Elimination::Outcome::not_positive_definite;
+    if (!factored_) condensed_.reset();
+  }
+  if (settings.memory >= memory_needed_) return factored_;
+  if (settings.method == Method::condensed) refuse_memory(settings.memory);
+  return false;
+}
+
+void Solver::refuse_memory(double given) const {
+  std::ostringstream m;
+  m << "method=\"condensed\" ";
+  if (std::isfinite(memory_needed_))
+    m << "needs at least " << memory_needed_ / 1e9
+      << " GB for its factor and the dense matrices on " << system_->contact_dofs()
+      << " contact dofs, more than memory = " << given / 1e9 << " GB; raise memory";
+  else
+    m << "needs a factor of more than 2^31 entries, which CHOLMOD cannot index; take "
+         "method=\"GCX\"";
+  m << ", or leave the choice to method=\"auto\"";
+  throw IllegalInput(m.str());
 }
 
 Solution solve(const ContactProblem& problem, const Settings& settings, const Vector& x0,

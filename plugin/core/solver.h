@@ -8,6 +8,8 @@ namespace frictioncg {
 
 /// What the scene needs, decided before anything is solved; what is absent is left out.
 struct Plan {
+  Route route =
+      Route::iterative;  ///< the first choice; a factor that does not fit leaves the other
   Index dofs = 0, nodes = 0, tangents = 0;
   Law law = Law::frictionless;
   bool fixed_point = false;     ///< law coulomb: g depends on the answer
@@ -27,21 +29,28 @@ class CondensedSolver;
 /// wants it, and kept.
 class Solver {
  public:
+  /// Throws IllegalInput for what validate refuses.
   explicit Solver(SystemPtr system);
   ~Solver();
 
   /// Solves by the method of the settings, and certifies the answer. x0 (n), or empty to start from
-  /// the scene.
+  /// the scene. Throws IllegalInput for what validate refuses, and where the condensed route is
+  /// demanded and does not fit in settings.memory; the factorization stays as it was.
   Solution solve(const Increment& increment, const Settings& settings, const Vector& x0 = {},
                  Observer* observer = nullptr);
 
  private:
+  /// Solves on the way of the plan; what answered stands in Solution::layer.
+  Solution by_route(const ContactProblem& problem, const Settings& settings, const Vector& x0,
+                    Observer* observer);
   bool condense(const Settings& settings);
+  [[noreturn]] void refuse_memory(double given) const;
 
   SystemPtr system_;
   std::unique_ptr<CondensedSolver> condensed_;
-  bool tried_ = false;  ///< the factorization was attempted
+  double memory_needed_ = 0;  ///< by the condensed route, as far as it is known [bytes]
   bool factored_ = false;
+  bool indefinite_ = false;  ///< A has no factor, whatever the memory
 };
 
 /// One problem, solved once.

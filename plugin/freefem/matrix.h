@@ -29,24 +29,20 @@ inline Triplets triplets(Matrice_Creuse<double>* A, long ndof) {
   return t;
 }
 
-/// A script's vector, checked: finite, and of the size of the space.
-inline Vector checked_vector(const KN_<double>& v, const char* name, long ndof) {
-  if (v.N() != ndof) {
+/// Refuses a script's vector that is not finite, or not of the size of the space.
+inline void check_vector(const Vector& v, const char* name, long ndof) {
+  if (v.size() != ndof) {
     std::ostringstream s;
-    s << name << " has " << v.N() << " entries but Vh has " << ndof
+    s << name << " has " << v.size() << " entries but Vh has " << ndof
       << " degrees of freedom; was the mesh changed after " << name << " was computed?";
     throw IllegalInput(s.str());
   }
-  Vector copy(v.N());
-  for (long i = 0; i < v.N(); ++i) {
-    copy[i] = v[i];
-    if (!std::isfinite(copy[i])) {
-      std::ostringstream s;
-      s << name << "[" << i << "] = " << v[i] << "; the entries of " << name << " must be finite";
-      throw IllegalInput(s.str());
-    }
+  for (long i = 0; i < v.size(); ++i) {
+    if (std::isfinite(v[i])) continue;
+    std::ostringstream s;
+    s << name << "[" << i << "] = " << v[i] << "; the entries of " << name << " must be finite";
+    throw IllegalInput(s.str());
   }
-  return copy;
 }
 
 }  // namespace frictioncg

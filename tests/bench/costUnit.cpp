@@ -16,7 +16,7 @@
 //   real m = peakMemory(reset);  peak memory of the process since the last reset [MB]
 #include "../../plugin/freefem/pose.h"
 
-#include "core/condensed/condensation.h"
+#include "core/condensed/cholmod_elimination.h"
 
 #include <cholmod.h>
 
@@ -208,9 +208,9 @@ struct ExportSystem {
     const System& p = posed.system();
     const Vector x = posed.scene.system->to_local(checked_vector(u, "u", posed.scene.ndof));
     const double start = cpu_seconds();
-    Condensation condensation;
-    condensation.factor(p, 1e11);
-    const Vector f = condensation.reduce(posed.increment.F);
+    CholmodElimination elimination;
+    elimination.factor(p, 1e11);
+    const Vector f = elimination.condense(posed.increment.F);
     const double seconds = cpu_seconds() - start;
     ArrayFile out(*file);
     const Index head[] = {p.dimension, p.dofs(), p.nodes()};
@@ -225,7 +225,7 @@ struct ExportSystem {
     out.write(posed.increment.gap.data(), p.nodes());
     out.write(mu.data(), p.nodes());
     out.write(x.data(), p.dofs());
-    out.write(condensation.S().data(), condensation.S().size());
+    out.write(elimination.S().data(), elimination.S().size());
     out.write(f.data(), f.size());
     return seconds;
   }
@@ -273,10 +273,10 @@ struct FrictionlessSolve {
   static Result run(Stack, const PosedScene& posed, KN_<double> u) {
     const double start = cpu_seconds();
     const System& p = posed.system();
-    Condensation condensation;
-    condensation.factor(p, 1e11);
+    CholmodElimination elimination;
+    elimination.factor(p, 1e11);
     const Vector x =
-        condensation.expand(obstacle_on_S(condensation.S(), condensation.reduce(posed.increment.F),
+        elimination.recover(obstacle_on_S(elimination.S(), elimination.condense(posed.increment.F),
                                           p.D.tail(p.contact_dofs()), posed.increment.gap));
     const Vector r = posed.increment.F - p.A * x;
     const Vector field = posed.scene.system->to_global(x, posed.u0);

@@ -101,4 +101,50 @@ inline Reference reference_solution(const ContactProblem& p) {
   return result;
 }
 
+/// Whether any of the 4^m combinations of open, stick and slip to either side obeys Coulomb's laws
+/// on S: 2D, few nodes. Solves each as a linear system.
+inline bool any_combination_of_branches(const Eigen::MatrixXd& S, const Eigen::VectorXd& f,
+                                        const Eigen::VectorXd& gap, const Eigen::VectorXd& mu) {
+  const int m = int(gap.size());
+  const double force = f.cwiseAbs().maxCoeff(), stiffness = S.diagonal().cwiseAbs().maxCoeff();
+  for (int code = 0; code < 1 << (2 * m); ++code) {
+    Eigen::MatrixXd K = S / stiffness;
+    Eigen::VectorXd b = f / stiffness;
+    for (int i = 0; i < m; ++i) {
+      const int branch = code >> (2 * i) & 3, N = 2 * i,
+                T = 2 * i + 1;  // 0 open, 1 stick, 2, 3 slip
+      if (branch >= 2) {        // r_T = +- mu r_N, r = f - Sx
+        const double factor = (branch == 2 ? 1 : -1) * mu[i];
+        K.row(T) -= factor * K.row(N);
+        b[T] -= factor * b[N];
+      }
+      if (branch >= 1) {
+        K.row(N) = Eigen::RowVectorXd::Unit(2 * m, N);
+        b[N] = gap[i];
+      }
+      if (branch == 1) {
+        K.row(T) = Eigen::RowVectorXd::Unit(2 * m, T);
+        b[T] = 0;
+      }
+    }
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> cod;
+    cod.setThreshold(1e-12);
+    const Eigen::VectorXd x = cod.compute(K).solve(b);
+    const Eigen::VectorXd r = f - S * x;
+    const double length = std::max(x.cwiseAbs().maxCoeff(), force / stiffness);
+    bool good = (K * x - b).norm() < 1e-9 * (b.norm() + length);
+    for (int i = 0; i < m && good; ++i) {
+      const int branch = code >> (2 * i) & 3;
+      const double r_N = r[2 * i], r_T = r[2 * i + 1], x_T = x[2 * i + 1];
+      if (branch == 0) good = x[2 * i] <= gap[i] + 1e-9 * length;
+      if (branch >= 1) good = r_N >= -1e-9 * force;
+      if (branch == 1) good &= std::abs(r_T) <= mu[i] * r_N + 1e-9 * force;
+      if (branch == 2) good &= x_T >= -1e-9 * length;
+      if (branch == 3) good &= x_T <= 1e-9 * length;
+    }
+    if (good) return true;
+  }
+  return false;
+}
+
 }  // namespace frictioncg::test

@@ -12,26 +12,27 @@ namespace frictioncg::test {
 /// A scene in local frames, and the way back.
 class Posed {
  public:
-  Posed(LocalSystem local, const Vector& b, const Vector& u_old, const PointLaws& laws)
+  Posed(std::unique_ptr<const LocalSystem> local, const Vector& b, const Vector& u_old,
+        const PointLaws& laws)
       : local_(std::move(local)) {
     pose(b, u_old, laws);
   }
   void pose(const Vector& b, const Vector& u_old, const PointLaws& laws) {
-    LocalIncrement now = local_.increment(b, u_old, laws);
+    LocalIncrement now = local_->increment(b, u_old, laws);
     u0_ = now.u0;
-    problem_ = {local_.system(), now.increment};
+    problem_ = {local_->system(), now.increment};
   }
   const ContactProblem& problem() const { return problem_; }
-  const LocalSystem& local() const { return local_; }
-  Index nodes() const { return local_.nodes(); }
-  bool rotated() const { return local_.rotated(); }
-  Index fixed_dofs() const { return local_.fixed_dofs(); }
-  Vector to_local(const Vector& u) const { return local_.to_local(u); }
-  Vector to_global(const Vector& x) const { return local_.to_global(x, u0_); }
-  Vector force_to_global(const Vector& r) const { return local_.force_to_global(r); }
+  const LocalSystem& local() const { return *local_; }
+  Index nodes() const { return local_->nodes(); }
+  bool rotated() const { return local_->rotated(); }
+  Index fixed_dofs() const { return local_->fixed_dofs(); }
+  Vector to_local(const Vector& u) const { return local_->to_local(u); }
+  Vector to_global(const Vector& x) const { return local_->to_global(x, u0_); }
+  Vector force_to_global(const Vector& r) const { return local_->force_to_global(r); }
 
  private:
-  LocalSystem local_;
+  std::unique_ptr<const LocalSystem> local_;
   Vector u0_;
   ContactProblem problem_;
 };
@@ -52,7 +53,7 @@ struct Scene {
 };
 
 inline Posed Scene::system(const std::vector<Index>& mesh_node) const {
-  return {LocalSystem(triplets(), d, points, mesh_node), b, u_old, laws()};
+  return {std::make_unique<const LocalSystem>(triplets(), d, points, mesh_node), b, u_old, laws()};
 }
 
 struct BlockOptions {

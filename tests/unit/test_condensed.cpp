@@ -2,6 +2,7 @@
 
 #include <numeric>
 
+#include "core/condensed/cholmod_elimination.h"
 #include "core/condensed/condensed.h"
 #include "core/solver.h"
 #include "random_scene.h"
@@ -47,7 +48,7 @@ Scene random_scene(unsigned seed) {
 
 }  // namespace
 
-TEST(Condensation, SchurComplementReducedLoadAndFieldMatchDenseAlgebra) {
+TEST(Elimination, SchurComplementReducedLoadAndFieldMatchDenseAlgebra) {
   for (int d : {2, 3})
     for (Ordering ordering : {Ordering::camd, Ordering::amd, Ordering::metis}) {
       BlockOptions o;
@@ -55,26 +56,26 @@ TEST(Condensation, SchurComplementReducedLoadAndFieldMatchDenseAlgebra) {
       o.cells = d == 2 ? 7 : 3;
       o.angle = 0.3;
       const ContactProblem p = problem_of(o);
-      Condensation condensation;
-      ASSERT_EQ(condensation.factor(*p.system, 1e9, ordering), Condensation::Outcome::done);
+      CholmodElimination elimination(ordering);
+      ASSERT_EQ(elimination.factor(*p.system, 1e9), Elimination::Outcome::done);
       const Eigen::MatrixXd A = p.system->A;
       const Index I = p.interior(), C = p.contact_dofs();
       const Eigen::MatrixXd S =
           A.bottomRightCorner(C, C) -
           A.bottomLeftCorner(C, I) * A.topLeftCorner(I, I).ldlt().solve(A.topRightCorner(I, C));
-      EXPECT_LT((condensation.S() - S).norm(), 1e-12 * S.norm());
+      EXPECT_LT((elimination.S() - S).norm(), 1e-12 * S.norm());
       const Vector f =
           p.increment.F.tail(C) -
           A.bottomLeftCorner(C, I) * A.topLeftCorner(I, I).ldlt().solve(p.increment.F.head(I));
-      EXPECT_LT((condensation.reduce(p.increment.F) - f).norm(), 1e-12 * f.norm());
+      EXPECT_LT((elimination.condense(p.increment.F) - f).norm(), 1e-12 * f.norm());
       const Vector x_C = Vector::Random(C);
-      const Vector x = condensation.expand(x_C);
+      const Vector x = elimination.recover(x_C);
       EXPECT_LT((x.tail(C) - x_C).norm(), 1e-13 * x_C.norm());
       EXPECT_LT((p.increment.F - p.system->A * x).head(I).norm(), 1e-11 * (p.system->A * x).norm());
     }
 }
 
-TEST(Condensation, SeparateBodiesKeepTheirContactDofsLast) {
+TEST(Elimination, SeparateBodiesKeepTheirContactDofsLast) {
   // two blocks that share nothing: the contact block of the factor is not dense
   const ContactProblem one = problem_of(BlockOptions());
   const Index n = one.dofs(), I = one.interior(), C = one.contact_dofs();
@@ -111,10 +112,10 @@ TEST(Condensation, SeparateBodiesKeepTheirContactDofsLast) {
   }
 }
 
-TEST(Condensation, RefusesWhatDoesNotFitAndTheSolverThenIterates) {
+TEST(Elimination, RefusesWhatDoesNotFitAndTheSolverThenIterates) {
   const ContactProblem p = problem_of(BlockOptions());
-  Condensation condensation;
-  EXPECT_EQ(condensation.factor(*p.system, 1000), Condensation::Outcome::too_large);
+  CholmodElimination elimination;
+  EXPECT_EQ(elimination.factor(*p.system, 1000), Elimination::Outcome::too_large);
   Settings settings;
   settings.memory = 1000;
   const Solution s = solve(p, settings);

@@ -1,9 +1,10 @@
 // What happens when memory runs out, at every single allocation; and that nothing leaks. The unit
-// tests are linked with --wrap=malloc and so on, and operator new is replaced here, so that both
-// are ours to count and to refuse.
-#include <SuiteSparse_config.h>
+// tests are linked with --wrap=malloc and so on, operator new is replaced here, and so are the four
+// functions by which CHOLMOD allocates (the library calls those of the program first, and they are
+// the same in every version of SuiteSparse), so that all are ours to count and to refuse.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <new>
 
@@ -45,6 +46,24 @@ void __wrap_free(void* p) {
   live -= p != nullptr;
   __real_free(p);
 }
+
+void* SuiteSparse_malloc(std::size_t count, std::size_t size) {
+  return __wrap_malloc(std::max<std::size_t>(count * size, 1));
+}
+void* SuiteSparse_calloc(std::size_t count, std::size_t size) {
+  return __wrap_calloc(std::max<std::size_t>(count * size, 1), 1);
+}
+/// On failure p stays as it is; that is no failure where the block only shrinks.
+void* SuiteSparse_realloc(std::size_t count, std::size_t old_count, std::size_t size, void* p,
+                          int* ok) {
+  void* moved = __wrap_realloc(p, std::max<std::size_t>(count * size, 1));
+  *ok = moved != nullptr || (p != nullptr && count <= old_count);
+  return moved != nullptr ? moved : p;
+}
+void* SuiteSparse_free(void* p) {
+  __wrap_free(p);
+  return nullptr;
+}
 }
 
 void* operator new(std::size_t size) {
@@ -59,22 +78,9 @@ using namespace frictioncg::test;
 
 namespace {
 
-/// Counts and refuses the allocations of CHOLMOD, too, while it lives.
 class Faults : public testing::Test {
  protected:
-  void SetUp() override {
-    SuiteSparse_config.malloc_func = __wrap_malloc;
-    SuiteSparse_config.calloc_func = __wrap_calloc;
-    SuiteSparse_config.realloc_func = __wrap_realloc;
-    SuiteSparse_config.free_func = __wrap_free;
-  }
-  void TearDown() override {
-    until_failure = 0;
-    SuiteSparse_config.malloc_func = __real_malloc;
-    SuiteSparse_config.calloc_func = __real_calloc;
-    SuiteSparse_config.realloc_func = __real_realloc;
-    SuiteSparse_config.free_func = __real_free;
-  }
+  void TearDown() override { until_failure = 0; }
 };
 
 Vector field(const Scene& s, Method method) {

@@ -1,5 +1,7 @@
 // Random scenes against the verifier: whatever is called converged must obey the unregularized
-// laws. RANDOM_SCENES and RANDOM_SEED in the environment choose how many, and which.
+// laws, to ten times tol in units of the contact forces, and a scene that has an answer must be
+// solved. RANDOM_SCENES and RANDOM_SEED in the environment choose how many, and which;
+// RANDOM_VERBOSE names those that were not solved.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -40,20 +42,25 @@ const char* const status_name[] = {
     "no_equilibrium", "not_positive_definite", "fixed_point_diverged",
     "regularized"};
 
-/// How many of the scenes end how; fails for each one that is converged and wrong.
-void run_scenes(const char* title, unsigned count, unsigned seed, const Settings& settings,
-                Real accuracy) {
+/// How many of the scenes end how; fails for each one that is converged and wrong, or has an answer
+/// and is not converged.
+/// patience: a bound on the iterations, larger than the default, for scenes that have an answer.
+void run_scenes(const char* title, unsigned count, unsigned seed, Settings settings,
+                Index patience = 0) {
+  const Real accuracy = 10 * settings.tol;
   std::map<Status, unsigned> ends;
   const bool verbose = from_environment("RANDOM_VERBOSE", 0) != 0;
   for (unsigned k = 0; k < count; ++k) {
     const Recipe recipe = random_recipe(seed + k);
+    settings.nbiter = recipe.has_solution() ? patience : 0;
     const Result result = judge(recipe, settings);
     ++ends[result.status];
     const auto wrong = [&](const Recipe& q) { return !(judge(q, settings).worst <= accuracy); };
     if (verbose && result.status != Status::converged && result.status != Status::no_equilibrium)
       std::cout << "  " << status_name[int(result.status)] << ": " << recipe << std::endl;
-    if (result.status == Status::no_equilibrium && recipe.has_solution())
-      ADD_FAILURE() << title << ": no_equilibrium where there is one\n  " << recipe;
+    if (result.status != Status::converged && recipe.has_solution())
+      ADD_FAILURE() << title << ": " << status_name[int(result.status)]
+                    << " where there is an answer\n  " << recipe;
     if (result.worst <= accuracy) continue;
     const Recipe small = shrink(recipe, wrong);
     const std::string file = "random_scene_" + std::to_string(recipe.seed) + ".txt";
@@ -69,16 +76,12 @@ void run_scenes(const char* title, unsigned count, unsigned seed, const Settings
 
 }  // namespace
 
-// tol bounds a sum of squares in units of the load, or of stiffness times penetration where there
-// is none; the verifier looks at single nodes, in units that may be a thousand times smaller.
-TEST(RandomScenes, WhatTheDefaultCallsConvergedObeysTheLaws) {
-  Settings settings;
-  settings.nbiter = 3000;
+TEST(RandomScenes, TheDefaultSolvesWhatHasAnAnswerAndObeysTheLaws) {
   run_scenes("default", from_environment("RANDOM_SCENES", 1000), from_environment("RANDOM_SEED", 1),
-             settings, 1e-5);
+             Settings());
 }
 
-TEST(RandomScenes, WhatTheIterativeMethodsCallConvergedObeysTheLaws) {
+TEST(RandomScenes, TheIterativeMethodsSolveWhatHasAnAnswerAndObeyTheLaws) {
   const unsigned count = from_environment("RANDOM_SCENES", 1000) / 10,
                  seed = from_environment("RANDOM_SEED", 1);
   for (const auto& [method, name] :
@@ -86,8 +89,8 @@ TEST(RandomScenes, WhatTheIterativeMethodsCallConvergedObeysTheLaws) {
     Settings settings;
     settings.method = method;
     settings.tol = 1e-7;
-    settings.nbiter = 3000;
-    run_scenes(name, count, seed, settings, 1e-4);
+    // SORP, too, arrives at nu = 0.4999, in time
+    run_scenes(name, count, seed, settings, method == Method::sorp ? 300000 : 0);
   }
 }
 

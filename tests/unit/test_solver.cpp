@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/solver.h"
+#include "driven.h"
 #include "verifier.h"
 
 using namespace frictioncg;
@@ -204,10 +205,10 @@ TEST(Solver, TheUniformStickPatchSlipsByExactlyTheRegularization) {
       settings.reg = reg;
       settings.regeps = 1e-3;
       settings.tol = 1e-12;
-      settings.polish = false;
       const Posed system = s.system();
       for (Method method : {Method::gc3, Method::condensed}) {
         settings.method = method;
+        settings.polish = method == Method::gc3;  // condensed: the conjugate gradient on S
         const Solution a = solve(system.problem(), settings);
         EXPECT_EQ(a.status, Status::regularized);
         const Real slip = reg == Regularization::polynomial ? 1e-3 * shear
@@ -405,5 +406,83 @@ TEST(Solver, TheDefaultTurnsWithTheSceneStepByStep) {
         EXPECT_LT((b.u.segment(k, d) - turned).norm(), 1e-9 * scale);
       }
     }
+  }
+}
+
+TEST(Solver, ABlockBroughtFromFarObeysTheLawsByEveryMethodOrSaysWhatRoundingAllows) {
+  BlockOptions o;
+  o.cells = 8;
+  o.mu = 0.2;
+  for (Real D : {0.0, 10.0, 1000.0, 1e6, 1e9})
+    for (Method m :
+         {Method::automatic, Method::gc1, Method::gc2, Method::gc3, Method::gcx, Method::sorp}) {
+      Settings settings;
+      settings.method = m;
+      const Answer a = run(brought_from_far(o, D), settings);
+      const Certificate& c = a.solution.certificate;
+      // rounding leaves about 2e-11 D; sweeps of SORP come less near to it
+      if (D <= 10 || (D <= 1000 && m != Method::sorp))
+        EXPECT_EQ(a.solution.status, Status::converged) << D << " " << int(m);
+      if (a.solution.status == Status::converged) {
+        EXPECT_LT(a.verdict.worst(), 1e-6) << D << " " << int(m);
+      } else {
+        EXPECT_GT(c.attainable, settings.tol) << D << " " << int(m);
+      }
+      if (D >= 1e6 && m == Method::automatic) {
+        EXPECT_EQ(a.solution.status, Status::stagnated) << D;
+        EXPECT_LT(c.residual, 10 * c.attainable) << D;
+      }
+    }
+}
+
+TEST(Solver, WithoutALoadOrAPenetrationTheBodyStaysWhereverTheStart) {
+  BlockOptions o;
+  o.pressure = o.shear = 0;
+  const Scene s = block(o);
+  const Posed system = s.system();
+  ContactProblem p = system.problem();
+  const Vector x0 = Vector::Random(p.dofs());
+  for (Real gap : {0.0, 1.0})
+    for (Method m : {Method::automatic, Method::gc3}) {
+      Settings settings;
+      settings.method = m;
+      p.increment.gap.setConstant(gap);
+      const Solution a = solve(p, settings, x0);
+      EXPECT_EQ(a.status, Status::converged);
+      EXPECT_EQ(a.layer, Layer::none);
+      EXPECT_EQ(a.x, Vector::Zero(p.dofs()));
+      EXPECT_EQ(Index(a.state.size()), p.nodes());
+    }
+  p.increment.gap.setConstant(-0.1);  // pushed out
+  EXPECT_GT(solve(p, Settings()).x.norm(), 0.1);
+  p.increment.gap.setConstant(0.1);
+  p.increment.bilateral = true;  // pulled to
+  EXPECT_GT(solve(p, Settings()).x.norm(), 0.1);
+}
+
+TEST(Solver, TheLayerThatAnsweredIsNamed) {
+  const Scene s = block(BlockOptions());
+  Settings settings;
+  settings.tol = 1e-6;
+  for (const auto& [method, layer] : {std::pair{Method::gc1, Layer::gc},
+                                      {Method::gc2, Layer::gc},
+                                      {Method::gc3, Layer::gc},
+                                      {Method::gcx, Layer::gcx},
+                                      {Method::sorp, Layer::sorp}}) {
+    settings.method = method;
+    EXPECT_EQ(run(s, settings).solution.layer, layer) << int(method);
+  }
+}
+
+TEST(Solver, AToleranceBelowRoundingEndsStagnatedAndSaysWhatCanBeReached) {
+  const Scene s = block(BlockOptions());
+  for (Method m : {Method::automatic, Method::gcx}) {
+    Settings settings;
+    settings.tol = 1e-18;
+    settings.method = m;
+    const Solution a = run(s, settings).solution;
+    EXPECT_EQ(a.status, Status::stagnated) << int(m);
+    EXPECT_GT(a.certificate.attainable, 1e-17) << int(m);
+    EXPECT_LT(a.certificate.residual, 10 * a.certificate.attainable) << int(m);
   }
 }

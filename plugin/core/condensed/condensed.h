@@ -1,6 +1,8 @@
 #pragma once
-#include "condensed/condensation.h"
-#include "condensed/semismooth_newton.h"
+#include <memory>
+
+#include "condensed/continuation.h"
+#include "condensed/elimination.h"
 #include "solution.h"
 
 namespace frictioncg {
@@ -9,33 +11,37 @@ namespace frictioncg {
 /// loads, gaps and laws; then contact and friction on the dense S alone.
 class CondensedSolver {
  public:
-  explicit CondensedSolver(SystemPtr system) : system_(std::move(system)) {}
+  explicit CondensedSolver(SystemPtr system);
 
-  /// Factors A. Status::not_positive_definite where contact and supports leave it singular.
-  Condensation::Outcome factor(double memory_bound) {
-    return condensation_.factor(*system_, memory_bound);
+  Elimination::Outcome factor(double memory_bound) {
+    return elimination_->factor(*system_, memory_bound);
   }
 
-  /// settings.polish: semismooth Newton on the unregularized laws; else the regularized conjugate
-  /// gradient and the fixed point on S.
+  /// settings.polish: semismooth Newton on the unregularized laws, and what follows where it does
+  /// not arrive; else the regularized conjugate gradient and the fixed point on S.
   /// problem.system is the one that was factored.
   Solution solve(const ContactProblem& problem, const Settings& settings, const Vector& x0);
 
-  const Condensation& condensation() const { return condensation_; }
+  const Elimination& elimination() const { return *elimination_; }
 
  private:
-  struct Attempt {
-    Vector x;
-    bool solved = false;
+  struct Run;
+  struct Answer {
+    Vector x_C;
+    bool solved = false, undetermined = false;
     Status status = Status::converged;
   };
-  Attempt polish(const CondensedProblem& condensed, const Vector* x_C, Solution& s);
-  Attempt by_continuation(const CondensedProblem& condensed, Solution& s);
-  Attempt by_fixed_point(const CondensedProblem& condensed, const Settings& settings,
-                         const Vector& x_C, Solution& s);
+  void refine(Run& run, const Vector& x0);
+  Answer solve_laws(Run& run, const CondensedProblem& condensed, const Vector* x_C);
+  Answer by_newton(Run& run, const CondensedProblem& condensed, const Vector* x_C);
+  Answer by_fixed_point(Run& run, const CondensedProblem& condensed, const Vector* x_C);
+  bool unheld(Run& run);
+  void find_rigid_motions(Run& run);
+  DenseMatrix left_free(Run& run);
+  void rest(Run& run);
 
   SystemPtr system_;
-  Condensation condensation_;
+  std::unique_ptr<Elimination> elimination_;
   std::vector<SemismoothNewton::Branch> last_;  ///< of the last answer: where an increment starts
 };
 

@@ -7,111 +7,189 @@ namespace frictioncg {
 
 namespace {
 
-constexpr Index most_rigid_motions = 6;
-constexpr Real shift = 1e-9;   ///< of inverse iteration, relative to D
-constexpr Real rigid = 1e-11;  ///< <Sw,w>/<Dw,w> of a rigid motion
-constexpr Real held = 1e-9;    ///< f.w over |f||w| at which the load counts as balanced
+constexpr Real rounding = 1e-9;      ///< of a load, up to which it counts as balanced
+constexpr Real most_pressure = 1e6;  ///< over the load: larger forces are neither held nor excluded
+constexpr Real no_descent = 1e-14;   ///< cosine up to which a column does not lead to the target
+constexpr int most_rounds =
+    300;  ///< 2D ends by itself; tangents to cones in 3D converge like Newton
 
-/// Motions of the contact dofs that cost no energy, D-orthonormal, by inverse iteration on S +
-/// shift D.
-DenseMatrix rigid_motions(const DenseMatrix& S) {
-  const Index n = static_cast<Index>(S.rows()), most = std::min(n, most_rigid_motions);
-  const Vector D = S.diagonal().cwiseMax(1e-300);
-  const Vector scale = D.cwiseSqrt().cwiseInverse();
-  DenseMatrix M = scale.asDiagonal() * S * scale.asDiagonal();
-  M.diagonal().array() += shift;
-  const Eigen::LLT<DenseMatrix> factor(M);
-  if (factor.info() != Eigen::Success) return DenseMatrix(n, 0);
-  DenseMatrix W(n, most);
-  for (Index j = 0; j < most; ++j)  // any start that is not special
-    for (Index i = 0; i < n; ++i) W(i, j) = std::cos(1.0 + i * (j + 1.37) + 0.7 * j);
-  for (int k = 0; k < 4; ++k) {
-    W = factor.solve(W);
-    W = Eigen::HouseholderQR<DenseMatrix>(W).householderQ() * DenseMatrix::Identity(n, most);
-  }
-  M.diagonal().array() -= shift;
-  const Eigen::SelfAdjointEigenSolver<DenseMatrix> ritz(W.transpose() * M * W);
-  Index count = 0;
-  while (count < most && ritz.eigenvalues()[count] <= rigid) ++count;
-  return scale.asDiagonal() * (W * ritz.eigenvectors().leftCols(count));
-}
-
-/// Nonnegative least squares over a growing set of columns (Lawson and Hanson): the point of their
-/// cone nearest to the target.
+/// The point of a cone, given by columns that come one by one, that is nearest to a target
+/// (nonnegative least squares of Lawson and Hanson).
 class NearestInCone {
  public:
   explicit NearestInCone(const Vector& target) : target_(target), rest_(target) {}
 
   const Vector& rest() const { return rest_; }  ///< target - nearest point
+  Real pressure() const {                       ///< sum of the weights
+    Real sum = 0;
+    for (Real w : weight_) sum += w;
+    return sum;
+  }
 
-  void add(const Vector& column) {
-    columns_.push_back(column);
-    weight_.push_back(0);
-    for (std::size_t pass = 0; pass < 2 * columns_.size() + 2; ++pass) {
-      const Vector best = least_squares();
-      Real step = 1;
-      for (std::size_t k = 0; k < columns_.size(); ++k)
-        if (best[k] <= 0 && weight_[k] > best[k])
-          step = std::min(step, weight_[k] / (weight_[k] - best[k]));
-      const bool whole = step == 1 && (best.array() > 0).all();
-      for (std::size_t k = columns_.size(); k-- > 0;) {
-        weight_[k] += step * (best[k] - weight_[k]);
-        if (whole || weight_[k] > 1e-14 * (1 + std::abs(best[k]))) continue;
-        weight_.erase(weight_.begin() + k);
-        columns_.erase(columns_.begin() + k);
+  /// Takes the columns into the cone that bring it nearer to the target. False where none does.
+  bool add(const std::vector<Vector>& columns) {
+    bool any = false;
+    for (std::size_t pass = 0; pass <= columns.size(); ++pass) {
+      std::size_t best = columns.size();
+      Real steepest = no_descent * rest_.norm();
+      for (std::size_t k = 0; k < columns.size(); ++k) {
+        const Real size = columns[k].norm(), slope = size > 0 ? columns[k].dot(rest_) / size : 0;
+        if (slope <= steepest) continue;
+        steepest = slope;
+        best = k;
       }
-      if (whole || columns_.empty()) break;
+      if (best == columns.size() || !add(columns[best])) break;
+      any = true;
     }
-    rest_ = target_;
-    for (std::size_t k = 0; k < columns_.size(); ++k) rest_ -= weight_[k] * columns_[k];
+    return any;
   }
 
  private:
+  bool add(const Vector& column) {
+    const Real before = rest_.norm();
+    const auto columns = columns_;
+    const auto weight = weight_;
+    columns_.push_back(column);
+    weight_.push_back(0);
+    while (!columns_.empty() && !step()) {
+    }
+    Vector rest = target_;
+    for (std::size_t k = 0; k < columns_.size(); ++k) rest -= weight_[k] * columns_[k];
+    if (rest.norm() < before) {
+      rest_ = rest;
+      return true;
+    }
+    columns_ = columns;  // rounding
+    weight_ = weight;
+    return false;
+  }
+
+  /// Towards the least squares of the present columns, as far as the weights stay positive; drops
+  /// those that vanish. True where it got there.
+  bool step() {
+    const Vector best = least_squares();
+    Real length = 1;
+    std::size_t first = columns_.size();
+    for (std::size_t k = 0; k < columns_.size(); ++k) {
+      if (best[k] > 0) continue;
+      const Real to_zero = weight_[k] > 0 ? weight_[k] / (weight_[k] - best[k]) : 0;
+      if (first < columns_.size() && to_zero >= length) continue;
+      length = to_zero;
+      first = k;
+    }
+    for (std::size_t k = 0; k < columns_.size(); ++k)
+      weight_[k] = std::max(0.0, weight_[k] + length * (best[k] - weight_[k]));
+    if (first == columns_.size()) return true;
+    columns_.erase(columns_.begin() + first);
+    weight_.erase(weight_.begin() + first);
+    return columns_.empty();
+  }
+
   Vector least_squares() const {
     DenseMatrix G(target_.size(), columns_.size());
-    for (std::size_t k = 0; k < columns_.size(); ++k) G.col(k) = columns_[k];
-    return G.completeOrthogonalDecomposition().solve(target_);
+    Vector size(columns_.size());
+    for (std::size_t k = 0; k < columns_.size(); ++k) {
+      size[k] = columns_[k].norm();
+      G.col(k) = columns_[k] / size[k];
+    }
+    return (G.colPivHouseholderQr().solve(target_).array() / size.array()).matrix();
   }
-  Vector target_, rest_;
+
+  const Vector target_;
+  Vector rest_;
   std::vector<Vector> columns_;
   std::vector<Real> weight_;
 };
 
+/// What resists a motion: the forces of contact and friction that work most against it.
+///
+/// Forces count by their work on the k rigid motions. Friction at given limits is bounded: its sum
+/// is the last of the columns, and a row k + 1 says that it acts once: it has `unit` there, as the
+/// target has.
+class Resistance {
+ public:
+  Resistance(const DenseMatrix& W, const Vector& work, const ContactProblem& problem)
+      : W_(W.bottomRows(problem.contact_dofs())),
+        work_(work),
+        problem_(problem),
+        given_(problem.increment.law == Law::tresca),
+        unit_(work.norm()) {}
+
+  Vector target() const {
+    Vector t(work_.size() + given_);
+    t.head(work_.size()) = work_;
+    if (given_) t[work_.size()] = unit_;
+    return t;
+  }
+
+  /// At the motion of coefficients c (k, or more): its columns, one a node.
+  void meet(const Vector& c) {
+    const Index k = static_cast<Index>(work_.size());
+    const Vector w = W_ * c.head(k);
+    const Increment& increment = problem_.increment;
+    columns.clear();
+    most = 0;
+    pull = work_.dot(c.head(k));
+    Vector friction = Vector::Zero(k + given_);
+    if (given_) friction[k] = unit_;
+    for (Index i = 0; i < problem_.nodes(); ++i) {
+      const Index N = problem_.system->first[i] - problem_.interior(), t = problem_.tangents(i);
+      const Real slide = w.segment(N + 1, t).norm();
+      Vector along = Vector::Zero(k + given_);  // a unit force against the slide
+      if (slide > 0)
+        along.head(k) = W_.middleRows(N + 1, t).transpose() * w.segment(N + 1, t) / slide;
+      if (given_) friction += increment.g[i] * along;
+      if (given_) pull -= increment.g[i] * slide;
+      if (!std::isfinite(increment.gap[i])) continue;
+      const Real mu = increment.law == Law::coulomb ? increment.mu[i] : 0;
+      const Real sense = increment.bilateral && w[N] < 0 ? -1 : 1;
+      Vector column = mu * along;
+      column.head(k) += sense * W_.row(N).transpose();
+      most = std::max(most, sense * w[N] + mu * slide);
+      columns.push_back(column);
+    }
+    if (given_) columns.push_back(friction);
+  }
+
+  std::vector<Vector> columns;
+  Real most = 0;  ///< w_N + mu |w_T|, the largest of the nodes, or 0
+  Real pull = 0;  ///< F.w - sum g |w_T|
+
+ private:
+  const DenseMatrix W_;  ///< contact_dofs x k
+  const Vector work_;    ///< k, of the load
+  const ContactProblem& problem_;
+  const bool given_;
+  const Real unit_;
+};
+
 }  // namespace
 
-bool cannot_be_held(const CondensedProblem& condensed) {
-  const ContactProblem& laws = condensed.laws;
-  if (laws.increment.law == Law::tresca) return false;
-  const DenseMatrix W = rigid_motions(condensed.S);
-  if (W.cols() == 0) return false;
-  const Vector works = W.transpose() * condensed.f;
-  const Real forces = condensed.f.cwiseAbs().sum();
-  NearestInCone nearest(works);
-  for (int k = 0; k < 1000; ++k) {
-    const Vector w = W * nearest.rest();
-    const Real work = condensed.f.dot(w), size = w.cwiseAbs().maxCoeff();
-    if (work <= held * forces * size) return false;
-    // the force of a friction cone that resists w most
-    Real most = 0;
-    Vector column;
-    for (Index i = 0; i < laws.nodes(); ++i) {
-      if (!std::isfinite(laws.increment.gap[i])) continue;
-      const Index N = condensed.normal(i), t = laws.tangents(i);
-      const Real slide = w.segment(N + 1, t).norm();
-      const Real mu = laws.increment.law == Law::coulomb ? laws.increment.mu[i] : 0;
-      const Real sense = laws.increment.bilateral && w[N] < 0 ? -1 : 1;
-      const Real resistance = sense * w[N] + mu * slide;
-      if (resistance <= most) continue;
-      most = resistance;
-      column = sense * W.row(N).transpose();
-      if (slide > 0)
-        column += mu / slide * (W.middleRows(N + 1, t).transpose() * w.segment(N + 1, t));
+Statics balance(const DenseMatrix& W, const ContactProblem& problem) {
+  Statics statics;
+  const Vector& F = problem.increment.F;
+  const Vector work = W.transpose() * F;
+  if (W.cols() == 0) return statics;
+  const Real load = F.lpNorm<1>(), noise = rounding * load * W.cwiseAbs().maxCoeff();
+  if (work.norm() <= noise) return statics;
+  Resistance resistance(W, work, problem);
+  NearestInCone nearest(resistance.target());
+  statics.balance = Balance::at_limit;
+  for (int round = 0; round < most_rounds; ++round) {
+    const Vector rest = nearest.rest();
+    if (rest.norm() <= noise) {
+      if (nearest.pressure() <= most_pressure * load) statics.balance = Balance::held;
+      break;
     }
-    // pressures would have to exceed the load a hundred times for what resists to balance it
-    if (100 * most * forces <= work) return true;
-    nearest.add(column);
+    resistance.meet(rest);
+    if (resistance.pull > 0 && most_pressure * load * resistance.most <= resistance.pull) {
+      statics.balance = Balance::unheld;
+      statics.motion = W * rest.head(W.cols());
+      break;
+    }
+    if (!nearest.add(resistance.columns)) break;
   }
-  return false;
+  return statics;
 }
 
 }  // namespace frictioncg

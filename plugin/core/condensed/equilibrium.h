@@ -1,14 +1,30 @@
 #pragma once
-#include "condensed/semismooth_newton.h"
+#include "condensed/condensed_problem.h"
 
 namespace frictioncg {
 
-/// True where contact and Coulomb friction cannot hold the load, whatever the method: there is a
-/// rigid motion w (S w = 0) on which the load works, f.w > 0, and no force of a friction cone
-/// resists,
-///   w_N + mu |w_T| <= 0 at every node.
-/// By Farkas' lemma it is what is left of the load on the rigid motions after the nearest sum of
-/// forces from the cones. (At a given limit g the minimization itself sees J fall for ever.)
-bool cannot_be_held(const CondensedProblem& condensed);
+/// Whether forces of contact and friction can balance a load over rigid motions.
+enum class Balance {
+  held,      ///< such forces exist
+  at_limit,  ///< neither is shown beyond rounding
+  unheld     ///< a rigid motion is found that nothing holds: a proof
+};
+
+struct Statics {
+  Balance balance = Balance::held;
+  Vector motion;  ///< n, the motion that nothing holds; empty unless unheld
+};
+
+/// W: n x k, rigid motions (A W = 0).
+///
+/// Coulomb: are there forces r in the friction cones, r_N >= 0, |r_T| <= mu r_N at the nodes whose
+/// gap is finite, with W'r = W'F? Where not, Farkas' lemma gives a motion w = W c with
+///   F.w > 0  and  w_N + mu |w_T| <= 0  at these nodes,
+/// and no method can find an equilibrium. It is what is left of the load after the nearest sum of
+/// such forces. At given limits, r_N >= 0 and |r_T| <= g at every node:
+///   F.w > sum_i g_i |w_T,i|  and  w_N <= 0,   along which J falls for ever.
+/// Bilateral contact: r_N of either sign. Sums of such friction cones are a linear space, and the
+/// test is made with that space: unheld stays a proof, held need not be one.
+Statics balance(const DenseMatrix& W, const ContactProblem& problem);
 
 }  // namespace frictioncg

@@ -4,11 +4,18 @@
 #include <limits>
 #include <set>
 
+#include "model/law.h"
+
 namespace frictioncg {
 
 namespace {
-constexpr Real singular = 1e-13;  ///< reciprocal condition number at which a motion counts as free
-constexpr Index large = 500;      ///< unknowns from which the factorization dominates a step
+constexpr Real singular = 1e-13;   ///< reciprocal condition number at which a motion counts as free
+constexpr Real load_share = 0.01;  ///< of the unit of the residual, as in the certificate
+constexpr Real rounding_margin = 100;  ///< S carries what the elimination has left
+constexpr Real solved = 1e-12;         ///< residual at which a node that grazes is on either branch
+constexpr Real settled = 1e-9;         ///< residual that may be rounding, once the branches stay
+constexpr int patience = 8;            ///< 3D: directions of slip may need some steps to settle
+constexpr Index large = 500;           ///< unknowns from which the factorization dominates a step
 }  // namespace
 
 SemismoothNewton::SemismoothNewton(const CondensedProblem& problem)
@@ -41,18 +48,20 @@ void SemismoothNewton::start_from(const Vector& x, const Vector& r) {
 SemismoothNewton::Outcome SemismoothNewton::solve(Index max_steps) {
   std::set<std::size_t> seen{fingerprint()};
   Real best = std::numeric_limits<Real>::infinity();
+  int stalled = 0;  // steps on the same branches without progress; 2D: the next one is the same
   for (steps_ = 0; steps_ < max_steps;) {
     ++steps_;
     if (!step()) return Outcome::singular;
-    r_ = problem_.f;
-    r_.noalias() -= problem_.S * x_;
+    r_ = problem_.residual(x_);
     residual_ = law_residual(r_);
     const std::size_t before = fingerprint();
     choose_branches(x_, r_);
     const std::size_t after = fingerprint();
-    if (residual_ <= 1e-12) return Outcome::converged;  // a node that grazes is on either branch
-    if (after == before && residual_ > 0.5 * best && residual_ < 1e-9)
-      return Outcome::converged;  // rounding
+    if (residual_ <= solved) return Outcome::converged;
+    if (after == before && residual_ > 0.5 * best) {
+      if (residual_ < std::max(settled, rounding())) return Outcome::converged;
+      if (problem_.laws.system->dimension == 2 || ++stalled > patience) return Outcome::stalled;
+    }
     best = std::min(best, residual_);
     if (after != before && !seen.insert(after).second) return Outcome::cycled;
   }
@@ -85,7 +94,6 @@ void SemismoothNewton::choose_branches(const Vector& x, const Vector& r) {
 /// x := solution of the linear system of the present branches; false where it is singular.
 bool SemismoothNewton::step() {
   const ContactProblem& laws = problem_.laws;
-  const DenseMatrix& S = problem_.S;
   unknown_.clear();
   x_.setZero();
   for (Index i = 0; i < laws.nodes(); ++i) {
@@ -97,8 +105,8 @@ bool SemismoothNewton::step() {
     if (!branch_[i].stick)
       for (Index k = 1; k <= laws.tangents(i); ++k) unknown_.push_back(N + k);
   }
-  rhs_ = problem_.f;
-  if (!x_.isZero(0)) rhs_.noalias() -= S * x_;
+  rhs_ = x_.isZero(0) ? problem_.f : problem_.residual(x_);
+  undetermined_ = false;
   if (unknown_.empty()) return true;
   const Vector solution = solve_branches();
   if (!solution.allFinite()) return false;
@@ -135,6 +143,7 @@ bool SemismoothNewton::assemble() {
     for (Index p = 0; p < size; ++p)
       M_(p, q) = scale_[p] * scale_[q] * (column[unknown_[p]] - factor_[p] * column[normal_[p]]);
   }
+  M_.diagonal().array() += problem_.springs;  // a slip row refers to normals that are no unknowns
   for_each_slip([&](const Branch& n, Index, Index p, Index t) {
     for (Index k = 0; k < t; ++k)
       for (Index l = 0; l < t; ++l)
@@ -195,6 +204,7 @@ Vector SemismoothNewton::solve_branches() {
     if (lu.rcond() > singular) return scale_.asDiagonal() * lu.solve(b_);
   }
   assemble();
+  undetermined_ = true;
   Eigen::CompleteOrthogonalDecomposition<DenseMatrix> cod;
   cod.setThreshold(singular);
   return scale_.asDiagonal() * cod.compute(M_).solve(b_);
@@ -216,7 +226,26 @@ Real SemismoothNewton::law_residual(const Vector& r) const {
                .squaredNorm() /
            c;
   }
-  return std::sqrt(sum) / problem_.laws.increment.force_scale;
+  return std::sqrt(sum) / unit(r);
+}
+
+/// The forces at work, in norm_D: as the certificate has them, a share of the load and the contact
+/// forces of the closed nodes; where there are none, the load.
+Real SemismoothNewton::unit(const Vector& r) const {
+  const Increment& increment = problem_.laws.increment;
+  Real sum = std::pow(load_share * increment.load_norm, 2);
+  for (Index i = 0; i < problem_.laws.nodes(); ++i) {
+    const Index N = problem_.normal(i), size = problem_.laws.tangents(i) + 1;
+    if (!branch_[i].closed) continue;
+    sum += (r.segment(N, size).array().square() / problem_.D.segment(N, size).array()).sum();
+  }
+  return sum > 0 ? std::sqrt(sum) : increment.force_scale;
+}
+
+/// What S x cannot resolve of the residual, in the same units.
+Real SemismoothNewton::rounding() const {
+  const Real size = std::sqrt((problem_.D.array() * x_.array().square()).sum());
+  return rounding_margin * std::numeric_limits<Real>::epsilon() * size / unit(r_);
 }
 
 std::size_t SemismoothNewton::fingerprint() const {

@@ -1,19 +1,9 @@
 #pragma once
-#include "model/certificate.h"
-#include "condensed/condensation.h"
+#include <vector>
+
+#include "condensed/condensed_problem.h"
 
 namespace frictioncg {
-
-/// A contact problem on the contact dofs alone, after elimination of the interior:
-///   r = f - S x, laws of contact and friction on (x, r) node by node.
-struct CondensedProblem {
-  const DenseMatrix& S;        ///< contact_dofs square
-  Vector f;                    ///< contact_dofs [force]
-  const Vector& D;             ///< contact_dofs, diag(A): the unit of the residual of the laws
-  const ContactProblem& laws;  ///< gap, mu or g, and the layout of the nodes
-  Index offset() const { return laws.interior(); }
-  Index normal(Index i) const { return laws.system->first[i] - offset(); }
-};
 
 /// Semismooth Newton (primal-dual active set) on the unregularized coupled laws. With c > 0, r the
 /// force of the body on the obstacle, g = mu max(r_N, 0) or given, y = r_T + c x_T:
@@ -23,7 +13,7 @@ struct CondensedProblem {
 /// x_T = 0; slip r_T = g d + w (I - dd') x_T with d = y/|y|, w = g c/(|y| - g), g depending on x.
 class SemismoothNewton {
  public:
-  enum class Outcome { converged, cycled, singular, exhausted };
+  enum class Outcome { converged, cycled, stalled, singular, exhausted };
 
   /// The branch of the laws that a node is on.
   struct Branch {
@@ -47,6 +37,8 @@ class SemismoothNewton {
   const std::vector<Branch>& branches() const { return branch_; }
   Index steps() const { return steps_; }
   Real residual() const { return residual_; }  ///< of the laws on S: their share of the certificate
+  /// The last step left a motion free, and took the least.
+  bool undetermined() const { return undetermined_; }
 
  private:
   void choose_branches(const Vector& x, const Vector& r);
@@ -57,6 +49,8 @@ class SemismoothNewton {
   Vector solve_branches();
   Vector solve_in_single_precision() const;
   Real law_residual(const Vector& r) const;
+  Real rounding() const;
+  Real unit(const Vector& r) const;
   std::size_t fingerprint() const;
   bool coupled() const { return problem_.laws.increment.law == Law::coulomb; }
 
@@ -70,6 +64,7 @@ class SemismoothNewton {
   std::vector<Index> normal_;  ///< of the unknowns, the normal dof that factor_ refers to
   Index steps_ = 0;
   Real residual_ = 0;
+  bool undetermined_ = false;
 };
 
 }  // namespace frictioncg

@@ -9,9 +9,9 @@ namespace {
 
 constexpr Real epsilon = std::numeric_limits<Real>::epsilon();
 
-/// Forces below this many times the rounding of Ax are taken as rounding: solvers stop a digit or
-/// two above it.
-constexpr Real rounding_margin = 100;
+/// Forces below this many times the rounding of Ax are taken as rounding: solvers stop a little
+/// above it.
+constexpr Real rounding_margin = 10;
 
 /// The share of the load that counts beside the contact forces: small enough that tol bounds the
 /// laws to 100 tol of contact forces down to 1e-4 of the load, large enough for those to vanish.
@@ -60,14 +60,25 @@ Real contact_force_norm(const ContactProblem& problem, const Vector& x, const Ve
   return std::sqrt(sum);
 }
 
-/// What the residual of x is measured in, given |rounding| of r.
-Real force_scale(const ContactProblem& problem, const Vector& x, const Vector& r, Real rounding) {
-  const Increment& increment = problem.increment;
-  const Real at_work =
-      std::hypot(load_share * increment.load_norm, contact_force_norm(problem, x, r));
-  if (at_work > rounding_margin * rounding) return at_work;
-  const Real driving =
-      std::max(driving_norm(*problem.system, increment), norm_D(*problem.system, increment.F - r));
+/// The force, in norm_D, that would close the nearest gap.
+Real nearest_gap(const ContactProblem& problem, const Vector& x) {
+  Real nearest = std::numeric_limits<Real>::infinity();
+  for (Index i = 0; i < problem.nodes(); ++i)
+    nearest = std::min(nearest, std::abs(closing_force(problem, i, x)) /
+                                    std::sqrt(problem.system->weight[problem.system->first[i]]));
+  return nearest;
+}
+
+/// What the residual of x is measured in, > 0; violation: its norm; rounding: that of r.
+Real scale_of(const ContactProblem& problem, const Vector& x, const Vector& r, Real violation,
+              Real rounding) {
+  const Real load = problem.increment.load_norm, contact = contact_force_norm(problem, x, r);
+  if (std::hypot(load, contact) > rounding_margin * rounding)
+    return std::max(std::hypot(load_share * load, contact), rounding);
+  const Real driving = std::max(driving_norm(*problem.system, problem.increment),
+                                norm_D(*problem.system, problem.increment.F - r));
+  if (violation > rounding_margin * rounding)
+    return std::max(violation, std::min(driving, nearest_gap(problem, x)));
   return driving > 0 ? driving : 1;
 }
 
@@ -94,9 +105,10 @@ Certificate certify(const ContactProblem& problem, const Vector& x) {
                                                law.limit(closing, c.r[N]));
     c.friction += friction.squaredNorm() / c_T;
   }
-  c.scale = force_scale(problem, x, c.r, rounding);
+  const Real violation = std::sqrt(c.equilibrium + c.normal + c.friction);
+  c.scale = scale_of(problem, x, c.r, violation, rounding);
   c.attainable = rounding / c.scale;
-  c.residual = std::sqrt(c.equilibrium + c.normal + c.friction) / c.scale;
+  c.residual = violation / c.scale;
   c.equilibrium = std::sqrt(c.equilibrium) / c.scale;
   c.normal = std::sqrt(c.normal) / c.scale;
   c.friction = std::sqrt(c.friction) / c.scale;

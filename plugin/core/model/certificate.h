@@ -18,7 +18,9 @@ namespace frictioncg {
 /// The scale is what is at work: the forces of the closed contact nodes, together with a hundredth
 /// of the load, both as they are in the total state, so that neither Dirichlet data that only move
 /// the body, nor the increments that led there, count. Where neither is there beyond rounding, it
-/// is what drives the increment: |F|, |Ax|, or the force that closes the initial penetration.
+/// is the force that would close the nearest gap, so that what is called open is open; and where
+/// all is rounding, what drives the increment: |F|, |Ax|, or the force that closes the initial
+/// penetration.
 struct Certificate {
   Real residual = 0;
   Real equilibrium = 0;  ///< its share from the interior dofs

@@ -158,12 +158,55 @@ TEST(Certificate, ItsScaleDoesNotFollowDirichletDataThatOnlyMoveTheBody) {
   }
 }
 
-TEST(Certificate, ItsScaleIsWhatDrivesTheBodyWhereNothingTouchesAndNothingLoads) {
+TEST(Certificate, WhereNothingTouchesAndNothingLoadsItsScaleIsTheForceThatClosesTheNearestGap) {
+  ContactProblem p = one_node(Law::coulomb, 0.3);  // sqrt(k) = 2, 3
+  p.increment.F << -4, 9e-3;
+  p.increment.gap[0] = 2;
+  EXPECT_DOUBLE_EQ(certify(p, Eigen::Vector2d(-1, 0)).scale, std::sqrt(4 + 9e-6));  // |F| < 2 3
+  p.increment.gap[0] = -0.5;
+  const Certificate c = certify(p, Eigen::Vector2d(-1, 0));
+  EXPECT_DOUBLE_EQ(c.scale, 2 * 0.5);
+  EXPECT_DOUBLE_EQ(c.residual, 3e-3);
+  p.increment.gap[0] = -1 + 1e-6;  // nearer than the violation: nothing proves that it is open
+  EXPECT_DOUBLE_EQ(certify(p, Eigen::Vector2d(-1, 0)).residual, 1);
+}
+
+TEST(Certificate, WhereAllIsRoundingItsScaleIsWhatDrivesTheBody) {
   const BlockOptions o;
-  const Solved open = solved(driven_block(o, {0, -1, 0}, 2));
-  const Certificate c = certify(open.problem(), open.x);
-  EXPECT_NEAR(c.scale, norm_D(*open.problem().system, open.problem().increment.F), 1e-9 * c.scale);
-  EXPECT_LT(c.residual, 1e-12);
+  for (Real gap : {2.0, 1.0}) {  // clear of the obstacle, and brought there to touch it
+    const Solved at = solved(driven_block(o, {0, -1, 0}, gap));
+    const Certificate c = certify(at.problem(), at.x);
+    EXPECT_NEAR(c.scale, norm_D(*at.problem().system, at.problem().increment.F), 1e-9 * c.scale);
+    EXPECT_LT(c.residual, 1e-12);
+  }
+}
+
+TEST(Certificate, ForcesWithinTenTimesTheirRoundingAreTakenForRounding) {
+  // sqrt(k) = 2, 3; |F| = 20 stands for Dirichlet data, r_N and the load for what is at work
+  ContactProblem p = one_node(Law::coulomb, 0.3);
+  const auto scale = [&](Real r_N, Real load, Real rounding) {
+    p.increment.F << r_N, 60;
+    p.increment.load_norm = load;
+    p.increment.rounding = rounding;
+    return certify(p, Eigen::Vector2d(0, 60.0 / 9)).scale;
+  };
+  EXPECT_NEAR(scale(2e-3, 0, 0.99e-4), 1e-3, 1e-12);
+  EXPECT_NEAR(scale(2e-3, 0, 1.01e-4), 20, 1e-3);
+  EXPECT_NEAR(scale(0, 1e-3, 1.01e-4), 20, 1e-3);
+  EXPECT_NEAR(scale(0, 1e-3, 0.99e-5), 1e-5, 1e-12);     // a hundredth of the load
+  EXPECT_NEAR(scale(0, 1e-3, 0.99e-4), 0.99e-4, 1e-12);  // never below rounding
+}
+
+TEST(Certificate, ABodyThatStopsShortOfTheObstacleIsNotTakenForOpen) {
+  // nothing touches yet, and what is left to go is small beside the way: 1e-9 of the load
+  BlockOptions o;
+  const Scene s = brought_from_far(o, 1e6);
+  const Posed far = s.system();
+  Vector u = Vector::Zero(s.n);
+  for (Index k = 1; k < s.n; k += 2) u[k] = -1e6 + 1e-3;
+  const Certificate c = certify(far.problem(), far.to_local(u));
+  EXPECT_LT(c.residual * c.scale, 1e-8 * norm_D(*far.problem().system, far.problem().increment.F));
+  EXPECT_GT(c.residual, 0.5);
 }
 
 TEST(Certificate, RoundingAllowsLessTheFartherTheBodyComesFrom) {

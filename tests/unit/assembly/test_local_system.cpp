@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/solver.h"
-#include "scene.h"
+#include "unit/scene.h"
 
 using namespace frictioncg;
 using namespace frictioncg::test;
@@ -151,8 +151,11 @@ TEST(LocalSystem, AnObliqueNormalOnAHalfFixedNodeIsProjected) {
   s.points[3].normal = {std::sqrt(0.5), -std::sqrt(0.5), 0};
   s.gap.setConstant(0.1);
   const Posed system = s.system();
-  // only u_y is free: -u_y/sqrt(2) <= 0.1
-  EXPECT_NEAR(system.problem().increment.gap[3], 0.1 * std::sqrt(2.0), 1e-14);
+  // only u_y is free: w_N = -u_y/sqrt(2) <= 0.1
+  const Index N = system.problem().system->first[3];
+  EXPECT_NEAR(system.problem().increment.gap[3], 0.1, 1e-14);
+  EXPECT_NEAR(system.to_global(Vector::Unit(system.problem().dofs(), N))[s.points[3].dof[1]],
+              -std::sqrt(2.0), 1e-14);
 }
 
 TEST(LocalSystem, TheForceOnTheBodyIsMinusTheResidualOnContactNodesOnly) {

@@ -1,0 +1,107 @@
+#include "assembly/dirichlet.h"
+
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+namespace frictioncg {
+
+namespace {
+
+/// Diagonal over off-diagonals from which a row is Dirichlet: stiffness contrasts stay below it,
+/// FreeFEM's smallest customary tgv (1e10 times the coefficients) above.
+constexpr Real huge_ratio = 1e10;
+
+[[noreturn]] void refuse(const std::ostringstream& message) { throw IllegalInput(message.str()); }
+
+/// What the triplets say of each row.
+struct Rows {
+  Vector diagonal, row_max, column_max;
+  std::vector<char> emptied;  ///< the row has stored off-diagonal zeros
+
+  explicit Rows(const Triplets& A)
+      : diagonal(Vector::Zero(A.n)),
+        row_max(Vector::Zero(A.n)),
+        column_max(Vector::Zero(A.n)),
+        emptied(A.n, 0) {
+    for (std::size_t k = 0; k < A.size; ++k) add(A.row(k), A.col(k), A.a[k]);
+    for (Index i = 0; i < A.n; ++i)
+      if (!(diagonal[i] > 0)) {
+        std::ostringstream m;
+        m << "A(" << i << "," << i << ") = " << diagonal[i]
+          << "; every diagonal entry must be > 0 (assemble with tgv=1e30 or tgv=-1, and with an "
+             "elasticity term on every element)";
+        refuse(m);
+      }
+  }
+
+  Real others(Index i) const { return std::max(row_max[i], column_max[i]); }
+  bool unit(Index i) const { return diagonal[i] == 1; }
+
+ private:
+  void add(Index i, Index j, Real entry) {
+    const Real a = std::abs(entry);
+    if (!(a <= std::numeric_limits<Real>::max())) {
+      std::ostringstream m;
+      m << "A(" << i << "," << j << ") = " << entry << "; the entries of A must be finite";
+      refuse(m);
+    }
+    if (i == j) {
+      diagonal[i] += entry;
+    } else {
+      if (a > row_max[i]) row_max[i] = a;
+      if (a > column_max[j]) column_max[j] = a;
+      if (a == 0) emptied[i] = 1;
+    }
+  }
+};
+
+}  // namespace
+
+Dirichlet::Dirichlet(const Triplets& A, const std::vector<ContactPoint>& points)
+    : number_(A.n, -1), half_(A.half) {
+  const Rows rows(A);
+  std::vector<char> may_touch(A.n, 0);
+  for (const ContactPoint& p : points)
+    for (Index dof : p.dof)
+      if (dof >= 0) may_touch[dof] = 1;
+  // A half-stored row of the identity shows only its half: believe it where some row shows the
+  // zeros that the elimination stores.
+  bool emptied_unit_rows = false;
+  if (A.half)
+    for (Index i = 0; i < A.n; ++i)
+      emptied_unit_rows |= rows.emptied[i] && rows.row_max[i] == 0 && rows.unit(i);
+
+  const Real largest = rows.row_max.size() > 0 ? rows.row_max.maxCoeff() : 0;
+  for (Index i = 0; i < A.n; ++i) {
+    const Real others = rows.others(i);
+    const bool huge = others > 0 && rows.diagonal[i] >= huge_ratio * others;
+    const bool unit = A.half ? emptied_unit_rows && rows.row_max[i] == 0 && rows.unit(i)
+                             : rows.row_max[i] == 0 && rows.column_max[i] > 0;
+    const bool spring = may_touch[i] && !rows.emptied[i] && rows.diagonal[i] < huge_ratio * largest;
+    const bool alone = others == 0 && !spring;
+    if (!huge && !unit && !alone) continue;
+    number_[i] = size();
+    held_.push_back({i, rows.diagonal[i], rows.unit(i) && (alone || A.half)});
+    unit_rows_ |= unit && !A.half;
+  }
+}
+
+Vector Dirichlet::data(const Vector& b) const {
+  Vector data(size());
+  for (Index k = 0; k < size(); ++k) {
+    const Held& h = held_[k];
+    data[k] = b[h.dof] / h.diagonal;
+    if (h.alone && data[k] != 0 && !unit_rows_) {
+      std::ostringstream m;
+      m << "b[" << h.dof << "] = " << b[h.dof]
+        << " is the data of a Dirichlet dof whose couplings are not in A ("
+        << (half_ ? "half-stored with tgv=-1); assemble without sym=1 or with tgv=1e30"
+                  : "tgv=-2); assemble with tgv=1e30 or tgv=-1");
+      refuse(m);
+    }
+  }
+  return data;
+}
+
+}  // namespace frictioncg

@@ -1,0 +1,39 @@
+#pragma once
+#include "assembly/contact_point.h"
+#include "assembly/triplets.h"
+
+namespace frictioncg {
+
+/// The dofs that Dirichlet conditions hold, recognized by the values in A (the flags that come with
+/// FreeFEM's matrices do not survive their copies): a huge diagonal (tgv = 1e30), or a row of the
+/// identity (tgv = -1, or -2 with homogeneous data).
+class Dirichlet {
+ public:
+  /// Throws IllegalInput for entries that are not finite and for diagonals <= 0. A row that is
+  /// alone in the matrix counts as held, unless it belongs to one of the points: then it is a
+  /// spring.
+  Dirichlet(const Triplets& A, const std::vector<ContactPoint>& points);
+
+  Index size() const { return static_cast<Index>(held_.size()); }
+  Index dof(Index k) const { return held_[k].dof; }
+  /// Number of a held dof, or -1 for a free one.
+  Index number(Index dof) const { return number_[dof]; }
+  bool holds(Index dof) const { return number_[dof] >= 0; }
+
+  /// The prescribed displacements (size()) in the load b (n). Throws IllegalInput where A does not
+  /// have the couplings that they need.
+  Vector data(const Vector& b) const;
+
+ private:
+  struct Held {
+    Index dof;
+    Real diagonal;
+    bool alone;  ///< its couplings are not in the matrix
+  };
+  std::vector<Held> held_;
+  std::vector<Index> number_;
+  bool half_ = false;       ///< A was stored by one triangle
+  bool unit_rows_ = false;  ///< rows of the identity whose columns remain
+};
+
+}  // namespace frictioncg

@@ -1,0 +1,211 @@
+#include "assembly/frames.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace frictioncg {
+
+namespace {
+
+constexpr Real aligned = 1e-14;  ///< components of a direction below this are taken as 0
+constexpr Real blocked = 1e-6;   ///< projected normals shorter than this are no contact
+constexpr Real dependent =
+    1e-3;  ///< sine of the angle to the other normals below which one adds none
+
+using Entries = std::vector<Eigen::Triplet<Real>>;
+
+Real cleaned(Real component) { return std::abs(component) > aligned ? component : 0; }
+
+}  // namespace
+
+Frames::Frames(int dimension, Index n, const std::vector<ContactPoint>& points,
+               const Dirichlet& dirichlet)
+    : d_(dimension), points_(points), dirichlet_(dirichlet) {
+  for (const std::vector<Index>& at : points_by_node(n)) add_frame(at);
+  number(n);
+  fill(n);
+}
+
+std::vector<std::vector<Index>> Frames::points_by_node(Index n) const {
+  std::vector<std::vector<Index>> nodes;
+  std::vector<Index> node_of(n, -1);
+  for (Index p = 0; p < static_cast<Index>(points_.size()); ++p) {
+    Index& node = node_of[points_[p].dof[0]];
+    if (node < 0) {
+      node = static_cast<Index>(nodes.size());
+      nodes.emplace_back();
+    }
+    nodes[node].push_back(p);
+  }
+  return nodes;
+}
+
+void Frames::add_frame(const std::vector<Index>& points) {
+  Frame f;
+  f.dof = points_[points.front()].dof;
+  f.to_local.setZero(d_, d_);
+  for (int c = 0; c < d_; ++c) f.free += !dirichlet_.holds(f.dof[c]);
+  for (Index p : points)
+    if (add_normal(f, p)) f.friction = f.nodes.size() == 1 && points_[p].friction;
+  if (f.nodes.empty()) return;
+  for (ContactNode& node : f.nodes) node.shared = f.nodes.size() > 1;
+  complete(f);
+  frames_.push_back(f);
+}
+
+/// The row of one more normal, unless Dirichlet conditions hold it.
+bool Frames::add_normal(Frame& f, Index point) const {
+  const ContactPoint& p = points_[point];
+  Eigen::Vector3d free = Eigen::Vector3d::Zero();
+  for (int c = 0; c < d_; ++c)
+    if (!dirichlet_.holds(p.dof[c])) free[c] = cleaned(p.normal[c]);
+  const Real share = free.norm();
+  if (share < blocked) return false;
+  Eigen::Vector3d rest = free / share;
+  const int before = static_cast<int>(f.nodes.size());
+  if (before > 0) {  // what it adds to the normals before
+    Eigen::Matrix<Real, 3, Eigen::Dynamic, 0, 3, 3> others =
+        Eigen::Matrix<Real, 3, Eigen::Dynamic, 0, 3, 3>::Zero(3, before);
+    for (int k = 0; k < before; ++k)
+      for (int c = 0; c < d_; ++c)
+        if (!dirichlet_.holds(p.dof[c])) others(c, k) = f.to_local(k, c);
+    rest -= others * others.colPivHouseholderQr().solve(rest);
+  }
+  if (before == f.free || rest.norm() < dependent) {
+    std::ostringstream m;
+    m << "the obstacles at the node of dof " << p.dof[0]
+      << " have linearly dependent normals on what is free to move there; leave one of their "
+         "labels out, or give one normal";
+    throw IllegalInput(m.str());
+  }
+  for (int c = 0; c < d_; ++c) f.to_local(before, c) = cleaned(p.normal[c]);
+  f.nodes.push_back({point, false});
+  return true;
+}
+
+/// Tangents: Gram-Schmidt on the axes, that least along the normals first; then the dual basis.
+void Frames::complete(Frame& f) const {
+  const int normals = static_cast<int>(f.nodes.size());
+  Square free = f.to_local;  // the directions on free components
+  for (int c = 0; c < d_; ++c)
+    if (dirichlet_.holds(f.dof[c])) free.col(c).setZero();
+  Square orthonormal = free;
+  for (int k = 0; k < normals; ++k) {
+    for (int q = 0; q < k; ++q)
+      orthonormal.row(k) -= orthonormal.row(k).dot(orthonormal.row(q)) * orthonormal.row(q);
+    orthonormal.row(k).normalize();
+  }
+  std::array<bool, 3> used{};
+  for (int k = normals; k < f.free; ++k) {
+    int axis = -1;
+    Real least = 0;
+    for (int c = 0; c < d_; ++c) {
+      if (dirichlet_.holds(f.dof[c]) || used[c]) continue;
+      const Real along = orthonormal.col(c).head(normals).norm();
+      if (axis < 0 || along < least) axis = c, least = along;
+    }
+    used[axis] = true;
+    Eigen::Matrix<Real, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 3> t =
+        Eigen::Matrix<Real, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 3>::Unit(d_, axis);
+    for (int q = 0; q < k; ++q) t -= t.dot(orthonormal.row(q)) * orthonormal.row(q);
+    for (int c = 0; c < d_; ++c)
+      if (dirichlet_.holds(f.dof[c])) t[c] = 0;
+    orthonormal.row(k) = t.normalized();
+    free.row(k) = f.to_local.row(k) = orthonormal.row(k);
+  }
+  orient(f);
+  f.from_local.setZero(d_, d_);
+  if (normals == 1) {  // orthogonal rows
+    for (int k = 0; k < f.free; ++k) {
+      free.row(k) = f.to_local.row(k);
+      for (int c = 0; c < d_; ++c)
+        if (dirichlet_.holds(f.dof[c])) free(k, c) = 0;
+      f.from_local.col(k) = free.row(k).transpose() / free.row(k).squaredNorm();
+    }
+  } else {
+    const Eigen::MatrixXd rows = free.topRows(f.free);
+    f.from_local.leftCols(f.free) = rows.completeOrthogonalDecomposition().pseudoInverse();
+  }
+}
+
+/// Turns the tangents to the principal directions of orthotropic friction, and scales them. Where
+/// Dirichlet conditions leave one tangent t, the dissipation along it decides: g |(t_1, across
+/// t_2)|.
+void Frames::orient(Frame& f) const {
+  const ContactPoint& p = points_[f.nodes.front().point];
+  if (p.across == 1 || f.free < 2 || f.nodes.size() > 1) return;
+  const Eigen::Map<const Eigen::Vector3d> normal(p.normal.data()), direction(p.direction.data());
+  const Eigen::Vector3d along = (direction - normal * normal.dot(direction)).normalized();
+  const Eigen::Vector3d across = normal.cross(along);
+  if (f.free == 3) {
+    f.to_local.row(1) = along.unaryExpr(&cleaned).transpose();
+    f.to_local.row(2) = p.across * across.unaryExpr(&cleaned).transpose();
+  } else {
+    const Eigen::Vector3d t = f.to_local.row(1).transpose();
+    f.to_local.row(1) *= std::hypot(t.dot(along), p.across * t.dot(across));
+  }
+}
+
+/// Local dofs: the interior in its order, directions without a law, then node by node.
+void Frames::number(Index n) {
+  std::vector<char> framed(n, 0);
+  for (const Frame& f : frames_)
+    for (int c = 0; c < d_; ++c) framed[f.dof[c]] = 1;
+  const auto next = [this](Index dof) {
+    basis_.origin.push_back(dof);
+    return basis_.local_dofs() - 1;
+  };
+  for (Index i = 0; i < n; ++i)
+    if (!framed[i] && !dirichlet_.holds(i)) next(i);
+  unframed_ = basis_.local_dofs();
+  for (Frame& f : frames_) {
+    f.local.assign(f.free, -1);
+    for (int k = static_cast<int>(f.nodes.size()); k < f.free && !f.friction; ++k)
+      f.local[k] = next(f.dof[0]);
+  }
+  for (Frame& f : frames_)
+    for (int k = 0; k < f.free; ++k) {
+      const bool starts_node = k < static_cast<int>(f.nodes.size());
+      if (starts_node) {
+        basis_.first.push_back(basis_.local_dofs());
+        nodes_.push_back(f.nodes[k]);
+      }
+      if (f.local[k] < 0) f.local[k] = next(f.dof[0]);
+    }
+  basis_.first.push_back(basis_.local_dofs());
+}
+
+void Frames::fill(Index n) {
+  const Index w = basis_.local_dofs();
+  Entries T, W;
+  T.reserve(n);
+  W.reserve(n);
+  for (Index p = 0; p < unframed_; ++p) {
+    T.emplace_back(basis_.origin[p], p, 1);
+    W.emplace_back(p, basis_.origin[p], 1);
+  }
+  for (Index k = 0; k < dirichlet_.size(); ++k) T.emplace_back(dirichlet_.dof(k), w + k, 1);
+  for (const Frame& f : frames_)
+    for (int c = 0; c < d_; ++c) {
+      const bool held = dirichlet_.holds(f.dof[c]);
+      int entries = 0;
+      for (int k = 0; k < f.free; ++k) {
+        if (f.to_local(k, c) != 0) W.emplace_back(f.local[k], f.dof[c], f.to_local(k, c));
+        if (held || f.from_local(c, k) == 0) continue;
+        T.emplace_back(f.dof[c], f.local[k], f.from_local(c, k));
+        ++entries;
+        for (int h = 0; h < d_; ++h)  // u = from_local (w - what is prescribed of it)
+          if (dirichlet_.holds(f.dof[h]) && f.to_local(k, h) != 0)
+            T.emplace_back(f.dof[c], w + dirichlet_.number(f.dof[h]),
+                           -f.from_local(c, k) * f.to_local(k, h));
+      }
+      basis_.rotated |= entries > 1;
+    }
+  basis_.T.resize(n, w + dirichlet_.size());
+  basis_.T.setFromTriplets(T.begin(), T.end());
+  basis_.W.resize(w, n);
+  basis_.W.setFromTriplets(W.begin(), W.end());
+}
+
+}  // namespace frictioncg

@@ -1,0 +1,66 @@
+#pragma once
+#include "assembly/basis.h"
+#include <Eigen/Dense>
+#include <memory>
+
+#include "assembly/dirichlet.h"
+
+namespace frictioncg {
+
+/// A contact node as the laws see it: one normal, and the tangents where it has friction.
+struct ContactNode {
+  Index point = 0;      ///< contact point
+  bool shared = false;  ///< one of several normals of its mesh node: it slides without friction
+};
+
+/// Local frames at the contact points.
+///
+/// One normal: w_N = n.u, and tangents, orthonormal among the free components and orthogonal to
+/// what Dirichlet conditions leave free of the normal: the body gives way along its projection, and
+/// r_N is the force along the whole of n. A point whose normal is held is no contact node.
+/// Orthotropic friction turns the tangents to its principal directions and scales them.
+///
+/// Several normals at one node (a corner): w_j = n_j.u for each, and the rest of an orthonormal
+/// basis of what is orthogonal to them all: rows of W are the normals, columns of T their dual
+/// basis. Throws IllegalInput where they are linearly dependent.
+class Frames {
+ public:
+  /// n dofs in all.
+  Frames(int dimension, Index n, const std::vector<ContactPoint>& points,
+         const Dirichlet& dirichlet);
+
+  std::shared_ptr<const Basis> basis() const { return shared_; }
+  const std::vector<ContactNode>& nodes() const { return nodes_; }
+
+ private:
+  using Square = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3>;
+  /// The frame of a mesh node: rows of to_local are the directions, w = to_local u over its
+  /// components; the columns of from_local their dual basis, zero on held components.
+  struct Frame {
+    std::array<Index, 3> dof{};
+    Square to_local, from_local;
+    std::vector<ContactNode> nodes;  ///< of its normals, the first directions
+    int free = 0;                    ///< directions in all
+    bool friction = false;           ///< one normal, and a tangential law
+    std::vector<Index> local;        ///< local dof of each direction
+  };
+
+  std::vector<std::vector<Index>> points_by_node(Index n) const;
+  void add_frame(const std::vector<Index>& points);
+  bool add_normal(Frame& frame, Index point) const;
+  void complete(Frame& frame) const;
+  void orient(Frame& frame) const;
+  void number(Index n);
+  void fill(Index n);
+
+  const int d_;
+  const std::vector<ContactPoint>& points_;
+  const Dirichlet& dirichlet_;
+  std::vector<Frame> frames_;
+  std::vector<ContactNode> nodes_;
+  Index unframed_ = 0;  ///< local dofs that are dofs of the script
+  std::shared_ptr<Basis> shared_ = std::make_shared<Basis>();
+  Basis& basis_ = *shared_;
+};
+
+}  // namespace frictioncg

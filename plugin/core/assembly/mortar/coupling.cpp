@@ -1,0 +1,60 @@
+#include "assembly/mortar/coupling.h"
+
+namespace frictioncg::mortar {
+
+namespace {
+
+using Entries = std::vector<Eigen::Triplet<Real, Index>>;
+
+void add_component(const Matrix& of_nodes, const NodeDofs& dof, int c, Entries& entries) {
+  for (Index i = 0; i < of_nodes.rows(); ++i)
+    for (Matrix::InnerIterator it(of_nodes, i); it; ++it)
+      entries.emplace_back(dof[i][c], dof[it.col()][c], it.value());
+}
+
+}  // namespace
+
+std::vector<unsigned char> held_components(int d, const NodeDofs& dof, const Dirichlet& dirichlet) {
+  std::vector<unsigned char> held(dof.size(), 0);
+  for (std::size_t i = 0; i < dof.size(); ++i)
+    for (int c = 0; c < d; ++c)
+      if (dirichlet.holds(dof[i][c])) held[i] |= static_cast<unsigned char>(1 << c);
+  return held;
+}
+
+Coupling couple(const Mortar& mortar, int d, const NodeDofs& dof, const Dirichlet& dirichlet,
+                Index n) {
+  Entries T, W;
+  std::vector<char> coupled(n, 0);
+  for (int c = 0; c < d; ++c) {
+    std::vector<char> held(dof.size());
+    for (std::size_t i = 0; i < dof.size(); ++i) {
+      held[i] = dirichlet.holds(dof[i][c]);
+      coupled[dof[i][c]] = 1;
+    }
+    add_component(mortar.change_of_basis(held), dof, c, T);
+    add_component(mortar.inverse_basis(held), dof, c, W);
+  }
+  for (Index i = 0; i < n; ++i) {
+    if (coupled[i]) continue;
+    T.emplace_back(i, i, 1);
+    W.emplace_back(i, i, 1);
+  }
+  Coupling coupling{Matrix(n, n), Matrix(n, n)};
+  coupling.T.setFromTriplets(T.begin(), T.end());
+  coupling.W.setFromTriplets(W.begin(), W.end());
+  return coupling;
+}
+
+std::vector<ContactPoint> contact_points(const Mortar& mortar, const NodeDofs& dof) {
+  std::vector<ContactPoint> points;
+  for (const ContactNode& node : mortar.nodes()) {
+    ContactPoint point;
+    point.dof = dof[node.node];
+    for (int c = 0; c < 3; ++c) point.normal[c] = node.normal[c];
+    points.push_back(point);
+  }
+  return points;
+}
+
+}  // namespace frictioncg::mortar

@@ -1,0 +1,21 @@
+#pragma once
+#include "assembly/basis.h"
+#include "assembly/dirichlet.h"
+#include "assembly/mortar/mortar.h"
+
+namespace frictioncg::mortar {
+
+/// The dofs of the script at each node of a mortar: of each component of the displacement.
+using NodeDofs = std::vector<std::array<Index, 3>>;
+
+/// Bits of the components that Dirichlet conditions hold: Nodes::held.
+std::vector<unsigned char> held_components(int d, const NodeDofs& dof, const Dirichlet& dirichlet);
+
+/// The mortar on the n dofs of the script, component by component.
+Coupling couple(const Mortar& mortar, int d, const NodeDofs& dof, const Dirichlet& dirichlet,
+                Index n);
+
+/// The contact points of a mortar, one per contact node, in their order; without friction as yet.
+std::vector<ContactPoint> contact_points(const Mortar& mortar, const NodeDofs& dof);
+
+}  // namespace frictioncg::mortar

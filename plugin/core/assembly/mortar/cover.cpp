@@ -1,0 +1,197 @@
+#include "assembly/mortar/cover.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "assembly/mortar/search.h"
+
+namespace frictioncg::mortar {
+
+namespace {
+
+constexpr Real infinite = std::numeric_limits<Real>::infinity();
+constexpr Real nothing = 1e-14;   ///< extent of a cell that rounding makes
+constexpr Real rounding = 1e-11;  ///< overlap of neighbours, over the smaller of the two
+
+/// A master facet before a slave facet.
+struct Candidate {
+  Index master;
+  Projection projection;
+  Polygon part;
+  Real extent;
+  Real distance;    ///< at the centroid [length]
+  Real left, right; /* of the part, along xi_1 */
+};
+
+class Covering {
+ public:
+  Covering(const Side& slave, const Side& master, const std::vector<Vec3>& X, Real maxgap)
+      : slave_(slave),
+        master_(master),
+        X_(X),
+        maxgap_(maxgap),
+        d_(slave.d),
+        tree_(d_, master.surface.facets, master.planes, X) {}
+
+  Cover run();
+
+ private:
+  void find(Index f, Real maxgap);
+  void separate();
+  void cut_behind(std::size_t k, const std::vector<std::size_t>& before, std::vector<Cell>& cells);
+  bool overlap_refused(Index f, const Cell& cell);
+  bool shielded(Index f, const Vec2& xi, Real depth);
+  Real nearest_facing();
+
+  const Side &slave_, &master_;
+  const std::vector<Vec3>& X_;
+  Real maxgap_;
+  int d_;
+  FacetTree tree_;
+  std::vector<Index> found_;
+  std::vector<Candidate> candidates_;
+  std::vector<std::vector<std::size_t>> nearer_;  ///< per candidate: those that hide parts of it
+  std::size_t pairs_ = 0;
+};
+
+/// Fills candidates_.
+void Covering::find(Index f, Real maxgap) {
+  const Plane& base = slave_.planes[f];
+  tree_.find({base, -maxgap, maxgap, true}, found_);
+  candidates_.clear();
+  for (Index m : found_) {
+    ++pairs_;
+    Candidate c;
+    c.master = m;
+    c.projection = project(d_, base, master_.facet(m), X_);
+    if (!c.projection.inverts) continue;
+    c.part = inside(d_, reference_facet(d_), c.projection);
+    if (c.part.empty()) continue;
+    c.extent = extent(c.part);
+    if (c.extent <= nothing) continue;
+    c.distance = c.projection.distance(centroid(c.part));
+    if (std::abs(c.distance) > maxgap) continue;
+    c.left = infinite, c.right = -infinite;
+    for (const Vec2& xi : c.part)
+      c.left = std::min(c.left, xi[0]), c.right = std::max(c.right, xi[0]);
+    candidates_.push_back(std::move(c));
+  }
+}
+
+/// Fills nearer_: pairs whose parts overlap, found by a sweep along xi_1.
+void Covering::separate() {
+  std::sort(candidates_.begin(), candidates_.end(),
+            [](const Candidate& a, const Candidate& b) { return a.left < b.left; });
+  nearer_.assign(candidates_.size(), {});
+  std::vector<std::size_t> open;
+  for (std::size_t k = 0; k < candidates_.size(); ++k) {
+    const Candidate& c = candidates_[k];
+    const auto passed = [&](std::size_t q) { return candidates_[q].right <= c.left; };
+    open.erase(std::remove_if(open.begin(), open.end(), passed), open.end());
+    for (std::size_t q : open) {
+      const Candidate& o = candidates_[q];
+      ++pairs_;
+      const Polygon common = inside(d_, c.part, o.projection);
+      if (common.empty() || extent(common) <= rounding * std::min(c.extent, o.extent)) continue;
+      const Vec2 xi = centroid(common);
+      const bool o_nearer =
+          std::abs(o.projection.distance(xi)) < std::abs(c.projection.distance(xi));
+      if (o_nearer)
+        nearer_[k].push_back(q);
+      else
+        nearer_[q].push_back(k);
+    }
+    open.push_back(k);
+  }
+}
+
+/// Adds what the nearer candidates leave of candidate k.
+void Covering::cut_behind(std::size_t k, const std::vector<std::size_t>& before,
+                          std::vector<Cell>& cells) {
+  std::vector<Polygon> parts{candidates_[k].part};
+  for (std::size_t q : before) {
+    std::vector<Polygon> left;
+    for (const Polygon& part : parts)
+      for (Polygon& piece : outside(d_, part, candidates_[q].projection))
+        left.push_back(std::move(piece));
+    parts = std::move(left);
+  }
+  for (Polygon& part : parts)
+    if (extent(part) > nothing) cells.push_back({candidates_[k].master, std::move(part)});
+}
+
+/// Does a master facet that faces away lie between the slave and what is `depth` behind it?
+bool Covering::shielded(Index f, const Vec2& xi, Real depth) {
+  const Plane& base = slave_.planes[f];
+  tree_.find({base, -depth, 0, false}, found_);
+  for (Index m : found_) {
+    ++pairs_;
+    if (master_.planes[m].normal.dot(base.normal) < facing) continue;
+    const Projection p = project(d_, base, master_.facet(m), X_);
+    if (!p.inverts) continue;
+    const Real distance = p.distance(xi);
+    if (p.at(xi).head(d_).minCoeff() >= -1e-9 && distance < 0 && distance > -depth) return true;
+  }
+  return false;
+}
+
+/// A cell deeper behind the slave than a facet is long is an overlap, or, past the other side of
+/// the master, no partner at all: true for the latter.
+bool Covering::overlap_refused(Index f, const Cell& cell) {
+  const Plane& base = slave_.planes[f];
+  const Vec2 xi = centroid(cell.part);
+  const Projection p = project(d_, base, master_.facet(cell.master), X_);
+  const Real depth = -p.distance(xi);
+  const Real size = std::max(base.size, master_.planes[cell.master].size);
+  if (depth <= size) return false;
+  if (shielded(f, xi, depth)) return true;
+  const Vec3 lambda = slave_coordinates(d_, xi);
+  Vec3 x = Vec3::Zero();
+  for (int v = 0; v < d_; ++v) x += lambda[v] * X_[slave_.facet(f).node[v]];
+  std::ostringstream m;
+  m << "slave and master overlap by " << depth << " at (" << x[0] << ", " << x[1];
+  if (d_ == 3) m << ", " << x[2];
+  m << "), deeper than their facets are long (" << size
+    << "); move the bodies apart, or, where this is no overlap, give maxgap below " << depth;
+  throw IllegalInput(m.str());
+}
+
+Real Covering::nearest_facing() {
+  Real nearest = infinite;
+  for (Index f = 0; f < slave_.facets(); ++f) {
+    find(f, infinite);
+    for (const Candidate& c : candidates_) nearest = std::min(nearest, std::abs(c.distance));
+  }
+  return nearest;
+}
+
+Cover Covering::run() {
+  Cover result;
+  result.cells.resize(slave_.facets());
+  result.fraction.assign(slave_.facets(), 0);
+  const Real whole = extent(reference_facet(d_));
+  Real total = 0;
+  for (Index f = 0; f < slave_.facets(); ++f) {
+    std::vector<Cell>& cells = result.cells[f];
+    find(f, maxgap_);
+    separate();
+    for (std::size_t k = 0; k < candidates_.size(); ++k) cut_behind(k, nearer_[k], cells);
+    const auto refused = [&](const Cell& cell) { return overlap_refused(f, cell); };
+    cells.erase(std::remove_if(cells.begin(), cells.end(), refused), cells.end());
+    for (const Cell& cell : cells) result.fraction[f] += extent(cell.part) / whole;
+    total += result.fraction[f];
+  }
+  result.visited = tree_.visited() + pairs_;
+  if (total == 0) result.nearest = nearest_facing();
+  return result;
+}
+
+}  // namespace
+
+Cover cover(const Side& slave, const Side& master, const std::vector<Vec3>& X, Real maxgap) {
+  return Covering(slave, master, X, maxgap).run();
+}
+
+}  // namespace frictioncg::mortar

@@ -1,0 +1,25 @@
+#pragma once
+#include "assembly/mortar/clipping.h"
+#include "assembly/mortar/topology.h"
+
+namespace frictioncg::mortar {
+
+/// A part of a slave facet, and the master facet before it.
+struct Cell {
+  Index master = 0;
+  Polygon part;  ///< in reference coordinates of the slave facet
+};
+
+/// Which part of each slave facet faces the master: along the normal of the slave facet, no further
+/// than maxgap, and the nearest master facet where several lie one behind the other.
+struct Cover {
+  std::vector<std::vector<Cell>> cells;  ///< per slave facet
+  std::vector<Real> fraction;            ///< covered share of each slave facet, 0 .. 1
+  std::size_t visited = 0;               ///< nodes of the tree and pairs of facets looked at
+  Real nearest = 0;  ///< distance of the nearest facing facet, where nothing is covered [length]
+};
+
+/// Throws IllegalInput where the bodies overlap by more than a facet.
+Cover cover(const Side& slave, const Side& master, const std::vector<Vec3>& X, Real maxgap);
+
+}  // namespace frictioncg::mortar

@@ -1,0 +1,39 @@
+#include "assembly/mortar/integration.h"
+
+namespace frictioncg::mortar {
+
+Integration::Integration(const Side& slave, const Side& master, const std::vector<Vec3>& X,
+                         bool smooth)
+    : X_(X), smooth_(smooth), slave_(slave, X), master_(master, X) {}
+
+Moments Integration::over(const Part& part) const {
+  const int d = part.slave.d;
+  const bool quadratic = part.master.surface.quadratic;
+  const Plane& plane = part.slave.planes[part.facet];
+  const Real jacobian = plane.measure / extent(reference_facet(d));
+  Moments moments;
+  std::vector<QuadraturePoint> points;
+  for (const Cell& cell : part.cells) {
+    const Projection chi = project(d, plane, part.master.facet(cell.master), X_);
+    Eigen::Matrix<Real, 3, 6> of_cell = Eigen::Matrix<Real, 3, 6>::Zero();
+    quadrature(cell.part, points);
+    for (const QuadraturePoint& point : points) {
+      const Vec3 lambda = slave_coordinates(d, point.xi), on_master = chi.at(point.xi);
+      const Vec3 weighted = jacobian * point.weight * lambda;
+      const Shape phi_m = shape_functions(d, quadratic, on_master);
+      of_cell += weighted * Eigen::Map<const Eigen::Matrix<Real, 1, 6>>(phi_m.data());
+      moments.vertices += weighted * lambda.transpose();
+      for (int k = 0; k < edges_of_facet(d); ++k) {
+        const auto [a, b] = edge_ends(d, k);
+        moments.edges.col(k) += 4 * lambda[a] * lambda[b] * weighted;
+      }
+      if (!smooth_) continue;
+      const Vec3 offset = master_.at(cell.master, on_master) - slave_.at(part.facet, lambda);
+      moments.offset += weighted * offset.transpose();
+    }
+    moments.master.push_back(of_cell);
+  }
+  return moments;
+}
+
+}  // namespace frictioncg::mortar

@@ -1,0 +1,35 @@
+#pragma once
+#include "assembly/mortar/cover.h"
+#include "assembly/mortar/curvature.h"
+
+namespace frictioncg::mortar {
+
+/// A slave facet and what covers it.
+struct Part {
+  const Side &slave, &master;
+  Index facet;  ///< of the slave
+  const std::vector<Cell>& cells;
+  Index node(int k) const { return slave.facet(facet).node[k]; }
+};
+
+/// Integrals over the covered part of a slave facet, of each lambda_v times ...
+struct Moments {
+  Eigen::Matrix3d vertices = Eigen::Matrix3d::Zero();  ///< ... lambda_w
+  Eigen::Matrix3d edges = Eigen::Matrix3d::Zero();     ///< ... phi_e
+  Eigen::Matrix3d offset = Eigen::Matrix3d::Zero();    ///< ... delta_m(chi) - delta_s, row v
+  std::vector<Eigen::Matrix<Real, 3, 6>> master;       ///< ... phi^m_l(chi), one per cell
+};
+
+class Integration {
+ public:
+  /// smooth: the offset is that of the curved surfaces; 0 otherwise.
+  Integration(const Side& slave, const Side& master, const std::vector<Vec3>& X, bool smooth);
+  Moments over(const Part& part) const;
+
+ private:
+  const std::vector<Vec3>& X_;
+  bool smooth_;
+  CurvedOffset slave_, master_;
+};
+
+}  // namespace frictioncg::mortar

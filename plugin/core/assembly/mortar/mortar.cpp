@@ -1,0 +1,241 @@
+#include "assembly/mortar/mortar.h"
+
+#include <stdexcept>
+
+#include "assembly/mortar/dual_basis.h"
+#include "assembly/mortar/integration.h"
+#include "assembly/mortar/validation.h"
+
+namespace frictioncg::mortar {
+
+namespace {
+
+constexpr Real negligible = 1e-15;  ///< weights that rounding makes
+
+using Entries = std::vector<Eigen::Triplet<Real, Index>>;
+
+Matrix sparse(Index rows, Index columns, const Entries& entries) {
+  Matrix M(rows, columns);
+  M.setFromTriplets(entries.begin(), entries.end());
+  return M;
+}
+
+Matrix identity(Index n) {
+  Matrix I(n, n);
+  I.setIdentity();
+  return I;
+}
+
+}  // namespace
+
+/// Sums over the facets; then the rows are divided by D.
+class Assembly {
+ public:
+  Assembly(const Nodes& nodes, const Options& options, const Ownership& ownership)
+      : nodes_(nodes), options_(options), ownership_(ownership), D_(Vector::Zero(size())) {
+    offset_.assign(nodes.X.size(), Vec3::Zero());
+    on_edge_.assign(nodes.X.size(), 0);
+  }
+  void add_pair(Index p, const Side& slave, const Side& master, const Cover& cover);
+  void finish(Mortar& mortar);
+
+ private:
+  Index size() const { return static_cast<Index>(nodes_.X.size()); }
+  void add_facet(const Part& part, const Moments& moments, const Ownership::Carriers& carriers);
+  void add_multiplier(Index i, const Eigen::RowVector3d& psi, const Part& part,
+                      const Moments& moments, const std::array<bool, 3>& kept);
+  void add_edges(const Side& slave, Index f);
+  void set_nodes(Mortar& mortar) const;
+  void set_gaps(Mortar& mortar) const;
+  void set_statistics(Mortar& mortar) const;
+
+  const Nodes& nodes_;
+  const Options& options_;
+  const Ownership& ownership_;
+  Vector D_;
+  Entries N_, P_;
+  std::vector<Vec3> offset_;  ///< int psi_i (delta_m(chi) - delta_s)
+  std::vector<char> on_edge_;
+  std::vector<Mortar::Edge> edges_;
+  Index partly_covered_ = 0;
+  std::size_t visited_ = 0;
+};
+
+void Assembly::add_pair(Index p, const Side& slave, const Side& master, const Cover& cover) {
+  const Integration integration(slave, master, nodes_.X, options_.smooth);
+  visited_ += cover.visited;
+  for (Index f = 0; f < slave.facets(); ++f) {
+    const std::vector<Cell>& cells = cover.cells[f];
+    if (cells.empty()) continue;
+    if (cover.fraction[f] < 1 - 1e-9) ++partly_covered_;
+    const Part part{slave, master, f, cells};
+    add_facet(part, integration.over(part), ownership_.carriers[p][f]);
+    if (slave.surface.quadratic) add_edges(slave, f);
+  }
+}
+
+void Assembly::add_facet(const Part& part, const Moments& moments,
+                         const Ownership::Carriers& carriers) {
+  const DualBasis dual = dual_basis(part.slave.d, moments.vertices, carriers.kept);
+  for (int v = 0; v < part.slave.d; ++v) {
+    if (!carriers.kept[v]) continue;
+    D_[part.node(v)] += dual.d[v];
+    add_multiplier(part.node(v), dual.psi.row(v), part, moments, carriers.kept);
+  }
+  const Real share = 1. / static_cast<Real>(carriers.stand_in.size());
+  for (Index i : carriers.stand_in)
+    add_multiplier(i, Eigen::RowVector3d::Constant(share), part, moments, carriers.kept);
+}
+
+/// psi: coefficients of the multiplier of node i over the lambda of the facet.
+void Assembly::add_multiplier(Index i, const Eigen::RowVector3d& psi, const Part& part,
+                              const Moments& moments, const std::array<bool, 3>& kept) {
+  const int d = part.slave.d, nodes_m = nodes_of_facet(d, part.master.surface.quadratic);
+  offset_[i] += (psi * moments.offset).transpose();
+  for (int v = 0; v < d; ++v)
+    if (!kept[v]) N_.emplace_back(i, part.node(v), psi.dot(moments.vertices.col(v)));
+  for (int k = 0; part.slave.surface.quadratic && k < edges_of_facet(d); ++k)
+    N_.emplace_back(i, part.node(d + k), psi.dot(moments.edges.col(k)));
+  for (std::size_t c = 0; c < part.cells.size(); ++c)
+    for (int l = 0; l < nodes_m; ++l)
+      P_.emplace_back(i, part.master.facet(part.cells[c].master).node[l],
+                      psi.dot(moments.master[c].col(l)));
+}
+
+void Assembly::add_edges(const Side& slave, Index f) {
+  const auto& node = slave.facet(f).node;
+  for (int k = 0; k < edges_of_facet(slave.d); ++k) {
+    const auto [a, b] = edge_ends(slave.d, k);
+    const Index e = node[slave.d + k];
+    if (!on_edge_[e]) edges_.push_back({e, node[a], node[b]});
+    on_edge_[e] = 1;
+  }
+}
+
+void Assembly::set_nodes(Mortar& mortar) const {
+  for (Index i = 0; i < size(); ++i) {
+    if (D_[i] == 0) continue;
+    ContactNode node;
+    node.node = i;
+    node.pair = ownership_.pair[i];
+    node.label = ownership_.label[i];
+    node.normal = ownership_.normal[i];
+    node.weight = D_[i];
+    mortar.nodes_.push_back(node);
+  }
+}
+
+/// g_i = n_i.( -(G X)_i + int psi_i (delta_m(chi) - delta_s) / D_i ), X seen from X_i.
+void Assembly::set_gaps(Mortar& mortar) const {
+  const Vector rows = mortar.S_ * Vector::Ones(size());
+  for (std::size_t k = 0; k < mortar.nodes_.size(); ++k) {
+    ContactNode& node = mortar.nodes_[k];
+    Vec3 between = offset_[node.node] / node.weight;
+    for (Matrix::InnerIterator it(mortar.G_, static_cast<Index>(k)); it; ++it)
+      between -= it.value() * (nodes_.X[it.col()] - nodes_.X[node.node]);
+    node.gap = node.normal.dot(between);
+    node.distance = node.gap / rows[static_cast<Index>(k)];
+  }
+}
+
+void Assembly::set_statistics(Mortar& mortar) const {
+  Statistics& s = mortar.statistics_;
+  s.facing = static_cast<Index>(mortar.nodes_.size());
+  for (Ownership::State state : ownership_.state)
+    s.removed += state == Ownership::State::shared || state == Ownership::State::held;
+  s.partly_covered = partly_covered_;
+  s.visited = visited_;
+  s.least_gap = s.largest_gap = mortar.nodes_.front().gap;
+  for (const ContactNode& node : mortar.nodes_) {
+    s.least_gap = std::min(s.least_gap, node.gap);
+    s.largest_gap = std::max(s.largest_gap, node.gap);
+  }
+}
+
+void Assembly::finish(Mortar& mortar) {
+  const Index n = size();
+  mortar.size_ = n;
+  mortar.edges_ = std::move(edges_);
+  mortar.N_ = sparse(n, n, N_);
+  mortar.P_ = sparse(n, n, P_);
+  Vector inverse = Vector::Ones(n);
+  for (Index i = 0; i < n; ++i)
+    if (D_[i] != 0) inverse[i] = 1 / D_[i];
+  mortar.N_ = Matrix(inverse.asDiagonal() * mortar.N_).pruned(1., negligible);
+  mortar.P_ = Matrix(inverse.asDiagonal() * mortar.P_).pruned(1., negligible);
+  set_nodes(mortar);
+  Entries rows;
+  for (std::size_t k = 0; k < mortar.nodes_.size(); ++k)
+    rows.emplace_back(static_cast<Index>(k), mortar.nodes_[k].node, 1);
+  const Matrix K = sparse(static_cast<Index>(mortar.nodes_.size()), n, rows);
+  mortar.S_ = K * Matrix(identity(n) + mortar.N_) * mortar.halving({}, false, -0.5);
+  mortar.G_ = mortar.S_ - Matrix(K * mortar.P_);
+  set_gaps(mortar);
+  set_statistics(mortar);
+}
+
+Mortar::Mortar(const Nodes& nodes, const std::vector<Pair>& pairs, const Options& options) {
+  validate_pairs(nodes, pairs, options);
+  std::vector<Side> slaves, masters;
+  std::vector<Cover> covers;
+  for (const Pair& pair : pairs) {
+    slaves.emplace_back(nodes.dimension, pair.slave, nodes.X);
+    masters.emplace_back(nodes.dimension, pair.master, nodes.X);
+    covers.push_back(cover(slaves.back(), masters.back(), nodes.X, options.maxgap));
+  }
+  const Ownership ownership(nodes, slaves, masters, covers);
+  validate_cover(nodes, slaves, masters, covers, ownership, options);
+  Assembly assembly(nodes, options, ownership);
+  for (std::size_t p = 0; p < pairs.size(); ++p)
+    assembly.add_pair(static_cast<Index>(p), slaves[p], masters[p], covers[p]);
+  assembly.finish(*this);
+}
+
+/// The identity with `half` of each end in the rows of mid-edges, of those held or of the others.
+Matrix Mortar::halving(const std::vector<char>& held, bool where_held, Real half) const {
+  Entries entries;
+  for (Index i = 0; i < size_; ++i) entries.emplace_back(i, i, 1);
+  for (const Edge& e : edges_) {
+    if ((!held.empty() && held[e.node]) != where_held) continue;
+    entries.emplace_back(e.node, e.a, half);
+    entries.emplace_back(e.node, e.b, half);
+  }
+  return sparse(size_, size_, entries);
+}
+
+/// With u = C u^, C the identity at held mid-edges: (I + N H) u^ = (I + P C) w, where H u^ gives
+/// the u~ of held mid-edges; rows of N and P vanish at held nodes. N H is nilpotent: a contact node
+/// depends on nodes that patches ranked before it own.
+Matrix Mortar::change_of_basis(const std::vector<char>& held) const {
+  Vector free = Vector::Ones(size_);
+  for (std::size_t i = 0; i < held.size(); ++i) free[static_cast<Index>(i)] = !held[i];
+  const Matrix C = halving(held, false, 0.5);
+  const Matrix N = Matrix(free.asDiagonal() * N_) * halving(held, true, -0.5);
+  const Matrix P = Matrix(free.asDiagonal() * P_) * C;
+  Matrix term = identity(size_) + P, sum = term;
+  for (Index power = 0; term.nonZeros() > 0; ++power) {
+    if (power > size_) throw std::logic_error("the mortar's removed nodes depend on each other");
+    term = Matrix(-(N * term)).pruned(1., 0.);
+    sum += term;
+  }
+  return C * sum;
+}
+
+Matrix Mortar::inverse_basis(const std::vector<char>& held) const {
+  Entries rows;
+  std::vector<char> relative(size_, 0);
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    const Index i = nodes_[k].node;
+    if (!held.empty() && held[i]) continue;
+    relative[i] = 1;
+    for (Matrix::InnerIterator it(G_, static_cast<Index>(k)); it; ++it)
+      rows.emplace_back(i, it.col(), it.value());
+  }
+  const Matrix inverse_of_C = halving(held, false, -0.5);
+  for (Index i = 0; i < size_; ++i)
+    for (Matrix::InnerIterator it(inverse_of_C, i); it && !relative[i]; ++it)
+      rows.emplace_back(i, it.col(), it.value());
+  return sparse(size_, size_, rows);
+}
+
+}  // namespace frictioncg::mortar

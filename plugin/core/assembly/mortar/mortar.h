@@ -1,0 +1,93 @@
+#pragma once
+#include <functional>
+#include <limits>
+
+#include "assembly/mortar/surface.h"
+
+namespace frictioncg::mortar {
+
+/// Slave and master of one contact; pairs share the numbering of nodes.
+struct Pair {
+  Surface slave, master;
+};
+
+/// The nodes that facets name.
+struct Nodes {
+  int dimension = 2;                ///< 2 or 3
+  std::vector<Vec3> X;              ///< position [length]
+  std::vector<unsigned char> held;  ///< bit c: component c has a Dirichlet condition; empty: none
+};
+
+struct Options {
+  Real maxgap = std::numeric_limits<Real>::infinity();  ///< partners are no further apart [length]
+  bool smooth = true;  ///< the gap is that of the curved surfaces through the vertices
+  /// How many facet-connected groups the elements around a node form; asked for nodes that are both
+  /// slave and master: one at the tip of a crack, more where meshes were merged.
+  std::function<Index(Index node)> element_groups;
+};
+
+/// A node of the slave that carries the laws, in w_i = (G u)_i: w.n <= gap.
+struct ContactNode {
+  Index node = 0;
+  Index pair = 0;
+  long label = 0;
+  Vec3 normal = Vec3::Zero();  ///< unit, outward from the slave, free of held components
+  Real weight = 0;             ///< D_i, its share of the covered boundary [length^(d-1)]
+  Real gap = 0;                ///< [length]
+  Real distance = 0;           ///< the gap as a distance: differs where a neighbour is removed
+};
+
+struct Statistics {
+  Index facing = 0;          ///< contact nodes
+  Index removed = 0;         ///< slave vertices with something before them that carry no law
+  Index partly_covered = 0;  ///< slave facets
+  Real least_gap = 0, largest_gap = 0;
+  std::size_t visited = 0;  ///< steps of the search
+};
+
+/// Dual mortar between surfaces that do not match, as a change of basis u = T w, the same for every
+/// component: w_i of a contact node is its displacement relative to a weighted mean of the master,
+/// other w are displacements, and laws hold node by node.   Wohlmuth; Popp et al.
+///
+///   D_i = sum d_i,   N_ir = int psi_i phi~_r / D_i,   P_il = int psi_i phi^m_l(chi) / D_i
+///   G = (I + N) C^-1 - P,   T = C (I + N)^-1 (I + P)
+///
+/// i: contact nodes, r: other slave nodes, l: master nodes. C: u_e = u~_e + (u~_a + u~_b)/2 at the
+/// mid-edges of a P2 slave, whose trace functions phi~ then are the hats of the vertices, and
+/// phi_e.
+class Mortar {
+ public:
+  /// Throws IllegalInput for surfaces that make no contact, with one sentence for the user.
+  Mortar(const Nodes& nodes, const std::vector<Pair>& pairs, const Options& options = {});
+
+  const std::vector<ContactNode>& nodes() const { return nodes_; }  ///< m
+  const Matrix& relative() const { return G_; }  ///< m x nodes; forces on both bodies are G'y
+  const Statistics& statistics() const { return statistics_; }
+
+  /// T, nodes x nodes, with rows of the identity where held (empty: nowhere): for the components
+  /// with Dirichlet conditions at some nodes.
+  Matrix change_of_basis(const std::vector<char>& held = {}) const;
+
+  /// Its inverse: the rows of G at contact nodes, of C^-1 at mid-edges, of the identity elsewhere.
+  Matrix inverse_basis(const std::vector<char>& held = {}) const;
+
+  /// The gap of each contact node (m), from a gap given at every slave node (nodes).
+  Vector weighted(const Vector& gap) const { return S_ * gap; }
+
+ private:
+  struct Edge {
+    Index node, a, b;
+  };
+  Matrix halving(const std::vector<char>& held, bool where_held, Real half) const;
+
+  Index size_;
+  std::vector<ContactNode> nodes_;
+  std::vector<Edge> edges_;  ///< of C
+  Matrix N_, P_;             ///< nodes x nodes, rows of contact nodes
+  Matrix S_, G_;             ///< m x nodes: (I + N) C^-1, and S - P
+  Statistics statistics_;
+
+  friend class Assembly;
+};
+
+}  // namespace frictioncg::mortar

@@ -1,0 +1,214 @@
+#include "assembly/mortar/ownership.h"
+
+#include <algorithm>
+#include <map>
+#include <sstream>
+#include <tuple>
+
+#include "assembly/mortar/curvature.h"
+
+namespace frictioncg::mortar {
+
+namespace {
+
+constexpr Real one_surface = 0.985;  ///< cosine: labels that meet flatter than 10 degrees are one
+constexpr Real barely = 1e-3;        ///< covered share below which one vertex stands for the facet
+constexpr Real mostly_free = 0.02;   ///< held part of a normal that is projected away
+
+Index label_position(const Surface& surface, long label) {
+  const auto at = std::find(surface.labels.begin(), surface.labels.end(), label);
+  return static_cast<Index>(at - surface.labels.begin());
+}
+
+}  // namespace
+
+/// Sorted, patches come as they are ranked.
+struct Ownership::Patch {
+  Index pair, label = std::numeric_limits<Index>::max();
+  Real uncovered = 0;  ///< minus the covered measure
+  Index root = 0;
+  bool operator<(const Patch& o) const {
+    return std::tie(pair, label, uncovered, root) < std::tie(o.pair, o.label, o.uncovered, o.root);
+  }
+};
+
+Ownership::Ownership(const Nodes& nodes, const std::vector<Side>& slaves,
+                     const std::vector<Side>& masters, const std::vector<Cover>& covers)
+    : state(nodes.X.size(), State::uncovered),
+      pair(nodes.X.size(), -1),
+      label(nodes.X.size(), 0),
+      normal(nodes.X.size(), Vec3::Zero()),
+      covered(nodes.X.size(), 0),
+      owner_(nodes.X.size(), -1) {
+  rank_patches(slaves, covers);
+  own(slaves, covers);
+  set_normals(slaves);
+  remove_shared(masters);
+  if (!nodes.held.empty()) remove_held(nodes, slaves);
+  for (std::size_t p = 0; p < slaves.size(); ++p)
+    choose_carriers(static_cast<Index>(p), slaves[p], covers[p]);
+}
+
+void Ownership::rank_patches(const std::vector<Side>& slaves, const std::vector<Cover>& covers) {
+  std::vector<Patch> patches;
+  std::vector<Groups> groups;
+  for (std::size_t p = 0; p < slaves.size(); ++p) {
+    const Side& slave = slaves[p];
+    groups.emplace_back(slave.facets());
+    for (const Joint& joint : slave.joints) {
+      const auto [f, g] = joint.facet;
+      const bool one_label = slave.facet(f).label == slave.facet(g).label;
+      if (joint.cosine >= (one_label ? sharp : one_surface)) groups[p].join(f, g);
+    }
+    std::map<Index, Patch> of_root;
+    for (Index f = 0; f < slave.facets(); ++f) {
+      Patch& patch = of_root[groups[p].of(f)];
+      patch.pair = static_cast<Index>(p);
+      patch.root = groups[p].of(f);
+      patch.label = std::min(patch.label, label_position(slave.surface, slave.facet(f).label));
+      patch.uncovered -= covers[p].fraction[f] * slave.planes[f].measure;
+    }
+    for (const auto& entry : of_root) patches.push_back(entry.second);
+  }
+  std::sort(patches.begin(), patches.end());
+  patches_ = static_cast<Index>(patches.size());
+  std::map<std::pair<Index, Index>, Index> rank;
+  for (std::size_t k = 0; k < patches.size(); ++k)
+    rank[{patches[k].pair, patches[k].root}] = static_cast<Index>(k);
+  for (std::size_t p = 0; p < slaves.size(); ++p) {
+    rank_.emplace_back(slaves[p].facets());
+    for (Index f = 0; f < slaves[p].facets(); ++f)
+      rank_[p][f] = rank[{static_cast<Index>(p), groups[p].of(f)}];
+  }
+}
+
+void Ownership::own(const std::vector<Side>& slaves, const std::vector<Cover>& covers) {
+  for (std::size_t p = 0; p < slaves.size(); ++p)
+    for (Index f = 0; f < slaves[p].facets(); ++f) {
+      if (covers[p].cells[f].empty()) continue;
+      for (int v = 0; v < slaves[p].d; ++v) {
+        const Index i = slaves[p].facet(f).node[v];
+        if (owner_[i] >= 0 && owner_[i] <= rank_[p][f]) continue;
+        owner_[i] = rank_[p][f];
+        pair[i] = static_cast<Index>(p);
+        state[i] = State::kept;
+      }
+    }
+  for (std::size_t p = 0; p < slaves.size(); ++p)
+    for (Index f = 0; f < slaves[p].facets(); ++f)
+      for (int v = 0; v < slaves[p].d; ++v) {
+        const Index i = slaves[p].facet(f).node[v];
+        if (owner_[i] == rank_[p][f] && covers[p].fraction[f] >= barely)
+          covered[i] += covers[p].fraction[f] * slaves[p].planes[f].measure;
+      }
+}
+
+void Ownership::set_normals(const std::vector<Side>& slaves) {
+  std::vector<Index> position(owner_.size(), std::numeric_limits<Index>::max());
+  for (std::size_t p = 0; p < slaves.size(); ++p)
+    for (Index f = 0; f < slaves[p].facets(); ++f) {
+      const Facet& facet = slaves[p].facet(f);
+      const Index at = label_position(slaves[p].surface, facet.label);
+      for (int v = 0; v < slaves[p].d; ++v) {
+        const Index i = facet.node[v];
+        if (owner_[i] != rank_[p][f]) continue;
+        normal[i] += slaves[p].planes[f].measure * slaves[p].planes[f].normal;
+        if (at >= position[i]) continue;
+        position[i] = at;
+        label[i] = facet.label;
+      }
+    }
+  for (Vec3& n : normal) n.normalize();
+}
+
+void Ownership::remove_shared(const std::vector<Side>& masters) {
+  for (const Side& master : masters)
+    for (const Facet& facet : master.surface.facets)
+      for (int k = 0; k < nodes_of_facet(master.d, master.surface.quadratic); ++k)
+        if (state[facet.node[k]] == State::kept) state[facet.node[k]] = State::shared;
+}
+
+void Ownership::remove_held(const Nodes& nodes, const std::vector<Side>& slaves) {
+  for (std::size_t i = 0; i < owner_.size(); ++i) {
+    if (state[i] != State::kept || nodes.held[i] == 0) continue;
+    Vec3 free = normal[i];
+    for (int c = 0; c < nodes.dimension; ++c)
+      if (nodes.held[i] >> c & 1) free[c] = 0;
+    if ((normal[i] - free).norm() > mostly_free)
+      state[i] = State::held;
+    else
+      normal[i] = free.normalized();
+  }
+  // A held mid-edge between ends that are free would tie them to itself.
+  for (const Side& slave : slaves)
+    for (const Facet& facet : slave.surface.facets)
+      for (int k = 0; slave.surface.quadratic && k < edges_of_facet(slave.d); ++k)
+        for (int end : edge_ends(slave.d, k)) {
+          const Index e = facet.node[slave.d + k], i = facet.node[end];
+          if ((nodes.held[e] & ~nodes.held[i]) != 0 && state[i] == State::kept)
+            state[i] = State::held;
+        }
+}
+
+void Ownership::choose_carriers(Index p, const Side& slave, const Cover& cover) {
+  carriers.emplace_back(slave.facets());
+  std::vector<char> has_own(patches_, 0);
+  for (Index f = 0; f < slave.facets(); ++f) {
+    std::array<bool, 3>& kept = carriers[p][f].kept;
+    for (int v = 0; v < slave.d && !cover.cells[f].empty(); ++v) {
+      const Index i = slave.facet(f).node[v];
+      kept[v] = state[i] == State::kept && owner_[i] == rank_[p][f];
+      if (kept[v]) has_own[rank_[p][f]] = 1;
+    }
+    // No law is extrapolated from a sliver.
+    if (cover.fraction[f] < barely) keep_strongest(slave.facet(f), kept);
+  }
+  find_stand_ins(p, slave, true);
+  // A patch without nodes of its own leaves its traction to the nodes it shares with others.
+  for (Index f = 0; f < slave.facets(); ++f)
+    for (int v = 0; v < slave.d && !cover.cells[f].empty() && !has_own[rank_[p][f]]; ++v)
+      carriers[p][f].kept[v] = state[slave.facet(f).node[v]] == State::kept;
+  find_stand_ins(p, slave, false);
+}
+
+/// Of the kept vertices, that with the largest covered measure stays. (A total order: that nodes
+/// kept elsewhere are removed here leads to no circle.)
+void Ownership::keep_strongest(const Facet& facet, std::array<bool, 3>& kept) const {
+  int strongest = -1;
+  const auto strength = [&](int v) {
+    return std::make_pair(covered[facet.node[v]], facet.node[v]);
+  };
+  for (int v = 0; v < 3; ++v)
+    if (kept[v] && (strongest < 0 || strength(strongest) < strength(v))) strongest = v;
+  for (int v = 0; v < 3; ++v) kept[v] = v == strongest;
+}
+
+/// Breadth first from the facets with carriers, over ridges; facets of one patch only, or of all.
+void Ownership::find_stand_ins(Index p, const Side& slave, bool within_patch) {
+  std::vector<std::vector<Index>> neighbours(slave.facets());
+  for (const Joint& joint : slave.joints) {
+    const auto [f, g] = joint.facet;
+    if (within_patch && rank_[p][f] != rank_[p][g]) continue;
+    neighbours[f].push_back(g);
+    neighbours[g].push_back(f);
+  }
+  const auto carried = [&](Index f) {
+    const Carriers& c = carriers[p][f];
+    return c.kept[0] || c.kept[1] || c.kept[2] || !c.stand_in.empty();
+  };
+  std::vector<Index> queue;
+  for (Index f = 0; f < slave.facets(); ++f)
+    if (carried(f)) queue.push_back(f);
+  for (std::size_t k = 0; k < queue.size(); ++k)
+    for (Index g : neighbours[queue[k]]) {
+      if (carried(g)) continue;
+      const Carriers& from = carriers[p][queue[k]];
+      std::vector<Index> stand_in = from.stand_in;
+      for (int v = 0; v < slave.d; ++v)
+        if (from.kept[v]) stand_in.push_back(slave.facet(queue[k]).node[v]);
+      carriers[p][g].stand_in = std::move(stand_in);
+      queue.push_back(g);
+    }
+}
+
+}  // namespace frictioncg::mortar

@@ -1,0 +1,48 @@
+#pragma once
+#include "assembly/mortar/cover.h"
+#include "assembly/mortar/mortar.h"
+
+namespace frictioncg::mortar {
+
+/// Which vertices carry the laws on which slave facet.
+///
+/// Slave facets form patches, parted at sharp ridges and where two labels meet at an angle. Patches
+/// are ranked by pair, by label as listed, by their covered measure; a vertex belongs to the first
+/// patch that covers something there, and is a removed node on the facets of others. It is removed
+/// everywhere where it lies on a master too (tip of a crack), or where Dirichlet conditions hold
+/// its normal. Where no vertex of a facet is kept, nodes of the nearest facet with some stand in,
+/// with constant multipliers, so that nowhere a traction is lost.
+struct Ownership {
+  Ownership(const Nodes& nodes, const std::vector<Side>& slaves, const std::vector<Side>& masters,
+            const std::vector<Cover>& covers);
+
+  enum class State : char { uncovered, kept, shared, held };
+  std::vector<State> state;   ///< per node
+  std::vector<Index> pair;    ///< per node, of the owning patch
+  std::vector<long> label;    ///< per node
+  std::vector<Vec3> normal;   ///< per node: mean over the owning patch, weighted by the measure
+  std::vector<Real> covered;  ///< per node: measure covered on its well covered facets
+
+  struct Carriers {
+    std::array<bool, 3> kept{};   ///< vertices of the facet
+    std::vector<Index> stand_in;  ///< nodes elsewhere, where none is kept
+  };
+  std::vector<std::vector<Carriers>> carriers;  ///< per pair and slave facet
+
+ private:
+  struct Patch;
+  void rank_patches(const std::vector<Side>& slaves, const std::vector<Cover>& covers);
+  void own(const std::vector<Side>& slaves, const std::vector<Cover>& covers);
+  void set_normals(const std::vector<Side>& slaves);
+  void remove_shared(const std::vector<Side>& masters);
+  void remove_held(const Nodes& nodes, const std::vector<Side>& slaves);
+  void choose_carriers(Index p, const Side& slave, const Cover& cover);
+  void keep_strongest(const Facet& facet, std::array<bool, 3>& kept) const;
+  void find_stand_ins(Index p, const Side& slave, bool within_patch);
+
+  std::vector<std::vector<Index>> rank_;  ///< per pair and facet, of its patch: the lower one owns
+  std::vector<Index> owner_;              ///< per node: rank of its patch, or -1
+  Index patches_ = 0;
+};
+
+}  // namespace frictioncg::mortar

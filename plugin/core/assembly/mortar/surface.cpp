@@ -1,0 +1,54 @@
+#include "assembly/mortar/surface.h"
+
+#include <Eigen/LU>
+#include <sstream>
+
+namespace frictioncg::mortar {
+
+Shape shape_functions(int d, bool quadratic, const Vec3& lambda) {
+  Shape phi{};
+  for (int v = 0; v < d; ++v) phi[v] = lambda[v];
+  if (!quadratic) return phi;
+  for (int v = 0; v < d; ++v) phi[v] = lambda[v] * (2 * lambda[v] - 1);
+  for (int k = 0; k < edges_of_facet(d); ++k) {
+    const auto [a, b] = edge_ends(d, k);
+    phi[d + k] = 4 * lambda[a] * lambda[b];
+  }
+  return phi;
+}
+
+namespace {
+
+[[noreturn]] void refuse(const Facet& facet, const Vec3& at) {
+  std::ostringstream m;
+  m << "a facet of label " << facet.label << " at (" << at[0] << ", " << at[1] << ", " << at[2]
+    << ") has no extent";
+  throw IllegalInput(m.str());
+}
+
+}  // namespace
+
+Plane plane_of(int d, const Facet& facet, const std::vector<Vec3>& X) {
+  Plane p;
+  p.origin = X[facet.node[0]];
+  const Vec3 e1 = X[facet.node[1]] - p.origin;
+  if (d == 2) {
+    p.size = p.measure = e1.norm();
+    if (!(p.measure > 0)) refuse(facet, p.origin);
+    p.normal = Vec3(e1[1], -e1[0], 0) / p.measure;
+    p.B.row(0) = e1.transpose() / e1.squaredNorm();
+  } else {
+    const Vec3 e2 = X[facet.node[2]] - p.origin;
+    const Vec3 n = e1.cross(e2);
+    p.size = std::max({e1.norm(), e2.norm(), (e2 - e1).norm()});
+    if (!(n.norm() > 1e-14 * p.size * p.size)) refuse(facet, p.origin);
+    p.measure = n.norm() / 2;
+    p.normal = n.normalized();
+    p.B.row(0) = e2.cross(n).transpose() / n.squaredNorm();
+    p.B.row(1) = n.cross(e1).transpose() / n.squaredNorm();
+  }
+  if (p.normal.dot(facet.outward) < 0) p.normal = -p.normal;
+  return p;
+}
+
+}  // namespace frictioncg::mortar

@@ -1,0 +1,52 @@
+#pragma once
+#include <Eigen/Geometry>
+
+#include <array>
+
+#include "types.h"
+
+namespace frictioncg::mortar {
+
+using Vec3 = Eigen::Vector3d;  ///< 2D: third component 0
+using Vec2 = Eigen::Vector2d;  ///< 2D: second component 0
+using Shape = std::array<Real, 6>;
+
+/// A facet of the boundary: a segment in 2D, a triangle in 3D, straight also where the space is P2.
+/// Nodes: the vertices, then with P2 the mid-edges; edge k of a triangle lies opposite vertex k.
+struct Facet {
+  std::array<Index, 6> node{{-1, -1, -1, -1, -1, -1}};
+  Vec3 outward = Vec3::Zero();  ///< any vector towards the outside: it chooses the normal's sign
+  long label = 0;
+};
+
+/// One side of a contact pair, as a mesh has it.
+struct Surface {
+  bool quadratic = false;    ///< P2: facets have mid-edge nodes
+  std::vector<long> labels;  ///< in the order the script lists them
+  std::vector<Facet> facets;
+};
+
+/// Ends of edge k of a facet in d dimensions, as local vertices.
+inline std::array<int, 2> edge_ends(int d, int k) {
+  return d == 2 ? std::array<int, 2>{0, 1} : std::array<int, 2>{(k + 1) % 3, (k + 2) % 3};
+}
+inline int edges_of_facet(int d) { return d == 2 ? 1 : 3; }
+inline int nodes_of_facet(int d, bool quadratic) { return quadratic ? d + edges_of_facet(d) : d; }
+
+/// Values of the trace functions at barycentric coordinates lambda, in the order of Facet::node.
+Shape shape_functions(int d, bool quadratic, const Vec3& lambda);
+
+/// The plane of a facet. Reference coordinates xi = B (x - origin), constant along the normal, have
+/// the barycentric coordinates (1 - xi_1 - xi_2, xi_1, xi_2).
+struct Plane {
+  Vec3 origin = Vec3::Zero();                                       ///< vertex 0
+  Vec3 normal = Vec3::Zero();                                       ///< unit, outward
+  Eigen::Matrix<Real, 2, 3> B = Eigen::Matrix<Real, 2, 3>::Zero();  ///< 2D: second row 0
+  Real measure = 0;                                                 ///< [length^(d-1)]
+  Real size = 0;                                                    ///< longest edge [length]
+};
+
+/// Throws IllegalInput for a facet without extent.
+Plane plane_of(int d, const Facet& facet, const std::vector<Vec3>& X);
+
+}  // namespace frictioncg::mortar

@@ -1,0 +1,71 @@
+#include "assembly/mortar/topology.h"
+
+#include <algorithm>
+#include <numeric>
+#include <set>
+
+namespace frictioncg::mortar {
+
+namespace {
+
+struct Ridge {
+  std::array<Index, 2> vertex;
+  Index facet;
+  bool operator<(const Ridge& o) const {
+    return vertex != o.vertex ? vertex < o.vertex : facet < o.facet;
+  }
+};
+
+std::vector<Ridge> sorted_ridges(int d, const std::vector<Facet>& facets) {
+  std::vector<Ridge> ridges;
+  for (std::size_t f = 0; f < facets.size(); ++f)
+    for (int k = 0; k < d; ++k) {
+      const Index a = facets[f].node[k], b = d == 2 ? a : facets[f].node[(k + 1) % 3];
+      ridges.push_back({{std::min(a, b), std::max(a, b)}, static_cast<Index>(f)});
+    }
+  std::sort(ridges.begin(), ridges.end());
+  return ridges;
+}
+
+}  // namespace
+
+Side::Side(int dimension, const Surface& surface_, const std::vector<Vec3>& X)
+    : d(dimension), surface(surface_) {
+  planes.reserve(surface.facets.size());
+  for (const Facet& f : surface.facets) planes.push_back(plane_of(d, f, X));
+  const std::vector<Ridge> ridges = sorted_ridges(d, surface.facets);
+  for (std::size_t k = 0, next; k < ridges.size(); k = next) {
+    for (next = k + 1; next < ridges.size() && ridges[next].vertex == ridges[k].vertex;) ++next;
+    if (next == k + 1) rim.push_back(ridges[k].vertex);
+    for (std::size_t q = k + 1; q < next; ++q) {
+      const Index f = ridges[q - 1].facet, g = ridges[q].facet;
+      const Real cosine = next == k + 2 ? planes[f].normal.dot(planes[g].normal) : -1;
+      joints.push_back({{f, g}, ridges[k].vertex, cosine});
+    }
+  }
+}
+
+Groups::Groups(Index n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
+
+Index Groups::of(Index i) {
+  while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+  return i;
+}
+
+Index facet_connected_groups(int d, const std::vector<std::array<Index, 4>>& elements) {
+  const Index n = static_cast<Index>(elements.size());
+  Groups groups(n);
+  for (Index p = 0; p < n; ++p)
+    for (Index q = p + 1; q < n; ++q) {
+      int shared = 0;
+      for (int k = 0; k <= d; ++k)
+        shared += static_cast<int>(
+            std::count(elements[q].begin(), elements[q].begin() + d + 1, elements[p][k]));
+      if (shared >= d) groups.join(p, q);
+    }
+  std::set<Index> roots;
+  for (Index p = 0; p < n; ++p) roots.insert(groups.of(p));
+  return static_cast<Index>(roots.size());
+}
+
+}  // namespace frictioncg::mortar

@@ -1,0 +1,40 @@
+#pragma once
+#include "assembly/mortar/surface.h"
+
+namespace frictioncg::mortar {
+
+/// Two facets that share a ridge: an edge, in 2D a vertex.
+struct Joint {
+  std::array<Index, 2> facet;
+  std::array<Index, 2> vertex;  ///< ends of the ridge; 2D: the same twice
+  Real cosine;                  ///< of the angle between the normals; -1 where more facets meet
+};
+
+/// A surface with what is derived from it.
+struct Side {
+  Side(int dimension, const Surface& surface_, const std::vector<Vec3>& X);
+  int d;
+  const Surface& surface;
+  std::vector<Plane> planes;  ///< one per facet
+  std::vector<Joint> joints;
+  std::vector<std::array<Index, 2>> rim;  ///< ridges of one facet only, by their ends
+  Index facets() const { return static_cast<Index>(planes.size()); }
+  const Facet& facet(Index f) const { return surface.facets[f]; }
+};
+
+/// How many groups of elements around a node hang together by their facets: two where meshes were
+/// merged, one at the tip of a crack. elements: the vertices of each simplex around it.
+Index facet_connected_groups(int d, const std::vector<std::array<Index, 4>>& elements);
+
+/// Disjoint sets of 0 .. n-1.
+class Groups {
+ public:
+  explicit Groups(Index n);
+  Index of(Index i);
+  void join(Index i, Index j) { parent_[of(i)] = of(j); }
+
+ private:
+  std::vector<Index> parent_;
+};
+
+}  // namespace frictioncg::mortar

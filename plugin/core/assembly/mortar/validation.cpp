@@ -1,0 +1,136 @@
+#include "assembly/mortar/validation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <sstream>
+
+#include "assembly/mortar/search.h"
+
+namespace frictioncg::mortar {
+
+std::string place(int d, const Vec3& x) {
+  std::ostringstream s;
+  s << "(" << x[0] << ", " << x[1];
+  if (d == 3) s << ", " << x[2];
+  s << ")";
+  return s.str();
+}
+
+namespace {
+
+using Key = std::array<Index, 3>;
+
+Key key(int d, const Facet& facet) {
+  Key k{facet.node[0], facet.node[1], d == 3 ? facet.node[2] : -1};
+  std::sort(k.begin(), k.end());
+  return k;
+}
+
+void refuse_common_facets(int d, const std::vector<Pair>& pairs) {
+  std::set<Key> slave;
+  for (const Pair& pair : pairs)
+    for (const Facet& f : pair.slave.facets)
+      if (!slave.insert(key(d, f)).second) {
+        std::ostringstream m;
+        m << "label " << f.label << " is slave twice; list it once";
+        throw IllegalInput(m.str());
+      }
+  for (const Pair& pair : pairs)
+    for (const Facet& f : pair.master.facets)
+      if (slave.count(key(d, f))) {
+        std::ostringstream m;
+        m << "label " << f.label
+          << " is on both sides; a boundary is slave or master, and what touches itself needs two "
+             "labels";
+        throw IllegalInput(m.str());
+      }
+}
+
+void refuse_merged_nodes(const Nodes& nodes, const std::vector<Pair>& pairs,
+                         const Options& options) {
+  std::vector<char> is_slave(nodes.X.size(), 0);
+  for (const Pair& pair : pairs)
+    for (const Facet& f : pair.slave.facets)
+      for (int v = 0; v < nodes.dimension; ++v) is_slave[f.node[v]] = 1;
+  for (const Pair& pair : pairs)
+    for (const Facet& f : pair.master.facets)
+      for (int v = 0; v < nodes.dimension; ++v) {
+        const Index i = f.node[v];
+        if (!is_slave[i]) continue;
+        is_slave[i] = 0;
+        const Index groups = options.element_groups(i);
+        if (groups < 2) continue;
+        std::ostringstream m;
+        m << "slave and master share the node at " << place(nodes.dimension, nodes.X[i])
+          << ", where " << groups
+          << " bodies meet: the meshes were merged there, as + does with near vertices; use one "
+             "space per mesh, or join them apart and move them back with movemesh";
+        throw IllegalInput(m.str());
+      }
+}
+
+std::string labels(const Surface& surface) {
+  std::ostringstream s;
+  s << (surface.labels.size() > 1 ? "labels" : "label");
+  for (std::size_t k = 0; k < surface.labels.size(); ++k)
+    s << (k > 0 ? ", " : " ") << surface.labels[k];
+  return s.str();
+}
+
+[[noreturn]] void refuse_nothing_faces(const Nodes& nodes, const Side& slave, const Side& master,
+                                       const Cover& cover, const Options& options) {
+  std::ostringstream m;
+  m << "nothing on the master (" << labels(master.surface) << ") faces the slave ("
+    << labels(slave.surface) << ")";
+  if (cover.nearest < std::numeric_limits<Real>::infinity()) {
+    m << " within maxgap = " << options.maxgap << "; the nearest opposite facet is "
+      << cover.nearest << " away";
+  } else {
+    const FacetTree tree(slave.d, master.surface.facets, master.planes, nodes.X);
+    Real nearest = std::numeric_limits<Real>::infinity();
+    for (const Facet& f : slave.surface.facets)
+      for (int v = 0; v < slave.d; ++v)
+        nearest = std::min(nearest, tree.nearest(nodes.X[f.node[v]]));
+    m << ": no facet lies opposite, along the normals of the slave, and the surfaces are "
+      << nearest << " apart; check the labels and the orientation";
+  }
+  throw IllegalInput(m.str());
+}
+
+}  // namespace
+
+void validate_pairs(const Nodes& nodes, const std::vector<Pair>& pairs, const Options& options) {
+  if (!(options.maxgap > 0)) {
+    std::ostringstream m;
+    m << "maxgap = " << options.maxgap << "; it must be > 0";
+    throw IllegalInput(m.str());
+  }
+  refuse_common_facets(nodes.dimension, pairs);
+  if (options.element_groups) refuse_merged_nodes(nodes, pairs, options);
+}
+
+void validate_cover(const Nodes& nodes, const std::vector<Side>& slaves,
+                    const std::vector<Side>& masters, const std::vector<Cover>& covers,
+                    const Ownership& ownership, const Options& options) {
+  for (std::size_t p = 0; p < slaves.size(); ++p) {
+    const Cover& cover = covers[p];
+    const auto is_empty = [](const std::vector<Cell>& cells) { return cells.empty(); };
+    if (std::all_of(cover.cells.begin(), cover.cells.end(), is_empty))
+      refuse_nothing_faces(nodes, slaves[p], masters[p], cover, options);
+    std::array<Index, 4> count{};
+    for (const Facet& f : slaves[p].surface.facets)
+      for (int v = 0; v < slaves[p].d; ++v) ++count[static_cast<int>(ownership.state[f.node[v]])];
+    if (count[static_cast<int>(Ownership::State::kept)] > 0) continue;
+    std::ostringstream m;
+    if (count[static_cast<int>(Ownership::State::held)] > 0)
+      m << "Dirichlet conditions hold the normal of every slave node (" << labels(slaves[p].surface)
+        << "); swap slave and master";
+    else
+      m << "every slave node (" << labels(slaves[p].surface)
+        << ") lies on the master too; refine the slave";
+    throw IllegalInput(m.str());
+  }
+}
+
+}  // namespace frictioncg::mortar

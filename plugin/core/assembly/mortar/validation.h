@@ -1,0 +1,17 @@
+#pragma once
+#include "assembly/mortar/ownership.h"
+
+namespace frictioncg::mortar {
+
+/// "(x, y)" or "(x, y, z)".
+std::string place(int d, const Vec3& x);
+
+/// Refuses a label that is slave and master, and nodes that the merging of meshes ties together.
+void validate_pairs(const Nodes& nodes, const std::vector<Pair>& pairs, const Options& options);
+
+/// Refuses pairs where nothing faces, or where no slave node is left to carry a law.
+void validate_cover(const Nodes& nodes, const std::vector<Side>& slaves,
+                    const std::vector<Side>& masters, const std::vector<Cover>& covers,
+                    const Ownership& ownership, const Options& options);
+
+}  // namespace frictioncg::mortar

@@ -1,0 +1,17 @@
+#pragma once
+#include "assembly/basis.h"
+#include "assembly/triplets.h"
+
+namespace frictioncg {
+
+/// A in the local dofs: T = [T_w, T_D], A_local = T_w'A T_w, and K = T_w'A T_D, the forces of
+/// prescribed displacements. One pass over the triplets builds the rows; only entries that touch a
+/// row of T with several entries take a sparse product, T'(their part of A)T.
+/// Throws IllegalInput where nothing is free, or where 32 bits do not index the entries.
+void transform(const Triplets& A, const Basis& basis, Matrix& A_local, Matrix& K);
+
+/// Throws IllegalInput where A_local, of diagonal D, is not symmetric; origin: as in Basis, for the
+/// message.
+void check_symmetry(const Matrix& A_local, const Vector& D, const std::vector<Index>& origin);
+
+}  // namespace frictioncg

@@ -1,0 +1,20 @@
+#pragma once
+#include "types.h"
+
+namespace frictioncg {
+
+/// A matrix as a finite-element code holds it: triplets in any order, Dirichlet rows included.
+struct Triplets {
+  Index n = 0;
+  std::size_t size = 0;
+  const Index* i = nullptr;
+  const Index* j = nullptr;
+  const Real* a = nullptr;
+  Index base = 0;     ///< index of the first row: 0 or 1
+  bool half = false;  ///< only one triangle is stored
+
+  Index row(std::size_t k) const { return i[k] - base; }
+  Index col(std::size_t k) const { return j[k] - base; }
+};
+
+}  // namespace frictioncg

@@ -1,0 +1,31 @@
+#pragma once
+#include <Eigen/Dense>
+
+#include "model/contact_problem.h"
+
+namespace frictioncg {
+
+using DenseMatrix = Eigen::MatrixXd;
+
+/// A contact problem on the contact dofs alone, after elimination of the interior:
+///   r = f - (S + springs D) x, laws of contact and friction on (x, r) node by node.
+struct CondensedProblem {
+  const DenseMatrix& S;        ///< contact_dofs square
+  Vector f;                    ///< contact_dofs [force]
+  const Vector& D;             ///< contact_dofs, > 0, System::weight: the unit of residuals
+  const ContactProblem& laws;  ///< gap, mu or g, and the layout of the nodes
+  Real springs = 0;            ///< to the ground, on every contact dof, in units of D
+
+  Index offset() const { return laws.interior(); }
+  Index normal(Index i) const { return laws.system->first[i] - offset(); }
+
+  /// f - (S + springs D) x
+  Vector residual(const Vector& x) const {
+    Vector r = f;
+    r.noalias() -= S * x;
+    if (springs > 0) r.array() -= springs * D.array() * x.array();
+    return r;
+  }
+};
+
+}  // namespace frictioncg

@@ -1,0 +1,34 @@
+#pragma once
+#include <cholmod.h>
+
+#include <vector>
+
+#include "model/system.h"
+
+namespace frictioncg {
+
+/// How the interior is ordered before the contact dofs, which always come last. All three work on
+/// the graph of the mesh nodes, whose d dofs stay together: d^2 times fewer edges than between
+/// dofs.
+enum class Ordering {
+  automatic,
+  camd,  ///< minimum degree with the contact dofs as the last class
+  amd,   ///< minimum degree of the interior, contact dofs appended
+  metis  ///< nested dissection of the interior, contact dofs appended
+};
+
+/// A permutation of the dofs (n) with little fill-in, the contact dofs last and in their order.
+std::vector<Index> contact_last(const System& system, Ordering ordering, cholmod_common& common);
+
+/// In each connected part of the interior, the dof that `order` eliminates last: the root of its
+/// tree.
+std::vector<Index> last_of_each_part(const System& system, const std::vector<Index>& order);
+
+/// CHOLMOD's view of the upper triangle of a symmetric matrix, or of its pattern (value null).
+cholmod_sparse symmetric_view(Index n, std::vector<Index>& column, std::vector<Index>& row,
+                              Real* value);
+
+/// Throws what CHOLMOD's status says where a call of it has failed.
+void check(bool ok, const cholmod_common& common);
+
+}  // namespace frictioncg

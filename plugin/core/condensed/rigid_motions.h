@@ -1,0 +1,16 @@
+#pragma once
+#include "condensed/condensed_problem.h"
+
+namespace frictioncg {
+
+/// Motions of a body, or of several, that cost no energy: columns, orthonormal in the product of D.
+/// Their number is found, not assumed: 3 or 6 for a free body, less where supports hold it.
+
+/// The kernel of S (contact_dofs square), by inverse iteration on S + shift D.
+DenseMatrix rigid_motions(const DenseMatrix& S, const Vector& D);
+
+/// The kernel of A without a factor: z - y for random z, A y = A z by conjugate gradients.
+/// n x k; what costs more than max_iterations products with A is not found.
+DenseMatrix rigid_motions(const System& system, Index max_iterations);
+
+}  // namespace frictioncg

@@ -1,0 +1,178 @@
+#include "model/validate.h"
+
+#include <cmath>
+#include <sstream>
+
+namespace frictioncg {
+
+namespace {
+
+/// Sizes whose squares, and those of 1e-16 of them, are normal numbers.
+constexpr Real smallest = 1e-80, largest = 1e80;
+
+template <class... Part>
+[[noreturn]] void refuse(const Part&... part) {
+  std::ostringstream m;
+  (m << ... << part);
+  throw IllegalInput(m.str());
+}
+
+void require_size(const char* name, Index size, Index wanted, const char* of) {
+  if (size != wanted)
+    refuse(name, " has ", size, " values; it takes ", wanted, ", one for each ", of);
+}
+
+/// Each value of a vector over the contact nodes, or the dofs, against its rule.
+template <class Holds>
+void require_each(const char* name, const Vector& values, const char* where, Holds holds,
+                  const char* rule) {
+  for (Index i = 0; i < values.size(); ++i)
+    if (!holds(values[i])) refuse(name, " = ", values[i], " at ", where, " ", i, "; ", rule);
+}
+
+bool is_finite(Real value) { return std::isfinite(value); }
+
+bool is_nonnegative(Real value) { return std::isfinite(value) && value >= 0; }
+
+void validate_layout(const System& s) {
+  if (s.dimension != 2 && s.dimension != 3)
+    refuse("dimension = ", s.dimension, "; a system has dimension 2 or 3");
+  if (s.first.empty() || s.first.front() < 0)
+    refuse(
+        "first does not say where the contact dofs begin; it holds the first dof of each contact "
+        "node, then the number of dofs");
+  for (Index i = 0; i < s.nodes(); ++i) {
+    const Index size = s.first[i + 1] - s.first[i];
+    if (size < 1 || size > s.dimension)
+      refuse("contact node ", i, " owns ", size, " dofs; it has its normal and at most ",
+             s.dimension - 1, " tangents");
+  }
+  if (s.A.rows() != s.dofs() || s.A.cols() != s.dofs())
+    refuse("A is ", s.A.rows(), " x ", s.A.cols(), " but first ends at ", s.dofs(),
+           "; A has a row and a column for each dof");
+  if (!s.A.isCompressed()) refuse("A is not compressed; call makeCompressed()");
+}
+
+void validate_load(const Increment& increment, const System& system) {
+  const Real force = increment.F.size() == 0
+                         ? 0
+                         : (increment.F.array().abs() / system.weight.array().sqrt()).maxCoeff();
+  Real gap = 0;
+  for (Index i = 0; i < system.nodes(); ++i)
+    if (std::isfinite(increment.gap[i]))
+      gap = std::max(gap, std::abs(increment.gap[i]) * std::sqrt(system.weight[system.first[i]]));
+  const Real most = std::max(force, gap);
+  if (force <= largest && (most == 0 || most >= smallest)) return;
+  refuse("the load is ", most,
+         " in units of the root of force times length; squares of what is not "
+         "between ",
+         smallest, " and ", largest, " are lost to the range of numbers: choose other units");
+}
+
+bool condenses(const Settings& s) {
+  return s.method == Method::automatic || s.method == Method::condensed;
+}
+
+/// The options that differ from their defaults, each with whether the method heeds it.
+void refuse_without_effect(const Settings& s) {
+  const Settings standard;
+  const bool newton = condenses(s) && s.polish;
+  const bool smooths =
+      condenses(s) ? !s.polish : s.method != Method::gcx && s.method != Method::sorp;
+  const bool relaxes =
+      s.method == Method::sorp || s.precon == Precon::ssor || s.precon == Precon::hessian_ssor;
+  const auto rule = [](bool differs, bool has_effect, const char* name, const char* remedy) {
+    if (differs && !has_effect) refuse(name, " has no effect with this method; ", remedy);
+  };
+  const char* const unregularized =
+      "its answer is not regularized: leave it out, or take GC1 to GC3";
+  rule(s.reg != standard.reg, smooths, "reg", unregularized);
+  rule(s.regeps != standard.regeps, smooths, "regeps", unregularized);
+  rule(s.step != standard.step, smooths, "step", "it has no such line search: leave it out");
+  rule(s.precon != standard.precon, !newton && s.method != Method::sorp, "precon",
+       "it does not precondition: leave it out");
+  rule(s.omega != standard.omega, !newton && relaxes, "omega",
+       "it does not relax: leave it out, or take an SSOR");
+  rule(s.polish != standard.polish, condenses(s), "newton",
+       "it does not condense: leave it out, or the method");
+  rule(s.memory != standard.memory, condenses(s), "memory",
+       "it does not condense: leave it out, or the method");
+}
+
+}  // namespace
+
+void validate(const System& s) {
+  validate_layout(s);
+  const Index n = s.dofs();
+  if (!Eigen::Map<const Vector>(s.A.valuePtr(), s.A.nonZeros()).allFinite())
+    refuse("A has an entry that is not finite; every entry is a number");
+  require_size("D", Index(s.D.size()), n, "dof");
+  require_size("weight", Index(s.weight.size()), n, "dof");
+  if (!s.mesh_node.empty()) require_size("mesh_node", Index(s.mesh_node.size()), n, "dof");
+  const auto stiffness = [](Real value) { return value >= smallest && value <= largest; };
+  require_each(
+      "D", s.D, "dof", stiffness,
+      "the diagonal of A is > 0, between 1e-80 and 1e80 (squares must not overflow): check "
+      "the coefficients, or choose other units");
+  require_each("weight", s.weight, "dof", stiffness,
+               "a weight is a stiffness between 1e-80 and 1e80: take node_weights");
+  for (Index i = 0; i < Index(s.mesh_node.size()); ++i)
+    if (s.mesh_node[i] < 0)
+      refuse("mesh_node = ", s.mesh_node[i], " at dof ", i, "; mesh nodes are numbered from 0");
+}
+
+void validate(const Increment& increment, const System& system) {
+  require_size("F", Index(increment.F.size()), system.dofs(), "dof");
+  require_size("gap", Index(increment.gap.size()), system.nodes(), "contact node");
+  require_each("F", increment.F, "dof", is_finite, "a load is a finite force");
+  if (increment.bilateral)
+    require_each("gap", increment.gap, "contact node", is_finite,
+                 "bilateral contact closes a gap of finite length");
+  else
+    require_each(
+        "gap", increment.gap, "contact node", [](Real g) { return g > -INFINITY; },
+        "a gap is a length, or infinite where the node cannot touch");
+  if (increment.law == Law::coulomb) {
+    require_size("mu", Index(increment.mu.size()), system.nodes(), "contact node");
+    require_each("mu", increment.mu, "contact node", is_nonnegative,
+                 "a friction coefficient is a number >= 0: give 0 where nothing rubs");
+  }
+  if (increment.law == Law::tresca) {
+    require_size("g", Index(increment.g.size()), system.nodes(), "contact node");
+    require_each("g", increment.g, "contact node", is_nonnegative,
+                 "a sliding limit is a force >= 0: give 0 where nothing rubs");
+  }
+  const Vector norms =
+      Eigen::Vector3d(increment.load_norm, increment.rounding, increment.force_scale);
+  if (!norms.allFinite() || norms.minCoeff() < 0)
+    refuse("load_norm, rounding and force_scale = ", norms[0], ", ", norms[1], ", ", norms[2],
+           "; norms of forces are finite and >= 0");
+  validate_load(increment, system);
+}
+
+void validate(const Settings& s) {
+  if (!(s.tol > 0 && s.tol < 1)) refuse("tol = ", s.tol, "; the tolerance lies between 0 and 1");
+  if (!(s.regeps >= 0 && std::isfinite(s.regeps)))
+    refuse("regeps = ", s.regeps,
+           "; the regularization is a length > 0: leave it out (0) to scale it from the scene");
+  if (!(s.omega >= 0 && s.omega < 2))
+    refuse("omega = ", s.omega,
+           "; a relaxation lies between 0 and 2: leave it out (0) to take that of the method");
+  if (s.nbiter < 0)
+    refuse("nbiter = ", s.nbiter,
+           "; the bound on the iterations is >= 1: leave it out (0) to take that of the scene");
+  if (!(s.memory > 0)) refuse("memory = ", s.memory, "; the memory bound is a number of bytes > 0");
+  if (!(s.partial >= 1) || !std::isfinite(s.partial))
+    refuse("partial = ", s.partial, "; partial convergence is looser than tol: a factor >= 1");
+  if (!(s.stop_on_step >= 0 && s.stop_on_step < 1))
+    refuse("stop_on_step = ", s.stop_on_step, "; a relative step lies between 0 and 1");
+  refuse_without_effect(s);
+}
+
+void validate_start(const Vector& x0, const System& system) {
+  if (x0.size() == 0) return;
+  require_size("x0", Index(x0.size()), system.dofs(), "dof");
+  require_each("x0", x0, "dof", is_finite, "a start is a finite displacement: leave it out");
+}
+
+}  // namespace frictioncg

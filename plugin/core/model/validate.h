@@ -1,0 +1,22 @@
+#pragma once
+#include "model/contact_problem.h"
+#include "settings.h"
+
+namespace frictioncg {
+
+// What the core refuses, whoever calls it. Each throws IllegalInput with one sentence: what, its
+// value, where (contact nodes and dofs by their index), the rule, the remedy.
+
+/// Sizes, signs, finite entries; that A is symmetric is taken on trust.
+void validate(const System& system);
+
+/// Sizes, signs, finite values, and loads whose squares neither overflow nor vanish.
+void validate(const Increment& increment, const System& system);
+
+/// Ranges, and options without effect: they would let the caller believe in what does not happen.
+void validate(const Settings& settings);
+
+/// The start of a solve: n finite values, or none.
+void validate_start(const Vector& x0, const System& system);
+
+}  // namespace frictioncg

@@ -1,0 +1,58 @@
+#pragma once
+#include "freefem.h"
+
+#include <array>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "../core/assembly/local_system.h"
+
+namespace frictioncg {
+
+/// A facet of the contact boundary as one of its nodes sees it.
+struct AdjacentFacet {
+  long label = 0;
+  int element = 0, facet = 0;
+  Fem2D::R3 hat;     ///< the node's place in the element
+  Fem2D::R3 normal;  ///< outward, of the measure of the facet [length^(d-1)]
+  double share = 0;  ///< integral of the node's shape function over the facet
+};
+
+/// A node of the mesh on the contact boundary.
+struct SharedNode {
+  std::array<Index, 3> dof{{-1, -1, -1}};  ///< of each component of the displacement
+  Fem2D::R3 x;
+  std::vector<AdjacentFacet> facets;  ///< in the order in which the labels were given
+};
+
+/// A contact point as FreeFEM sees it: one normal of a node, where to evaluate expressions, and its
+/// share of the boundary. A node in a corner has several.
+struct BoundaryNode {
+  ContactPoint point;
+  Fem2D::R3 x;
+  long label = 0;
+  double weight = 0;  ///< integral of its shape function over the facets of this normal
+  int element = 0, facet = 0;
+  Fem2D::R3 hat;          ///< its place in the element
+  Fem2D::R3 mean;         ///< mean outward normal of all facets at the node; 0 where they cancel
+  bool averaged = false;  ///< it stands for more normals than the node can obey
+};
+
+inline Fem2D::R3 as_R3(const std::array<Real, 3>& a) { return Fem2D::R3(a[0], a[1], a[2]); }
+
+/// Coordinates for messages: (x, y) or (x, y, z).
+inline std::string coordinates(const Fem2D::R3& x, int dimension) {
+  std::ostringstream s;
+  s << "(" << x.x << ", " << x.y;
+  if (dimension == 3) s << ", " << x.z;
+  s << ")";
+  return s.str();
+}
+
+/// Where a contact node is, for messages.
+inline std::string place(const BoundaryNode& node, int dimension) {
+  return coordinates(node.x, dimension) + " on label " + std::to_string(node.label);
+}
+
+}  // namespace frictioncg

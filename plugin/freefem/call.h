@@ -1,0 +1,103 @@
+#pragma once
+#include "freefem.h"
+
+#include "node_values.h"
+#include "outputs.h"
+#include "report.h"
+
+namespace frictioncg {
+
+/// A script's vector as it is now: what is evaluated after it may change the script's.
+inline Vector copy_of(const KN_<double>& v) {
+  Vector copy(v.N());
+  for (long i = 0; i < v.N(); ++i) copy[i] = v[i];
+  return copy;
+}
+
+/// What a call says beside geometry and laws. Every expression of the script is evaluated before
+/// anything is solved or written: one of them may throw, or change what the call works on.
+struct Call {
+  const Arguments& args;
+  Settings settings;
+  long verb;
+  Vector b, u_old, u_init;  ///< u_old and u_init empty where they are not given
+
+  Call(Stack stack, const Arguments& arguments, const Expression load)
+      : args(arguments),
+        settings(read_settings(stack, arguments)),
+        verb(read_verb(stack, arguments)),
+        b(copy_of(GetAny<KN_<double>>((*load)(stack)))),
+        u_old(given(stack, p_uold)),
+        u_init(given(stack, p_init)) {}
+
+ private:
+  Vector given(Stack stack, Parameter p) const {
+    if (!args.has(p)) return {};
+    return copy_of(GetAny<KN_<double>>((*args.expression(p))(stack)));
+  }
+};
+
+/// Poses the problem: geometry, laws, and the matrix in local frames. A node gets tangential laws
+/// where `everywhere` or its own mu or limit asks for them.
+template <class V>
+std::shared_ptr<Scene> pose(Stack stack, const Arguments& args, const Expression A,
+                            typename V::pfes* pVh, const std::vector<long>& labels, bool everywhere,
+                            PointLaws& laws) {
+  std::shared_ptr<Scene> scene = make_scene<V>(pVh, labels);
+  set_normals(stack, args, *scene);
+  laws = read_laws(stack, args, *scene);
+  if (args.has(p_mu2)) set_orthotropy(stack, args, laws.friction, *scene);
+  if (laws.law != Law::frictionless)
+    for (std::size_t k = 0; k < scene->nodes.size(); ++k)
+      scene->tangents |= scene->nodes[k].point.friction = everywhere || laws.friction[k] > 0;
+  scene->assemble(triplets(GetAny<Matrice_Creuse<double>*>((*A)(stack)), scene->ndof));
+  if (!scene->tangents) laws.law = Law::frictionless;
+  return scene;
+}
+
+/// The vectors of the call, and its laws, as an increment in local dofs.
+inline LocalIncrement increment(const Call& call, const Scene& scene, PointLaws laws) {
+  check_vector(call.b, "b", scene.ndof);
+  if (call.args.has(p_uold)) check_vector(call.u_old, "uold", scene.ndof);
+  if (call.args.has(p_init)) check_vector(call.u_init, "init", scene.ndof);
+  if (scene.system->nodes() == 0) laws.law = Law::frictionless;  // supports hold every normal
+  LocalIncrement now = scene.system->increment(call.b, call.u_old, laws);
+  refuse_other_tgv(scene, call.b, now.u0);
+  return now;
+}
+
+/// The field of one increment, on a posed scene.
+inline KN_<double> solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws) {
+  const double start = cpu_seconds();
+  const Outputs out(stack, call.args);
+  const LocalIncrement now = increment(call, scene, laws);
+  const ContactProblem problem{scene.system->system(), now.increment};
+  if (call.verb > 0) {
+    report_plan(call.args, scene, problem, call.settings);
+    warn_of_averages(scene);
+  }
+  Progress progress(problem, call.verb, out.history);
+  Vector x0;
+  if (call.u_init.size() > 0)
+    x0 = scene.system->to_local(call.u_old.size() == 0 ? call.u_init
+                                                       : Vector(call.u_init - call.u_old));
+  const Solution solution = scene.solver->solve(now.increment, call.settings, x0,
+                                                call.verb > 0 || out.history ? &progress : nullptr);
+  if (call.verb > 0) {
+    report_end(solution);
+    report_motions(scene, solution);
+  }
+  if (call.verb > 2) report_phases(scene, solution);
+  if (solution.status != Status::converged && !out.status)
+    refuse_unconverged(scene, solution, call.settings);
+  write_outputs(scene, solution, progress, out);
+
+  KN<double>* u = Add2StackOfPtr2Free(stack, new KN<double>(scene.ndof));
+  const Vector field = scene.system->to_global(solution.x, now.u0);
+  for (long i = 0; i < scene.ndof; ++i) (*u)[i] = field[i];
+  if (out.times) write_times(scene, solution.times, cpu_seconds() - start, out.times);
+  scene.copy_seconds = 0;  // further increments do not copy
+  return *u;
+}
+
+}  // namespace frictioncg

@@ -1,0 +1,120 @@
+#pragma once
+#include "freefem.h"
+
+#include <vector>
+
+namespace frictioncg {
+
+/// What differs between FreeFEM's mesh and mesh3, and their finite-element spaces.
+template <class FESpaceType>
+struct Dimension;
+
+/// How the dofs of an element come from values at points: one entry per dof and point that has a
+/// part in it. A dof is a nodal value where it has one entry, of coefficient 1.
+struct Interpolation {
+  std::vector<int> dof, component, point;
+  std::vector<double> coefficient;
+  std::vector<Fem2D::R3> hat;  ///< the points, on the reference element
+
+  void add(int i, int c, int p, double a) {
+    if (a == 0) return;  // P3 and beyond list every order of an edge's points, all but one by 0
+    dof.push_back(i);
+    component.push_back(c);
+    point.push_back(p);
+    coefficient.push_back(a);
+  }
+};
+
+template <>
+struct Dimension<Fem2D::FESpace> {
+  static constexpr int d = 2;
+  using Mesh = Fem2D::Mesh;
+  using Element = Fem2D::FElement;
+  static constexpr const char* facet_name = "edge";
+
+  static long facets(const Mesh& Th) { return Th.neb; }
+  static long label(const Mesh& Th, int ib) { return Th.bedges[ib].lab; }
+  /// False where there are elements on both sides.
+  static bool outer(const Mesh& Th, int k, int facet) { return Th.nTonEdge(k, facet) == 1; }
+  static bool on_facet(int facet, int what) { return Fem2D::onWhatIsEdge[facet][what] != 0; }
+  /// outward, of the length of the edge
+  static Fem2D::R3 normal(const Element& K, int facet) {
+    const Fem2D::R2 E = K.T.Edge(facet);
+    return Fem2D::R3(E.y, -E.x, 0);
+  }
+  static bool is_corner(int what) { return what < 3; }
+  static bool known_trace(std::size_t nodes) { return nodes == 2 || nodes == 3; }
+  /// integrals of the traces of P1 or P2 over a unit edge
+  static double share(std::size_t nodes, bool corner) {
+    return nodes == 2 ? 1. / 2 : (corner ? 1. / 6 : 2. / 3);
+  }
+  static constexpr const char* known_counts = "the 2 of P1 and the 3 of P2";
+
+  static Interpolation interpolation(const Element& K) {
+    Interpolation ip;
+    const auto& ipj = K.Pi_h_ipj();
+    const auto& P = K.Pi_h_R2();
+    KN<double> alpha(ipj.N());
+    K.Pi_h(alpha);
+    for (int k = 0; k < ipj.N(); ++k) ip.add(ipj[k].i, ipj[k].j, ipj[k].p, alpha[k]);
+    for (int p = 0; p < P.N(); ++p) ip.hat.push_back(Fem2D::R3(P[p].x, P[p].y, 0));
+    return ip;
+  }
+  static Fem2D::R3 position(const Element& K, const Fem2D::R3& hat) {
+    const Fem2D::R2 P = K.T(Fem2D::R2(hat.x, hat.y));
+    return Fem2D::R3(P.x, P.y, 0);
+  }
+  template <class Node>
+  static void set_point(MeshPoint* mp, const Fem2D::FESpace& Vh, const Node& node) {
+    const Mesh& Th = Vh.Th;
+    const Fem2D::R2 hat(node.hat.x, node.hat.y);
+    mp->set(Th, Th[node.element](hat), hat, Th[node.element], static_cast<int>(node.label),
+            Fem2D::R2(node.point.normal[0], node.point.normal[1]), node.facet);
+  }
+};
+
+template <>
+struct Dimension<Fem2D::FESpace3> {
+  static constexpr int d = 3;
+  using Mesh = Fem2D::Mesh3;
+  using Element = Fem2D::FESpace3::FElement;
+  static constexpr const char* facet_name = "face";
+
+  static long facets(const Mesh& Th) { return Th.nbe; }
+  static long label(const Mesh& Th, int ib) { return Th.be(ib).lab; }
+  static bool outer(const Mesh& Th, int k, int facet) { return Th.ElementAdj(k, facet) < 0; }
+  static bool on_facet(int facet, int what) { return Fem2D::Tet::onWhatBorder[facet][what] != 0; }
+  /// outward, of the area of the face
+  static Fem2D::R3 normal(const Element& K, int facet) {
+    const int(&v)[3] = Fem2D::Tet::nvface[facet];
+    const Fem2D::R3 A = K.T[v[0]], B = K.T[v[1]], C = K.T[v[2]], G = K.T(Fem2D::R3(.25, .25, .25));
+    Fem2D::R3 N = ((B - A) ^ (C - A)) / 2;
+    return (N, A - G) > 0 ? N : -N;
+  }
+  static bool is_corner(int what) { return what < 4; }
+  static bool known_trace(std::size_t nodes) { return nodes == 3 || nodes == 6; }
+  /// integrals of the traces of P1 or P2 over a unit triangle
+  static double share(std::size_t nodes, bool corner) {
+    return nodes == 3 ? 1. / 3 : (corner ? 0 : 1. / 3);
+  }
+  static constexpr const char* known_counts = "the 3 of P1 and the 6 of P2";
+
+  static Interpolation interpolation(const Element& K) {
+    Interpolation all;
+    Fem2D::InterpolationMatrix<Fem2D::R3> ip(*K.tfe);
+    ip.set(K);
+    for (int k = 0; k < ip.ncoef; ++k) all.add(ip.dofe[k], ip.comp[k], ip.p[k], ip.coef[k]);
+    for (int p = 0; p < ip.P.N(); ++p) all.hat.push_back(ip.P[p]);
+    return all;
+  }
+  static Fem2D::R3 position(const Element& K, const Fem2D::R3& hat) { return K.T(hat); }
+  template <class Node>
+  static void set_point(MeshPoint* mp, const Fem2D::FESpace3& Vh, const Node& node) {
+    const Mesh& Th = Vh.Th;
+    mp->set(
+        Th, Th[node.element](node.hat), node.hat, Th[node.element], static_cast<int>(node.label),
+        Fem2D::R3(node.point.normal[0], node.point.normal[1], node.point.normal[2]), node.facet);
+  }
+};
+
+}  // namespace frictioncg

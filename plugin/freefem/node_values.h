@@ -1,0 +1,142 @@
+#pragma once
+#include "freefem.h"
+
+#include <cmath>
+
+#include "arguments.h"
+#include "scene.h"
+
+namespace frictioncg {
+
+/// Saves where expressions are evaluated, and restores it, whatever happens between.
+class PointGuard {
+ public:
+  explicit PointGuard(Stack stack) : point_(MeshPointStack(stack)), saved_(*point_) {}
+  ~PointGuard() { *point_ = saved_; }
+  PointGuard(const PointGuard&) = delete;
+  PointGuard& operator=(const PointGuard&) = delete;
+  MeshPoint* point() { return point_; }
+
+ private:
+  MeshPoint* point_;
+  MeshPoint saved_;
+};
+
+/// Refuses a value at a node, which is named.
+inline void check_value(Parameter p, double x, const BoundaryNode& node, int d) {
+  if (std::isfinite(x) && (p == p_gap || x >= 0)) return;
+  std::ostringstream m;
+  m << parameters[p].name << " = " << x << " at " << place(node, d) << "; "
+    << (p == p_mu || p == p_mu2 ? "a friction coefficient is a number >= 0"
+        : p == p_gap            ? "a gap is a finite length"
+                                : "a sliding limit is a traction >= 0");
+  throw IllegalInput(m.str());
+}
+
+/// mu, gap or slidinglimit at each contact node; 0 where it is not given.
+inline Vector at_nodes(Stack stack, const Arguments& args, Parameter p, const Scene& scene) {
+  Vector result = Vector::Zero(static_cast<Index>(scene.nodes.size()));
+  if (!args.has(p)) return result;
+  PointGuard guard(stack);
+  for (std::size_t k = 0; k < scene.nodes.size(); ++k) {
+    scene.go_to(guard.point(), scene.nodes[k]);
+    result[k] = GetAny<double>((*args.expression(p))(stack));
+    check_value(p, result[k], scene.nodes[k], scene.d);
+  }
+  return result;
+}
+
+/// The values of a vector at the present point, scaled to length 1; false where it has no
+/// direction.
+inline bool unit_vector(Stack stack, const Arguments::Components& components, int d,
+                        std::array<Real, 3>& n) {
+  double norm = 0;
+  for (int c = 0; c < d; ++c) {
+    n[c] = GetAny<double>((*components[c])(stack));
+    norm = std::hypot(norm, n[c]);
+  }
+  for (int c = 0; c < d; ++c) n[c] /= norm;
+  return norm > 0 && std::isfinite(norm);
+}
+
+/// A normal may lean away from the boundary's own, up to lying in it (the obstacle may give it),
+/// but not into the body.
+inline void refuse_inward(const BoundaryNode& node, const std::array<Real, 3>& n, int d) {
+  const Fem2D::R3 outward = node.mean, given = as_R3(n);
+  if ((outward, given) >= -1e-6) return;
+  throw IllegalInput("normal = " + coordinates(given, d) + " at " + place(node, d) +
+                     " points into the body, whose boundary has the outward normal " +
+                     coordinates(outward, d) + "; give the normal that leaves the body");
+}
+
+/// Replaces the mesh's normals by those of the call.
+inline void set_normals(Stack stack, const Arguments& args, Scene& scene) {
+  scene.given_normals = args.has(p_normal);
+  PointGuard guard(stack);
+  for (BoundaryNode& node : scene.nodes) {
+    if (!scene.given_normals) {
+      if (Norme2(as_R3(node.point.normal)) > 0) continue;
+      throw IllegalInput("the outward normals at " + place(node, scene.d) +
+                         " cancel; give normal=[...] explicitly");
+    }
+    scene.go_to(guard.point(), node);
+    std::array<Real, 3> n{};
+    if (!unit_vector(stack, args.normal(), scene.d, n))
+      throw IllegalInput("normal has no direction at " + place(node, scene.d) +
+                         "; give the outward normal of the body, of any length > 0");
+    refuse_inward(node, n, scene.d);
+    node.point.normal = n;
+  }
+  if (scene.given_normals) merge_equal_normals(scene.nodes);
+}
+
+/// Orthotropic friction: the ratio of the coefficients, and the direction of the first. The frames
+/// keep the ratio: a later call changes mu, and mu2 with it.
+inline void set_orthotropy(Stack stack, const Arguments& args, const Vector& mu, Scene& scene) {
+  if (!args.has(p_mu2)) return;
+  const Vector mu2 = at_nodes(stack, args, p_mu2, scene);
+  PointGuard guard(stack);
+  for (std::size_t k = 0; k < scene.nodes.size(); ++k) {
+    BoundaryNode& node = scene.nodes[k];
+    if ((mu[k] > 0) != (mu2[k] > 0)) {
+      std::ostringstream m;
+      m << "mu = " << mu[k] << " but mu2 = " << mu2[k] << " at " << place(node, scene.d)
+        << "; both coefficients are > 0, or both are 0";
+      throw IllegalInput(m.str());
+    }
+    if (mu[k] == 0) continue;
+    ContactPoint& p = node.point;
+    scene.go_to(guard.point(), node);
+    const bool has_direction = unit_vector(stack, args.direction(), scene.d, p.direction);
+    const double along_normal = (as_R3(p.direction), as_R3(p.normal));
+    if (!has_direction || std::abs(along_normal) > 1 - 1e-10)
+      throw IllegalInput("direction has no part in the contact plane at " + place(node, scene.d) +
+                         "; give a direction, of any length > 0, that is not the normal");
+    p.across = mu2[k] / mu[k];
+  }
+}
+
+/// The laws of a call: those of `given` where the call names no other. They hold for this call
+/// only.
+inline PointLaws read_laws(Stack stack, const Arguments& args, const Scene& scene,
+                           PointLaws given = {}) {
+  if (args.has(p_mu) && args.has(p_slidinglimit))
+    throw IllegalInput(
+        "mu and slidinglimit are both given; Coulomb friction takes mu, a given limit "
+        "slidinglimit");
+  PointLaws laws = std::move(given);
+  if (args.has(p_gap) || laws.gap.size() == 0) laws.gap = at_nodes(stack, args, p_gap, scene);
+  laws.bilateral = args.value(stack, p_bilateral, laws.bilateral);
+  if (args.has(p_mu)) {
+    laws.friction = at_nodes(stack, args, p_mu, scene);
+    laws.law = Law::coulomb;
+  }
+  if (args.has(p_slidinglimit)) {
+    laws.friction = at_nodes(stack, args, p_slidinglimit, scene);
+    for (std::size_t k = 0; k < scene.nodes.size(); ++k) laws.friction[k] *= scene.nodes[k].weight;
+    laws.law = Law::tresca;
+  }
+  return laws;
+}
+
+}  // namespace frictioncg

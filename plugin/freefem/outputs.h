@@ -1,0 +1,106 @@
+#pragma once
+#include "freefem.h"
+
+#include "arguments.h"
+#include "dirichlet.h"
+#include "progress.h"
+
+namespace frictioncg {
+
+/// The named outputs that a script asked for; null where it did not.
+struct Outputs {
+  long* status;
+  double* residual;
+  long* iterations;
+  KN<double>* force;
+  KN<long>* state;
+  KN<double>* normals;
+  long* free;
+  KNM<double>* history;
+  KN<double>* times;
+
+  Outputs(Stack stack, const Arguments& args)
+      : status(args.output<long>(stack, p_status)),
+        residual(args.output<double>(stack, p_residual)),
+        iterations(args.output<long>(stack, p_iterations)),
+        force(args.output<KN<double>>(stack, p_force)),
+        state(args.output<KN<long>>(stack, p_state)),
+        normals(args.output<KN<double>>(stack, p_normals)),
+        free(args.output<long>(stack, p_free)),
+        history(args.output<KNM<double>>(stack, p_history)),
+        times(args.output<KN<double>>(stack, p_times)) {}
+};
+
+/// The force of the obstacle on the body, by components; zero off the contact nodes (ndof).
+inline void write_force(const Scene& scene, const Vector& r, KN<double>* out) {
+  const Vector force = scene.system->force_to_global(r);
+  out->resize(scene.ndof);
+  for (long i = 0; i < scene.ndof; ++i) (*out)[i] = force[i];
+}
+
+/// The state of the mesh node that starts at contact node k. A node in a corner, where there is no
+/// friction, slides along what its closed normals leave, and sticks where they leave nothing.
+inline NodeState state_in_corner(const Scene& scene, const std::vector<NodeState>& state, Index k) {
+  if (!scene.system->node(k).shared) return state[k];
+  int closed = 0;
+  Index next = k;
+  do {
+    closed += state[next] != NodeState::separated;
+    ++next;
+  } while (next < scene.system->nodes() && !scene.starts_node(next));
+  if (closed == 0) return NodeState::separated;
+  return closed == scene.d ? NodeState::stick : NodeState::slip;
+}
+
+/// The state at each dof of a contact node; zero elsewhere (ndof).
+inline void write_state(const Scene& scene, const std::vector<NodeState>& state, KN<long>* out) {
+  out->resize(scene.ndof);
+  *out = 0L;
+  for (Index k = 0; k < scene.system->nodes(); ++k) {
+    if (!scene.starts_node(k)) continue;
+    const long at_node = static_cast<long>(state_in_corner(scene, state, k));
+    for (int c = 0; c < scene.d; ++c) (*out)[scene.contact_point(k).point.dof[c]] = at_node;
+  }
+}
+
+/// The outward normal of the laws at each contact node, by components; zero elsewhere (ndof). In a
+/// corner, which slides freely along what its normals leave, the direction in which it presses.
+inline void write_normals(const Scene& scene, const Vector& r, KN<double>* out) {
+  const Vector force = scene.system->force_to_global(r);
+  out->resize(scene.ndof);
+  *out = 0.;
+  for (Index k = 0; k < scene.system->nodes(); ++k) {
+    if (!scene.starts_node(k)) continue;
+    const ContactPoint& point = scene.contact_point(k).point;
+    double pressed = 0;
+    for (int c = 0; c < scene.d; ++c) pressed = std::hypot(pressed, force[point.dof[c]]);
+    const bool corner = scene.system->node(k).shared && pressed > 0;
+    for (int c = 0; c < scene.d; ++c)
+      (*out)[point.dof[c]] = corner ? -force[point.dof[c]] / pressed : point.normal[c];
+  }
+}
+
+/// CPU seconds of the phases; `all` from the call's beginning.
+inline void write_times(const Scene& scene, const Times& t, double all, KN<double>* out) {
+  const double phases[] = {scene.copy_seconds, t.order,
+                           t.factor,           t.condense,
+                           t.contact,          t.back_substitution,
+                           t.certificate,      scene.copy_seconds + all};
+  out->resize(8);
+  for (int k = 0; k < 8; ++k) (*out)[k] = phases[k];
+}
+
+/// Fills all but the times.
+inline void write_outputs(const Scene& scene, const Solution& solution, const Progress& progress,
+                          const Outputs& out) {
+  if (out.status) *out.status = static_cast<long>(solution.status);
+  if (out.residual) *out.residual = solution.certificate.residual;
+  if (out.iterations) *out.iterations = solution.iterations;
+  if (out.force) write_force(scene, solution.certificate.r, out.force);
+  if (out.state) write_state(scene, solution.state, out.state);
+  if (out.normals) write_normals(scene, solution.certificate.r, out.normals);
+  if (out.free) *out.free = solution.undetermined.cols();
+  if (out.history) progress.write_history(out.history);
+}
+
+}  // namespace frictioncg

@@ -1,0 +1,121 @@
+#pragma once
+#include "freefem.h"
+
+#include <string>
+
+#include "../core/settings.h"
+
+namespace frictioncg {
+
+constexpr const char* operator_name = "frictionalContactCG";
+constexpr const char* constructor_name = "contactProblem";
+
+/// The named parameters of the operator and of the constructor; each has its row in `parameters`.
+enum Parameter {
+  p_mu,
+  p_mu2,
+  p_direction,
+  p_gap,
+  p_normal,
+  p_slidinglimit,
+  p_bilateral,
+  p_uold,
+  p_init,
+  p_method,
+  p_newton,
+  p_polish,
+  p_reg,
+  p_regeps,
+  p_precon,
+  p_omega,
+  p_step,
+  p_tol,
+  p_nbiter,
+  p_memory,
+  p_verb,
+  p_status,
+  p_residual,
+  p_iterations,
+  p_force,
+  p_state,
+  p_normals,
+  p_free,
+  p_history,
+  p_times,
+  parameter_count
+};
+
+inline basicAC_F0::name_and_type parameters[] = {
+    {"mu", &typeid(double)},             // friction coefficient
+    {"mu2", &typeid(double)},            // across direction, mu being along it
+    {"direction", &typeid(E_Array)},     // of orthotropic friction
+    {"gap", &typeid(double)},            // [length]
+    {"normal", &typeid(E_Array)},        // outward from the body
+    {"slidinglimit", &typeid(double)},   // [force/area]
+    {"bilateral", &typeid(bool)},        // no separation
+    {"uold", &typeid(KN_<double>)},      // [length]
+    {"init", &typeid(KN_<double>)},      // [length]
+    {"method", &typeid(string*)},        //
+    {"newton", &typeid(bool)},           // condensed: on the laws themselves
+    {"polish", &typeid(bool)},           // its former name
+    {"reg", &typeid(string*)},           //
+    {"regeps", &typeid(double)},         // [length]
+    {"precon", &typeid(string*)},        //
+    {"omega", &typeid(double)},          //
+    {"step", &typeid(string*)},          //
+    {"tol", &typeid(double)},            //
+    {"nbiter", &typeid(double)},         // a whole number
+    {"memory", &typeid(double)},         // [GB]
+    {"verb", &typeid(long)},             //
+    {"status", &typeid(long*)},          // out
+    {"residual", &typeid(double*)},      // out
+    {"iterations", &typeid(long*)},      // out
+    {"force", &typeid(KN<double>*)},     // out [force]
+    {"state", &typeid(KN<long>*)},       // out
+    {"normals", &typeid(KN<double>*)},   // out
+    {"free", &typeid(long*)},            // out
+    {"history", &typeid(KNM<double>*)},  // out
+    {"times", &typeid(KN<double>*)},     // out [s]
+};
+static_assert(sizeof(parameters) / sizeof(*parameters) == parameter_count, "one name each");
+
+/// A table of the values that a string parameter may take.
+template <class T>
+struct Choice {
+  const char* name;
+  T value;
+};
+constexpr Choice<Method> methods[] = {{"auto", Method::automatic}, {"condensed", Method::condensed},
+                                      {"GC3", Method::gc3},        {"GC2", Method::gc2},
+                                      {"GC1", Method::gc1},        {"GCX", Method::gcx},
+                                      {"SORP", Method::sorp}};
+constexpr Choice<Regularization> regularizations[] = {{"polynomial", Regularization::polynomial},
+                                                      {"sqrt", Regularization::square_root},
+                                                      {"tanh", Regularization::log_cosh}};
+constexpr Choice<Precon> preconditioners[] = {{"hessian-ssor", Precon::hessian_ssor},
+                                              {"hessian-diagonal", Precon::hessian_diagonal},
+                                              {"ssor", Precon::ssor},
+                                              {"diagonal", Precon::diagonal},
+                                              {"none", Precon::none}};
+constexpr Choice<Step> steps[] = {
+    {"exact", Step::exact}, {"newton", Step::newton}, {"falseposition", Step::false_position}};
+
+template <class T, std::size_t count>
+T choose(const char* parameter, const std::string& value, const Choice<T> (&choices)[count]) {
+  std::string known;
+  for (const Choice<T>& c : choices) {
+    if (value == c.name) return c.value;
+    known += std::string(known.empty() ? "\"" : ", \"") + c.name + "\"";
+  }
+  throw IllegalInput(std::string(parameter) + " = \"" + value + "\" is unknown; choose from " +
+                     known);
+}
+
+template <class T, std::size_t count>
+const char* name_of(T value, const Choice<T> (&choices)[count]) {
+  for (const Choice<T>& c : choices)
+    if (value == c.value) return c.name;
+  return "";
+}
+
+}  // namespace frictioncg

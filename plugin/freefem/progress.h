@@ -1,0 +1,70 @@
+#pragma once
+#include "freefem.h"
+
+#include <array>
+#include <chrono>
+#include <iostream>
+#include <vector>
+
+#include "../core/clock.h"
+#include "parameters.h"
+
+namespace frictioncg {
+
+constexpr const char* step_names[step_labels] = {
+    "conjugate", "restart", "stick frozen", "contact hit", "release", "sweep", "Newton"};
+
+/// Hears of the iterations: keeps the history, and shows that a long run lives.
+///   verb 1: a line every five seconds; from 2 on the first iteration, then a line every second
+/// Its own cost is not counted.
+class Progress final : public Observer {
+ public:
+  Progress(const ContactProblem& problem, long verb, bool keep_history)
+      : problem_(problem), verb_(verb), keep_history_(keep_history) {}
+
+  void iterate(Index iteration, StepLabel label, const Vector& x) override {
+    const double now = cpu_seconds();
+    const bool speaks = is_time_to_speak();
+    if (keep_history_ || speaks) {
+      const double residual = certify(problem_, x).residual;
+      if (keep_history_)
+        rows_.push_back({now - start_, double(iteration), residual, double(label)});
+      if (speaks) say(iteration, label, residual);
+    }
+    start_ += cpu_seconds() - now;
+  }
+
+  /// Rows (CPU seconds, iteration, certificate, label of the step).
+  void write_history(KNM<double>* out) const {
+    out->resize(static_cast<long>(rows_.size()), 4);
+    for (std::size_t k = 0; k < rows_.size(); ++k)
+      for (int c = 0; c < 4; ++c) (*out)(static_cast<int>(k), c) = rows_[k][c];
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static double since(Clock::time_point t) {
+    return std::chrono::duration<double>(Clock::now() - t).count();
+  }
+  bool is_time_to_speak() const {
+    if (verb_ < 1) return false;
+    if (verb_ == 1) return since(spoken_) >= 5;
+    return first_ || since(spoken_) >= 1;
+  }
+  void say(Index iteration, StepLabel label, double residual) {
+    first_ = false;
+    spoken_ = Clock::now();
+    std::cout << " -- " << operator_name << ": iteration " << iteration << " ("
+              << step_names[static_cast<int>(label)] << "), certificate " << residual << ", "
+              << since(begun_) << " s" << std::endl;
+  }
+
+  const ContactProblem& problem_;
+  long verb_;
+  bool keep_history_, first_ = true;
+  double start_ = cpu_seconds();
+  Clock::time_point begun_ = Clock::now(), spoken_ = begun_;
+  std::vector<std::array<double, 4>> rows_;
+};
+
+}  // namespace frictioncg

@@ -1,0 +1,214 @@
+#pragma once
+#include "freefem.h"
+
+#include <iostream>
+#include <string>
+
+#include "options.h"
+#include "progress.h"
+#include "scene.h"
+
+namespace frictioncg {
+
+/// One line of the report.
+inline std::ostream& line() { return std::cout << " -- " << operator_name << ": "; }
+
+inline const char* name_of(Status status) {
+  switch (status) {
+    case Status::converged:
+      return "converged";
+    case Status::max_iterations:
+      return "max_iterations";
+    case Status::stagnated:
+      return "stagnated";
+    case Status::no_equilibrium:
+      return "no_equilibrium";
+    case Status::not_positive_definite:
+      return "not_positive_definite";
+    case Status::fixed_point_diverged:
+      return "fixed_point_diverged";
+    case Status::regularized:
+      return "regularized";
+  }
+  return "unknown";
+}
+
+/// What to do about a call that did not converge. Only no_equilibrium blames the load.
+inline std::string remedy(const Solution& solution, const Settings& s) {
+  const Status status = solution.status;
+  const Certificate& c = solution.certificate;
+  if (smooths_friction(s) && s.step != Step::exact && status != Status::no_equilibrium)
+    return std::string("step=\"") + name_of(s.step, steps) +
+           "\" may be what keeps it from converging; leave step out, or raise nbiter";
+  switch (status) {
+    case Status::converged:
+      break;
+    case Status::max_iterations:
+      return smooths_friction(s) ? "raise nbiter, or try omega=1.5" : "raise nbiter";
+    case Status::stagnated:
+      if (c.residual <= 10 * c.attainable) return "rounding leaves no less of it; raise tol";
+      return "the method came to a standstill above tol; raise tol, or name another method";
+    case Status::no_equilibrium:
+      return "contact, friction and supports cannot hold this load";
+    case Status::not_positive_definite:
+      return "A must be positive semi-definite; check its coefficients";
+    case Status::fixed_point_diverged:
+      return by_condensation(s) ? "mu is large for this scene; apply the load in increments"
+                                : "mu is large for this method; leave method out, or apply the "
+                                  "load in increments";
+    case Status::regularized:
+      return "regeps limits the accuracy; lower it, leave it out, or raise tol";
+  }
+  return "";
+}
+
+inline const char* name_of(Law law) {
+  switch (law) {
+    case Law::frictionless:
+      return "no friction";
+    case Law::tresca:
+      return "given sliding limit";
+    case Law::coulomb:
+      return "Coulomb friction";
+  }
+  return "";
+}
+
+/// What a scene can do without.
+inline void report_left_out(const Arguments& args, const Scene& scene, const Plan& plan) {
+  std::cout << "; left out:";
+  const char* separator = " ";
+  const auto left_out = [&](bool absent, const char* what) {
+    if (!absent) return;
+    std::cout << separator << what;
+    separator = ", ";
+  };
+  left_out(!scene.system->rotated(), "rotation");
+  left_out(!plan.fixed_point, "fixed point");
+  left_out(plan.tangents == 0, "tangential laws");
+  left_out(!plan.regularization, "regularization");
+  left_out(!args.has(p_uold), "previous state");
+  left_out(!args.has(p_history), "history");
+}
+
+/// Mesh nodes with several normals.
+inline Index nodes_in_corners(const Scene& scene) {
+  Index count = 0;
+  for (Index k = 0; k < scene.system->nodes(); ++k)
+    count += scene.system->node(k).shared && scene.starts_node(k);
+  return count;
+}
+
+/// A warning for nodes with more normals than they can obey, such as the tip of a pyramid.
+inline void warn_of_averages(const Scene& scene) {
+  if (scene.given_normals) return;
+  for (const BoundaryNode& n : scene.nodes) {
+    if (!n.averaged) continue;
+    line() << "warning: the normals at " << place(n, scene.d)
+           << " cannot all be obeyed; their mean stands for them" << std::endl;
+    return;
+  }
+}
+
+/// What the scene needs, and what it does not.
+inline void report_plan(const Arguments& args, const Scene& scene, const ContactProblem& problem,
+                        const Settings& s) {
+  const Plan plan = make_plan(problem, s);
+  line() << scene.d << "D, " << plan.dofs << " dofs, " << plan.nodes << " contact nodes, "
+         << name_of(plan.law);
+  if (problem.increment.bilateral) std::cout << ", bilateral";
+  if (scene.system->rotated()) std::cout << ", frames rotated";
+  if (const Index corners = nodes_in_corners(scene))
+    std::cout << ", " << corners << (corners == 1 ? " node" : " nodes") << " in a corner";
+  if (plan.nodes == 0)
+    std::cout << "; Dirichlet conditions hold every normal displacement: a plain linear solve";
+  std::cout << "; " << name_of(s.method, methods);
+  if (plan.regularization) std::cout << ", " << name_of(s.reg, regularizations);
+  report_left_out(args, scene, plan);
+  std::cout << std::endl;
+}
+
+inline const char* name_of(Layer layer) {
+  switch (layer) {
+    case Layer::none:
+      return "nothing to solve";
+    case Layer::linear:
+      return "a linear solve";
+    case Layer::newton:
+      return "Newton on the condensed laws";
+    case Layer::continuation:
+      return "Newton on the condensed laws, mu raised step by step";
+    case Layer::proximal:
+      return "Newton on the condensed laws, with springs that vanish";
+    case Layer::fixed_point:
+      return "the regularized conjugate gradient on the condensed system";
+    case Layer::gcx:
+      return "GCX on A";
+    case Layer::gc:
+      return "the regularized conjugate gradient on A";
+    case Layer::sorp:
+      return "SORP on A";
+  }
+  return "unknown";
+}
+
+/// A motion of the local dofs in words.
+inline std::string describe(const Scene& scene, const Vector& motion) {
+  return describe_motion(scene.places(), scene.d,
+                         scene.system->to_global(motion, Vector::Zero(scene.ndof)));
+}
+
+/// The motions that a call leaves open: one that nothing holds, or some that nothing determines.
+inline void report_motions(const Scene& scene, const Solution& solution) {
+  if (solution.unheld_motion.size() > 0)
+    line() << "nothing holds " << describe(scene, solution.unheld_motion) << std::endl;
+  for (Index k = 0; k < solution.undetermined.cols(); ++k)
+    line() << "nothing determines " << describe(scene, solution.undetermined.col(k))
+           << "; the field has the least of it" << std::endl;
+}
+
+/// How a call ended, and which layer answered: a fallback shows here.
+inline void report_end(const Solution& solution) {
+  line() << name_of(solution.status) << " by " << name_of(solution.layer) << ", residual "
+         << solution.certificate.residual << ", " << solution.iterations << " iterations";
+  if (solution.passes > 0) std::cout << " in " << solution.passes << " passes of the fixed point";
+  if (solution.eps > 0) std::cout << ", regeps " << solution.eps;
+  std::cout << std::endl;
+}
+
+/// Phases and counters, for verb 3.
+inline void report_phases(const Scene& scene, const Solution& solution) {
+  const Times& t = solution.times;
+  line() << "CPU seconds: copy " << scene.copy_seconds << ", order " << t.order << ", factor "
+         << t.factor << ", condense " << t.condense << ", contact " << t.contact
+         << ", back-substitution " << t.back_substitution << ", certificate " << t.certificate
+         << std::endl;
+  if (solution.steps.total() > 0) {
+    line() << "steps:";
+    for (int k = 0; k < step_labels; ++k)
+      if (solution.steps.count[k] > 0)
+        std::cout << " " << solution.steps.count[k] << " " << step_names[k];
+    std::cout << std::endl;
+  }
+  Index count[4] = {0, 0, 0, 0};
+  for (NodeState s : solution.state) ++count[static_cast<Index>(s)];
+  const Certificate& c = solution.certificate;
+  line() << count[1] << " nodes separated, " << count[2] << " in slip, " << count[3]
+         << " in stick; residual of equilibrium " << c.equilibrium << ", of contact " << c.normal
+         << ", of friction " << c.friction << std::endl;
+}
+
+/// The error of a call that did not converge and whose script does not ask for the status.
+[[noreturn]] inline void refuse_unconverged(const Scene& scene, const Solution& solution,
+                                            const Settings& s) {
+  std::ostringstream m;
+  m << "not converged (" << name_of(solution.status) << ") after " << solution.iterations
+    << " iterations: residual " << solution.certificate.residual << ", tol " << s.tol << "; "
+    << remedy(solution, s);
+  if (solution.unheld_motion.size() > 0)
+    m << ", which nothing holds against " << describe(scene, solution.unheld_motion);
+  m << "; pass status=... to get the field all the same";
+  throw IllegalInput(m.str());
+}
+
+}  // namespace frictioncg

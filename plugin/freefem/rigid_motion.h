@@ -1,0 +1,104 @@
+#pragma once
+#include <Eigen/Dense>
+
+#include <array>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "../core/types.h"
+
+namespace frictioncg {
+
+/// A node of the mesh: where it lies, and the dofs of the d components of its displacement.
+struct NodePlace {
+  std::array<Real, 3> x{{0, 0, 0}};
+  std::array<Index, 3> dof{{-1, -1, -1}};
+};
+
+/// The rigid motion u(x) = a + w x (x - c) nearest to a displacement, c the mean of the nodes; in
+/// 2D only w_z differs from 0.
+struct RigidMotion {
+  Eigen::Vector3d a = Eigen::Vector3d::Zero(), w = Eigen::Vector3d::Zero();
+  Eigen::Vector3d c = Eigen::Vector3d::Zero();
+  Real extent = 0;  ///< largest distance of a node from c
+  Real misfit = 0;  ///< largest deviation of the displacement, over its largest value
+};
+
+/// u at a node; components beyond d are 0.
+inline Eigen::Vector3d displacement_at(const NodePlace& n, int d, const Vector& u) {
+  Eigen::Vector3d at = Eigen::Vector3d::Zero();
+  for (int k = 0; k < d; ++k) at[k] = u[n.dof[k]];
+  return at;
+}
+
+/// Least squares over the nodes: the rotation balances sum (x - c) x u against the inertia of the
+/// nodes; about a line on which they all lie there is none.
+inline RigidMotion nearest_rigid_motion(const std::vector<NodePlace>& nodes, int d,
+                                        const Vector& u) {
+  RigidMotion motion;
+  if (nodes.empty()) return motion;
+  const auto x = [](const NodePlace& n) { return Eigen::Map<const Eigen::Vector3d>(n.x.data()); };
+  for (const NodePlace& n : nodes) {
+    motion.c += x(n) / static_cast<Real>(nodes.size());
+    motion.a += displacement_at(n, d, u) / static_cast<Real>(nodes.size());
+  }
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+  for (const NodePlace& n : nodes) {
+    const Eigen::Vector3d arm = x(n) - motion.c;
+    motion.extent = std::max(motion.extent, arm.norm());
+    inertia += arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose();
+    moment += arm.cross(displacement_at(n, d, u));
+  }
+  motion.w = inertia.completeOrthogonalDecomposition().solve(moment);
+  Real most = 0;
+  for (const NodePlace& n : nodes) {
+    const Eigen::Vector3d v = displacement_at(n, d, u);
+    most = std::max(most, v.norm());
+    motion.misfit =
+        std::max(motion.misfit, (v - motion.a - motion.w.cross(x(n) - motion.c)).norm());
+  }
+  if (most > 0) motion.misfit /= most;
+  return motion;
+}
+
+/// (1, 0, -0.5), of d components, with what is below the rounding of a motion shown as 0.
+inline std::string components_of(const Eigen::Vector3d& v, int d, Real unit) {
+  std::ostringstream s;
+  s.precision(4);
+  for (int k = 0; k < d; ++k) s << (k ? ", " : "(") << (std::abs(v[k]) < 1e-6 * unit ? 0 : v[k]);
+  s << ")";
+  return s.str();
+}
+
+/// The motion in words: a translation along a direction, or a rotation about a point (2D) or an
+/// axis (3D), or, where a part of the body moves, the node that moves most.
+inline std::string describe_motion(const std::vector<NodePlace>& nodes, int d, const Vector& u) {
+  constexpr Real rigid = 1e-3, still = 1e-6;
+  const RigidMotion m = nearest_rigid_motion(nodes, d, u);
+  if (m.misfit > rigid) {
+    const NodePlace* most = &nodes.front();
+    for (const NodePlace& n : nodes)
+      if (displacement_at(n, d, u).norm() > displacement_at(*most, d, u).norm()) most = &n;
+    const Eigen::Vector3d x(most->x[0], most->x[1], most->x[2]);
+    return "a motion of a part of the body, most at " + components_of(x, d, 1e-6 + x.norm()) +
+           ", along " + components_of(displacement_at(*most, d, u).normalized(), d, 1);
+  }
+  const Real turn = m.w.norm();
+  if (turn * m.extent <= still * m.a.norm())
+    return m.a.norm() > 0 ? "a translation along " + components_of(m.a.normalized(), d, 1)
+                          : "no motion";
+  const Eigen::Vector3d axis = m.w / turn;
+  const Eigen::Vector3d centre = m.c + m.w.cross(m.a) / (turn * turn);
+  const std::string about = components_of(centre, d, m.extent + centre.norm());
+  if (d == 2)
+    return std::string("a rotation, ") + (m.w[2] > 0 ? "counter-clockwise" : "clockwise") +
+           ", about " + about;
+  std::string text = "a rotation about the axis " + components_of(axis, d, 1) + " through " + about;
+  const Real along = m.a.dot(axis);
+  if (std::abs(along) > still * turn * m.extent) text += ", with a translation along it";
+  return text;
+}
+
+}  // namespace frictioncg

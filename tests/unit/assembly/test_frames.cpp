@@ -1,0 +1,213 @@
+#include <gtest/gtest.h>
+
+#include "core/assembly/transform.h"
+#include "core/solver.h"
+#include "unit/scene.h"
+
+using namespace frictioncg;
+using namespace frictioncg::test;
+
+namespace {
+
+/// Turns the lowest corner of a block into a corner of two obstacles: a wall beside the floor.
+/// tilt: angle between the wall's normal and the direction -x.
+Scene with_wall(const BlockOptions& o, Real tilt = 0) {
+  Scene s = block(o);
+  const Index m = o.cells + 1, rows = o.d == 2 ? 1 : m;
+  const std::size_t floor = s.points.size();
+  for (Index z = 0; z < m; ++z)
+    for (Index y = 0; y < rows; ++y) {
+      ContactPoint p;
+      const Index node = o.d == 2 ? m * z : m * (y + m * z);  // x = 0
+      for (int c = 0; c < o.d; ++c) p.dof[c] = o.d * node + c;
+      p.normal[0] = -std::cos(tilt);
+      p.normal[o.d - 1] = -std::sin(tilt);
+      p.friction = s.points.front().friction;
+      s.points.push_back(p);
+    }
+  const Index all = Index(s.points.size());
+  s.gap = Vector::Zero(all);
+  s.friction = Vector::Constant(all, o.mu);
+  EXPECT_GT(s.points.size(), floor);
+  return s;
+}
+
+Eigen::MatrixXd dense(const Scene& s) {
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(s.n, s.n);
+  for (std::size_t k = 0; k < s.a.size(); ++k) A(s.i[k], s.j[k]) += s.a[k];
+  return A;
+}
+
+/// W T = [I, 0] and T [W; data] = I: w are coordinates of the free displacements.
+void expect_inverse(const Scene& s) {
+  const LocalSystem local(s.triplets(), s.d, s.points);
+  const Eigen::MatrixXd T = local.basis().T, W = local.basis().W;
+  const Index w = local.basis().local_dofs();
+  EXPECT_LT((W * T.leftCols(w) - Eigen::MatrixXd::Identity(w, w)).norm(), 1e-13 * w);
+  EXPECT_LT((W * T.rightCols(T.cols() - w)).norm(), 1e-13 * w);
+}
+
+}  // namespace
+
+TEST(Frames, TheBasisAndItsInverseAreInverseToEachOther) {
+  for (int d : {2, 3})
+    for (bool clamped : {false, true})
+      for (Real tilt : {0.0, 0.7}) {
+        BlockOptions o;
+        o.d = d;
+        o.cells = 3;
+        o.clamp_side = clamped;
+        o.angle = clamped ? 0 : 0.4;
+        expect_inverse(block(o));
+        o.angle = 0;
+        Scene s = with_wall(o, tilt);
+        if (clamped && d == 3)  // an oblique normal on nodes that are held in part
+          for (ContactPoint& p : s.points)
+            if (p.normal[2] == -1) p.normal = {0.36, 0.48, -0.8};
+        if (!clamped || d == 3) expect_inverse(s);
+      }
+}
+
+TEST(Frames, TheMatrixOfACornerIsTransformedAsDenseAlgebraSays) {
+  for (int d : {2, 3})
+    for (bool half : {false, true}) {
+      BlockOptions o;
+      o.d = d;
+      o.cells = 2;
+      o.clamp_side = true;
+      Scene s = with_wall(o, 0.5);
+      for (ContactPoint& p : s.points)
+        if (p.normal[d - 1] == -1) p.normal[0] = 0.6, p.normal[d - 1] = -0.8;
+      const Eigen::MatrixXd A = dense(s);
+      if (half) {
+        Scene lower = s;
+        lower.i.clear(), lower.j.clear(), lower.a.clear();
+        for (std::size_t k = 0; k < s.a.size(); ++k)
+          if (s.i[k] >= s.j[k]) {
+            lower.i.push_back(s.i[k]);
+            lower.j.push_back(s.j[k]);
+            lower.a.push_back(s.a[k]);
+          }
+        s.i = lower.i, s.j = lower.j, s.a = lower.a;
+      }
+      Triplets t = s.triplets();
+      t.half = half;
+      const LocalSystem local(t, d, s.points);
+      const Eigen::MatrixXd T = local.basis().T;
+      const Index w = local.basis().local_dofs();
+      Eigen::MatrixXd free = A;
+      for (Index i = 0; i < s.n; ++i)
+        if (A(i, i) > 1e20) free.row(i).setZero();
+      const Eigen::MatrixXd all = T.transpose() * free * T;
+      const Eigen::MatrixXd got = local.system()->A;
+      EXPECT_LT((got - all.topLeftCorner(w, w)).norm(), 1e-13 * got.norm()) << d << half;
+      // prescribed displacements load the body through K = T_w'A T_D
+      const Vector data = Vector::Random(local.fixed_dofs());
+      Vector b = Vector::Zero(s.n);
+      for (Index i = 0, k = 0; i < s.n; ++i)
+        if (A(i, i) > 1e20) b[i] = 1e30 * data[k++];
+      const Vector F = local.increment(b, {}, s.laws()).increment.F;
+      EXPECT_LT((F + all.topRightCorner(w, data.size()) * data).norm(), 1e-12 * F.norm());
+    }
+}
+
+TEST(Frames, ACornerBetweenTwoObstaclesPenetratesNeitherWhateverTheirOrder) {
+  for (int d : {2, 3})
+    for (Real tilt : {0.0, 0.5}) {  // a right angle, and a groove
+      BlockOptions o;
+      o.d = d;
+      o.cells = d == 2 ? 6 : 3;
+      o.mu = 0;
+      o.law = Law::frictionless;
+      o.shear = -6;  // towards the wall
+      Scene s = with_wall(o, tilt);
+      Vector first;
+      for (int order = 0; order < 2; ++order) {
+        const Posed posed = s.system();
+        const Solution a = solve(posed.problem(), Settings());
+        ASSERT_EQ(a.status, Status::converged) << d << tilt;
+        const Vector u = posed.to_global(a.x), f = posed.force_to_global(a.certificate.r);
+        Vector total = Vector::Zero(3);
+        for (const ContactPoint& p : s.points) {
+          Real u_N = 0;
+          for (int c = 0; c < d; ++c) u_N += p.normal[c] * u[p.dof[c]];
+          EXPECT_LT(u_N, 1e-12 * u.cwiseAbs().maxCoeff());
+        }
+        for (Index i = 0; i < s.n; ++i) total[i % d] += f[i] + s.b[i];
+        EXPECT_LT(total.norm(), 1e-10 * s.b.norm());
+        if (order == 0) first = f;  // in 3D a rigid motion along the wall stays free
+        EXPECT_LT((f - first).norm(), 1e-9 * f.norm());
+        std::reverse(s.points.begin(), s.points.end());
+      }
+    }
+}
+
+TEST(Frames, EachNormalOfACornerHasItsOwnGapAndNoFriction) {
+  BlockOptions o;
+  o.mu = 0.3;
+  o.shear = -6;
+  Scene s = with_wall(o);
+  for (std::size_t p = 0; p < s.points.size(); ++p)
+    s.gap[Index(p)] = s.points[p].normal[1] == -1 ? 1e-4 : 3e-4;
+  const Posed posed = s.system();
+  const Solution a = solve(posed.problem(), Settings());
+  ASSERT_EQ(a.status, Status::converged);
+  const Vector u = posed.to_global(a.x);
+  EXPECT_NEAR(u[0], -3e-4, 1e-15);  // the corner is the first node
+  EXPECT_NEAR(u[1], -1e-4, 1e-15);
+  int shared = 0;
+  for (Index k = 0; k < posed.nodes(); ++k)
+    if (posed.local().node(k).shared) {
+      ++shared;
+      EXPECT_EQ(posed.problem().tangents(k), 0);
+      EXPECT_EQ(posed.problem().increment.mu[k], 0);
+    }
+  EXPECT_EQ(shared, 2);
+}
+
+TEST(Frames, DependentNormalsAtANodeAreRefused) {
+  Scene s = block(BlockOptions());
+  s.points.push_back(s.points.front());
+  s.points.back().normal = {0, 1, 0};
+  EXPECT_THROW(LocalSystem(s.triplets(), 2, s.points), IllegalInput);
+}
+
+TEST(Frames, TheObstaclesForceStaysOnItsNormalWhereASupportHoldsAComponent) {
+  BlockOptions o;
+  o.law = Law::frictionless;
+  o.clamp_side = true;
+  o.shear = 0;
+  Scene s = block(o);
+  for (ContactPoint& p : s.points) p.normal = {0.6, -0.8, 0};
+  const Posed posed = s.system();
+  const Solution a = solve(posed.problem(), Settings());
+  const Vector f = posed.force_to_global(a.certificate.r);
+  Real pressing = 0;
+  for (const ContactPoint& p : s.points) {
+    EXPECT_NEAR(0.8 * f[p.dof[0]] + 0.6 * f[p.dof[1]], 0, 1e-12);
+    pressing += f[p.dof[1]];
+  }
+  EXPECT_GT(pressing, 1);
+}
+
+TEST(Dirichlet, AContactNodeOnSpringsIsNoSupport) {
+  // two nodes that nothing couples, on springs; and a row that only a Dirichlet condition explains
+  Scene s;
+  s.d = 2;
+  s.n = 6;
+  for (Index k = 0; k < 6; ++k) {
+    s.i.push_back(k);
+    s.j.push_back(k);
+    s.a.push_back(k < 4 ? 100.0 : 1e30);
+  }
+  s.i.insert(s.i.end(), {0, 1});
+  s.j.insert(s.j.end(), {1, 0});
+  s.a.insert(s.a.end(), {10.0, 10.0});
+  ContactPoint p;
+  p.dof = {2, 3, -1};
+  p.normal = {0, -1, 0};
+  s.points.push_back(p);
+  const LocalSystem local(s.triplets(), 2, s.points);
+  EXPECT_EQ(local.nodes(), 1);
+  EXPECT_EQ(local.fixed_dofs(), 2);
+}

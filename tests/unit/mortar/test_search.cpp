@@ -1,0 +1,108 @@
+#include <gtest/gtest.h>
+
+#include "core/assembly/mortar/search.h"
+#include "surfaces.h"
+
+using namespace frictioncg;
+using namespace frictioncg::mortar;
+using namespace frictioncg::mortar::test;
+
+namespace {
+
+/// Steps of the search per slave facet, for surfaces of about `cells` facets each way.
+Real steps_per_facet(int d, int cells, Real height) {
+  Surfaces s(d);
+  const auto wave = [&](Real lift) {
+    return [=](const Vec3& x) {
+      Vec3 y = x;
+      y[d - 1] = lift + 0.05 * std::sin(6 * x[0]) * std::cos(4 * x[1] * (d == 3));
+      return y;
+    };
+  };
+  s.pairs[0].master = s.sheet(cells, 1, wave(0), 1);
+  s.pairs[0].slave = s.sheet(cells + cells / 3, -1, wave(height), 2);
+  const Mortar mortar = s.mortar();
+  return Real(mortar.statistics().visited) / Real(s.pairs[0].slave.facets.size());
+}
+
+}  // namespace
+
+TEST(MortarSearch, StepsPerFacetGrowLikeTheLogarithm) {
+  for (Real height : {0.0, 0.3}) {
+    const Real few = steps_per_facet(2, 100, height), many = steps_per_facet(2, 10000, height);
+    EXPECT_LT(many - few, 3 * std::log2(100.0));
+    const Real few3 = steps_per_facet(3, 7, height), many3 = steps_per_facet(3, 70, height);
+    EXPECT_LT(many3 - few3, 12 * std::log2(100.0));  // 9800 facets, of which those above are near
+    EXPECT_LT(many3, 200);
+  }
+}
+
+TEST(MortarSearch, FindsWhatAComparisonOfAllPairsFinds) {
+  for (int d : {2, 3}) {
+    Surfaces s(d);
+    const auto bulge = [&](const Vec3& x) {
+      Vec3 y = x;
+      y[d - 1] += 0.8 * x[0] * (1 - x[0]);
+      return y;
+    };
+    const Surface upper = s.sheet(5, -1, bulge, 2), lower = s.sheet(7, 1, bulge, 1);
+    std::vector<Plane> planes, slaves;
+    for (const Facet& f : lower.facets) planes.push_back(plane_of(d, f, s.nodes.X));
+    for (const Facet& f : upper.facets) slaves.push_back(plane_of(d, f, s.nodes.X));
+    const FacetTree tree(d, lower.facets, planes, s.nodes.X);
+    std::vector<Index> found;
+    for (const Plane& base : slaves) {
+      tree.find({base, -1, 1, true}, found);
+      for (std::size_t m = 0; m < planes.size(); ++m) {
+        Eigen::Matrix2Xd xi(2, d);
+        for (int v = 0; v < d; ++v)
+          xi.col(v) = base.B * (s.nodes.X[lower.facets[m].node[v]] - base.origin);
+        const Vec2 middle = xi.rowwise().mean();
+        if (middle.minCoeff() < 0 || middle.sum() > 1) continue;  // surely overlaps the slave facet
+        EXPECT_EQ(std::count(found.begin(), found.end(), Index(m)), 1);
+      }
+    }
+    EXPECT_NEAR(tree.nearest(s.nodes.X[0] - 3 * Vec3::Unit(d - 1)), 3, 0.2);
+  }
+}
+
+TEST(MortarSearch, TheNearestOfSeveralSurfacesIsThePartner) {
+  // three sheets below the slave, of other meshes; the middle one reaches half way
+  for (int d : {2, 3}) {
+    Surfaces s(d);
+    const auto lift = [d](Real z, Real reach) {
+      return [=](const Vec3& x) {
+        Vec3 y = x;
+        y[0] *= reach;
+        y[d - 1] = z;
+        return y;
+      };
+    };
+    s.pairs[0].master = s.sheet(5, 1, lift(0, 1), 1);
+    const Index near = static_cast<Index>(s.nodes.X.size());
+    for (const Facet& f : s.sheet(4, 1, lift(0.3, 0.5), 1).facets)
+      s.pairs[0].master.facets.push_back(f);
+    const Index away = static_cast<Index>(s.nodes.X.size());
+    for (const Facet& f : s.sheet(3, -1, lift(0.4, 1), 1).facets)  // faces the other way
+      s.pairs[0].master.facets.push_back(f);
+    s.pairs[0].slave = s.sheet(8, -1, lift(1, 1), 2);
+    const Mortar mortar = s.mortar();
+    EXPECT_EQ(mortar.statistics().partly_covered, 0);
+    for (const ContactNode& node : mortar.nodes()) {
+      const Real x = s.nodes.X[node.node][0];
+      if (x > 0.37 && x < 0.63) continue;
+      EXPECT_NEAR(node.gap, x < 0.5 ? 0.7 : 1, 1e-14);
+    }
+    Real on_near = 0, on_far = 0;
+    const Vector weights = [&] {
+      Vector D(mortar.nodes().size());
+      for (std::size_t k = 0; k < mortar.nodes().size(); ++k)
+        D[Index(k)] = mortar.nodes()[k].weight;
+      return Vector(mortar.relative().transpose() * D);
+    }();
+    for (Index i = 0; i < near; ++i) on_far -= weights[i];
+    for (Index i = near; i < away; ++i) on_near -= weights[i];
+    EXPECT_NEAR(on_near, 0.5, 1e-13);
+    EXPECT_NEAR(on_far, 0.5, 1e-13);
+  }
+}

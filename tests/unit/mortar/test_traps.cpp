@@ -1,0 +1,160 @@
+#include <gtest/gtest.h>
+
+#include "core/assembly/mortar/topology.h"
+#include "surfaces.h"
+
+using namespace frictioncg;
+using namespace frictioncg::mortar;
+using namespace frictioncg::mortar::test;
+
+namespace {
+
+Vec3 same(const Vec3& x) { return x; }
+
+std::function<Vec3(const Vec3&)> lifted(int d, Real z) {
+  return [d, z](const Vec3& x) { return Vec3(x + z * Vec3::Unit(d - 1)); };
+}
+
+/// Slave (label 2) at height z above a master (label 1).
+Surfaces above(int d, Real z) {
+  Surfaces s(d);
+  s.pairs[0].master = s.sheet(3, 1, same, 1);
+  s.pairs[0].slave = s.sheet(4, -1, lifted(d, z), 2);
+  return s;
+}
+
+std::string refusal(const Surfaces& s) {
+  try {
+    s.mortar();
+  } catch (const IllegalInput& e) {
+    return e.what();
+  }
+  return "";
+}
+
+bool names(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+}  // namespace
+
+TEST(MortarRefuses, ALabelOnBothSides) {
+  Surfaces s = above(2, 0);
+  s.pairs[0].slave.facets.push_back(s.pairs[0].master.facets[1]);
+  EXPECT_TRUE(names(refusal(s), "label 1 is on both sides")) << refusal(s);
+  Surfaces twice = above(3, 0);
+  twice.pairs.push_back(twice.pairs[0]);
+  EXPECT_TRUE(names(refusal(twice), "label 2 is slave twice")) << refusal(twice);
+}
+
+TEST(MortarRefuses, SurfacesWithNothingBetweenThemAndNamesTheDistance) {
+  for (int d : {2, 3}) {
+    Surfaces s = above(d, 0.5);
+    EXPECT_EQ(refusal(s), "");
+    s.options.maxgap = 0.2;
+    EXPECT_TRUE(names(refusal(s), "within maxgap = 0.2; the nearest opposite facet is 0.5 away"))
+        << refusal(s);
+    s.options.maxgap = 0.6;
+    EXPECT_EQ(refusal(s), "");
+    s.options.maxgap = 0;
+    EXPECT_TRUE(names(refusal(s), "maxgap = 0; it must be > 0")) << refusal(s);
+    s = above(d, 0.5);
+    for (Facet& f : s.pairs[0].slave.facets) f.outward *= -1;  // looks away
+    EXPECT_TRUE(names(refusal(s), "the surfaces are 0.5 apart")) << refusal(s);
+  }
+}
+
+TEST(MortarRefuses, NodesThatMergedMeshesShare) {
+  Surfaces s = above(2, 0.5);
+  s.pairs[0].slave.facets[0].node[0] = 0;  // the master's first node
+  s.options.element_groups = [](Index node) { return node == 0 ? 2 : 1; };
+  EXPECT_TRUE(names(refusal(s), "share the node at (0, 0), where 2 bodies meet")) << refusal(s);
+  s.options.element_groups = [](Index) { return 1; };
+  EXPECT_EQ(refusal(s), "");
+}
+
+TEST(MortarRefuses, ASlaveHeldByDirichletConditionsEverywhere) {
+  Surfaces s = above(3, 0);
+  s.nodes.held.assign(s.nodes.X.size(), 0);
+  for (const Facet& f : s.pairs[0].slave.facets)
+    for (int v = 0; v < 3; ++v) s.nodes.held[f.node[v]] = 4;  // z
+  EXPECT_TRUE(names(refusal(s), "hold the normal of every slave node (label 2); swap"))
+      << refusal(s);
+  for (unsigned char& bits : s.nodes.held) bits &= 3;  // x and y hold no normal
+  EXPECT_EQ(refusal(s), "");
+}
+
+TEST(MortarRefuses, AnOverlapDeeperThanAFacet) {
+  for (int d : {2, 3}) {
+    EXPECT_EQ(refusal(above(d, -0.3)), "");
+    const std::string text = refusal(above(d, -0.9));
+    EXPECT_TRUE(names(text, "slave and master overlap by 0.9 at")) << text;
+    EXPECT_TRUE(names(text, "give maxgap below 0.9")) << text;
+  }
+}
+
+TEST(MortarRefuses, FacetsWithoutExtent) {
+  Surfaces s = above(2, 0);
+  s.nodes.X[1] = s.nodes.X[0];
+  EXPECT_TRUE(names(refusal(s), "a facet of label 1 at (0, 0, 0) has no extent")) << refusal(s);
+}
+
+TEST(MortarTraps, TheFarSideOfAPlateIsNoOverlap) {
+  // the whole boundary of a thick plate is master: its bottom faces what looks up above it
+  Surfaces s = above(2, 0.1);
+  for (const Facet& f : s.sheet(5, -1, lifted(2, -2), 1).facets)
+    s.pairs[0].master.facets.push_back(f);
+  for (const Facet& f : s.sheet(5, 1, lifted(2, 1), 3).facets)
+    s.pairs[0].slave.facets.push_back(f);  // the top of the body above
+  s.pairs[0].slave.labels = {2, 3};
+  const Mortar mortar = s.mortar();
+  for (const ContactNode& node : mortar.nodes()) EXPECT_NEAR(node.gap, 0.1, 1e-15);
+  EXPECT_EQ(mortar.statistics().facing, 5);
+}
+
+TEST(MortarTraps, AMasterThatIsMerelyBehindIsLeftOutByMaxgap) {
+  Surfaces s = above(2, -0.9);
+  s.options.maxgap = 0.5;
+  EXPECT_TRUE(names(refusal(s), "within maxgap = 0.5")) << refusal(s);
+}
+
+TEST(MortarTraps, AHeldNormalRemovesTheNodeAndALittleIsProjected) {
+  for (const Real tilt : {0.0, 0.015, 0.1}) {
+    Surfaces s(2);
+    const auto tilted = [&](const Vec3& x) { return Vec3(x[0], tilt * x[0], 0); };
+    s.pairs[0].master = s.sheet(3, 1, tilted, 1);
+    s.pairs[0].slave = s.sheet(4, -1, tilted, 2);
+    const Index last = static_cast<Index>(s.nodes.X.size()) - 1;
+    s.nodes.held.assign(s.nodes.X.size(), 0);
+    s.nodes.held[last] = 1;  // x held, as on a plane of symmetry
+    const Mortar mortar = s.mortar();
+    EXPECT_EQ(mortar.statistics().removed, tilt > 0.02 ? 1 : 0);
+    for (const ContactNode& node : mortar.nodes()) {
+      const Vec3 free = Vec3(tilt, -1, 0).normalized();
+      const Vec3 expected = node.node == last ? Vec3(0, -1, 0) : free;
+      EXPECT_LT((node.normal - expected).norm(), 1e-15);
+    }
+  }
+}
+
+TEST(MortarTraps, LabelsThatMeetSmoothlyShareTheirNode) {
+  Surfaces one = above(2, 0), two = above(2, 0);
+  two.pairs[0].slave.labels = {5, 2};
+  for (int f : {0, 1}) two.pairs[0].slave.facets[f].label = 5;
+  const Mortar a = one.mortar(), b = two.mortar();
+  EXPECT_LT(Matrix(a.relative() - b.relative()).norm(), 1e-15);
+  EXPECT_EQ(b.nodes()[2].label, 5);  // the first listed
+  EXPECT_EQ(b.nodes()[3].label, 2);
+}
+
+TEST(MortarTraps, GroupsOfElementsAroundANode) {
+  // a fan of triangles, whole or cut by a crack at 0, and two fans that share the node alone
+  const std::vector<std::array<Index, 4>> cracked{{0, 1, 2, -1}, {0, 2, 3, -1}, {0, 3, 4, -1}};
+  EXPECT_EQ(facet_connected_groups(2, cracked), 1);
+  const std::vector<std::array<Index, 4>> merged{{0, 1, 2, -1}, {0, 2, 3, -1}, {0, 4, 5, -1}};
+  EXPECT_EQ(facet_connected_groups(2, merged), 2);
+  const std::vector<std::array<Index, 4>> by_an_edge{{0, 1, 2, 3}, {0, 1, 4, 5}};
+  EXPECT_EQ(facet_connected_groups(3, by_an_edge), 2);
+  const std::vector<std::array<Index, 4>> by_a_face{{0, 1, 2, 3}, {4, 2, 1, 0}};
+  EXPECT_EQ(facet_connected_groups(3, by_a_face), 1);
+}

@@ -1,0 +1,109 @@
+// Bodies held by contact and friction alone: what is called impossible must be so by statics, and
+// what statics holds must be solved. HELD_SCENES and HELD_SEED in the environment choose how many
+// random bodies, and which; LADDERS=all the whole grid of ladders.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <iostream>
+#include <map>
+
+#include "core/condensed/cholmod_elimination.h"
+#include "core/solver.h"
+#include "random_scene.h"
+#include "reference.h"
+#include "statics.h"
+#include "verifier.h"
+
+using namespace frictioncg;
+using namespace frictioncg::test;
+
+namespace {
+
+unsigned from_environment(const char* name, unsigned otherwise) {
+  const char* value = std::getenv(name);
+  return value ? static_cast<unsigned>(std::strtoul(value, nullptr, 10)) : otherwise;
+}
+
+/// A body, or several, that contact alone holds, if anything does.
+Recipe floating_recipe(unsigned seed) {
+  Recipe r = random_recipe(seed);
+  std::mt19937 random(seed + 77);
+  const auto uniform = [&] { return std::uniform_real_distribution<Real>(0, 1)(random); };
+  r.block.clamp_side = false;
+  r.block.law = Law::coulomb;
+  r.block.nu = std::min(r.block.nu, 0.45);
+  r.no_load = false;
+  r.orthotropic = false;
+  r.gaps = r.gaps && r.algebraic;
+  if (r.algebraic) {
+    r.rank_deficit = 1 + int((r.block.d == 2 ? 3 : 6) * uniform());
+    r.nodes = std::max(r.nodes, 1 + r.rank_deficit / r.block.d);
+  }
+  return r;
+}
+
+}  // namespace
+
+TEST(Held, EveryLadderGetsTheVerdictOfStatics) {
+  const double step = std::getenv("LADDERS") ? 0.1 : 0.2;
+  int stand = 0, fall = 0, unsure = 0;
+  for (double th = 40; th <= 75; th += 5)
+    for (double mu_floor = 0; mu_floor < 0.85; mu_floor += step)
+      for (double mu_wall = 0; mu_wall < 0.85; mu_wall += step) {
+        const Scene s = ladder(th, mu_floor, mu_wall);
+        const int truth = RigidStatics(s).verdict(1e-3);
+        const Posed posed = s.system();
+        const Solution a = solve(posed.problem(), Settings());
+        if (truth > 0) {
+          ++stand;
+          EXPECT_EQ(a.status, Status::converged) << th << " " << mu_floor << " " << mu_wall;
+        }
+        if (truth < 0) {
+          ++fall;
+          EXPECT_EQ(a.status, Status::no_equilibrium) << th << " " << mu_floor << " " << mu_wall;
+        }
+        unsure += truth == 0;
+        if (a.status != Status::converged) continue;
+        const Vector force = posed.force_to_global(a.certificate.r);
+        EXPECT_LT(verify(s, posed.to_global(a.x), force).worst(), 1e-6);
+      }
+  std::cout << "ladders: " << stand << " stand, " << fall << " fall, " << unsure
+            << " at the limit\n";
+}
+
+TEST(Held, RandomBodiesAreSolvedOrProvenToFall) {
+  const unsigned count = from_environment("HELD_SCENES", 300),
+                 seed = from_environment("HELD_SEED", 1);
+  std::map<int, std::map<Status, unsigned>> ends;
+  for (unsigned k = 0; k < count; ++k) {
+    const Recipe recipe = floating_recipe(seed + k);
+    const Scene s = make_scene(recipe);
+    const int truth = RigidStatics(s).verdict(1e-3);
+    const Posed posed = s.system();
+    const Solution a = solve(posed.problem(), Settings());
+    ++ends[truth][a.status];
+    EXPECT_FALSE(truth > 0 && a.status == Status::no_equilibrium) << recipe;
+    EXPECT_FALSE(truth < 0 && a.status == Status::converged) << recipe;
+    const bool bad =
+        truth > 0 ? a.status != Status::converged : truth < 0 && a.status != Status::no_equilibrium;
+    std::string none;
+    if (bad && truth > 0 && s.d == 2 && s.points.size() <= 6) {
+      const ContactProblem& p = posed.problem();
+      CholmodElimination elimination;
+      if (elimination.factor(*p.system, 1e9) == Elimination::Outcome::done &&
+          p.contact_dofs() == 2 * p.nodes())
+        none = any_combination_of_branches(elimination.S(), elimination.condense(p.increment.F),
+                                           p.increment.gap, p.increment.mu)
+                   ? "EXISTS "
+                   : "none exists ";
+    }
+    if (bad && std::getenv("HELD_VERBOSE"))
+      std::cout << none << truth << " " << int(a.status) << " res " << a.certificate.residual
+                << " it " << a.iterations << " " << recipe << "\n";
+  }
+  for (const auto& [truth, of] : ends) {
+    std::cout << (truth > 0 ? "held:" : truth < 0 ? "not held:" : "at the limit:");
+    for (const auto& [status, n] : of) std::cout << "  status " << int(status) << ": " << n;
+    std::cout << "\n";
+  }
+}

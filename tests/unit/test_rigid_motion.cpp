@@ -1,0 +1,78 @@
+#include <gtest/gtest.h>
+
+#include "freefem/rigid_motion.h"
+
+using namespace frictioncg;
+
+namespace {
+
+/// The nodes of a box, and the displacement a + w x x there.
+struct Body {
+  int d;
+  std::vector<NodePlace> nodes;
+  Vector u;
+
+  Body(int dimension, const Eigen::Vector3d& a, const Eigen::Vector3d& w) : d(dimension) {
+    Index dof = 0;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 4; ++j)
+        for (int k = 0; k < (d == 3 ? 2 : 1); ++k) {
+          NodePlace n;
+          n.x = {2.0 + i, 0.5 * j, 1.0 * k};
+          for (int c = 0; c < d; ++c) n.dof[c] = dof++;
+          nodes.push_back(n);
+        }
+    u.resize(dof);
+    for (const NodePlace& n : nodes) {
+      const Eigen::Vector3d v = a + w.cross(Eigen::Vector3d(n.x[0], n.x[1], n.x[2]));
+      for (int c = 0; c < d; ++c) u[n.dof[c]] = v[c];
+    }
+  }
+  std::string text() const { return describe_motion(nodes, d, u); }
+};
+
+}  // namespace
+
+TEST(RigidMotion, IsFoundFromTheDisplacementsThatItGives) {
+  const Eigen::Vector3d a(0.3, -1, 2), w(0.5, 0.1, -0.7);
+  const Body body(3, a, w);
+  const RigidMotion m = nearest_rigid_motion(body.nodes, 3, body.u);
+  EXPECT_LT((m.w - w).norm(), 1e-13);
+  EXPECT_LT((m.a - a - w.cross(m.c)).norm(), 1e-13);
+  EXPECT_LT(m.misfit, 1e-13);
+}
+
+TEST(RigidMotion, ATranslationIsNamedByItsDirection) {
+  EXPECT_EQ(Body(2, {3, 4, 0}, {0, 0, 0}).text(), "a translation along (0.6, 0.8)");
+  EXPECT_EQ(Body(3, {0, 0, -7}, {0, 0, 0}).text(), "a translation along (0, 0, -1)");
+}
+
+TEST(RigidMotion, ARotationIsNamedByItsCentreOrAxis) {
+  const Eigen::Vector3d centre(1, 2, 0), w(0, 0, -0.1);
+  EXPECT_EQ(Body(2, -w.cross(centre), w).text(), "a rotation, clockwise, about (1, 2)");
+  EXPECT_EQ(Body(2, w.cross(centre), -w).text(), "a rotation, counter-clockwise, about (1, 2)");
+  EXPECT_EQ(
+      Body(3, -w.cross(centre) + Eigen::Vector3d(0, 0, 1), w).text(),
+      "a rotation about the axis (0, 0, -1) through (1, 2, 0.5), with a translation along it");
+}
+
+TEST(RigidMotion, AMotionOfAPartIsNamedByTheNodeThatMovesMost) {
+  Body body(2, {0, 0, 0}, {0, 0, 0});
+  body.u[body.nodes[5].dof[1]] = -2;
+  EXPECT_EQ(body.text(), "a motion of a part of the body, most at (3, 0.5), along (0, -1)");
+}
+
+TEST(RigidMotion, NoNodesAndNoMotionAreNoMotion) {
+  EXPECT_EQ(describe_motion({}, 2, Vector()), "no motion");
+  EXPECT_EQ(Body(2, {0, 0, 0}, {0, 0, 0}).text(), "no motion");
+}
+
+TEST(RigidMotion, NodesOnALineInSpaceDoNotTurnAboutIt) {
+  std::vector<NodePlace> nodes(2);
+  nodes[0].dof = {0, 1, 2};
+  nodes[1].dof = {3, 4, 5};
+  nodes[1].x = {1, 0, 0};
+  Vector u = Vector::Zero(6);
+  u[4] = 1;  // turns about z at the first node
+  EXPECT_EQ(describe_motion(nodes, 3, u), "a rotation about the axis (0, 0, 1) through (0, 0, 0)");
+}
