@@ -5,7 +5,8 @@
 
 namespace frictioncg {
 
-/// What an iteration was: each has one label. Where several fit, the last of them counts.
+/// What an iteration was: each has one label. Where several fit, release counts first, then
+/// expansion, contact hit and stick frozen. The numbers are those of the script's history.
 enum class StepLabel {
   conjugate,     ///< along v = P r + gamma v, eq. (12)
   restart,       ///< along v = P r
@@ -13,9 +14,10 @@ enum class StepLabel {
   contact_hit,   ///< nodes that reached their gap are held there from here on
   release,       ///< held nodes are let go
   sweep,         ///< SORP: every dof once
-  newton         ///< semismooth Newton on the contact dofs
+  newton,        ///< semismooth Newton on the contact dofs
+  expansion      ///< contact hit, and further along the direction bent there
 };
-constexpr int step_labels = 7;
+constexpr int step_labels = 8;
 
 /// How many iterations carried which label.
 struct StepCounts {

@@ -11,8 +11,9 @@
 
 namespace frictioncg {
 
-constexpr const char* step_names[step_labels] = {
-    "conjugate", "restart", "stick frozen", "contact hit", "release", "sweep", "Newton"};
+constexpr const char* step_names[step_labels] = {"conjugate",   "restart",  "stick frozen",
+                                                 "contact hit", "release",  "sweep",
+                                                 "Newton",      "expansion"};
 
 /// Hears of the iterations: keeps the history, and shows that a long run lives.
 ///   verb 1: a line every five seconds; from 2 on the first iteration, then a line every second

@@ -9,16 +9,24 @@ ContactRows::ContactRows(const ContactProblem& problem)
       r_(Vector::Zero(problem.contact_dofs())),
       dx_C_(Vector::Zero(problem.contact_dofs())) {}
 
-void ContactRows::advance(Real rho, const Vector& v) {
+Real ContactRows::row_product(Index c, const Vector& v) const {
   const Index* row = system_.A.outerIndexPtr();
   const Index* col = system_.A.innerIndexPtr();
   const Real* a = system_.A.valuePtr();
-  for (Index c = 0; c < r_.size(); ++c) {
-    const Index i = system_.interior() + c;
-    Real sum = 0;
-    for (Index k = row[i]; k < row[i + 1]; ++k) sum += a[k] * v[col[k]];
-    r_[c] -= rho * sum;
-  }
+  const Index i = system_.interior() + c;
+  Real sum = 0;
+  for (Index k = row[i]; k < row[i + 1]; ++k) sum += a[k] * v[col[k]];
+  return sum;
+}
+
+void ContactRows::advance(Real rho, const Vector& v) {
+  for (Index c = 0; c < r_.size(); ++c) r_[c] -= rho * row_product(c, v);
+}
+
+void ContactRows::owe(Index c, Real dx) {
+  if (dx == 0) return;
+  dx_C_[c] += dx;
+  displaced_ = true;
 }
 
 void ContactRows::displace(Vector& x, Index c, Real dx) {
@@ -27,8 +35,7 @@ void ContactRows::displace(Vector& x, Index c, Real dx) {
   const Real* a = system_.A.valuePtr();
   const Index interior = system_.interior(), i = interior + c;
   x[i] += dx;
-  dx_C_[c] += dx;
-  displaced_ = true;
+  owe(c, dx);
   for (Index k = row[i + 1] - 1; k >= row[i] && col[k] >= interior; --k)
     r_[col[k] - interior] -= a[k] * dx;
 }

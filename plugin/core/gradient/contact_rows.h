@@ -22,8 +22,14 @@ class ContactRows {
   /// x_C += dx at one contact dof; settle has to follow.
   void displace(Vector& x, Index c, Real dx);
 
+  /// The interior is to learn that one contact dof has moved by dx, which r_C knows already.
+  void owe(Index c, Real dx);
+
   /// Tells the interior of the displacements since the last call; set_contact has to follow.
   void settle(Preconditioner& P);
+
+  /// (A v)_c of v (n), at one contact dof.
+  Real row_product(Index c, const Vector& v) const;
 
   /// <A_CC d, d>, of d (contact_dofs()).
   Real energy(const Vector& d) const;

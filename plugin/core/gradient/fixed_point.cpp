@@ -34,8 +34,9 @@ FixedPoint::FixedPoint(const ContactProblem& problem, const Settings& settings,
       best_(infinity) {}
 
 Solution FixedPoint::solve(const Vector& x0) {
-  inner_ = coulomb_ ? first_tolerance : share * settings_.tol;
+  inner_ = first_tolerance;
   start(x0);
+  if (!coulomb_) inner_ = finest();
   Real last = infinity;
   while (solution_.status == Status::converged) {
     minimize(Tangents::sliding, inner_ * solution_.certificate.scale);
@@ -81,8 +82,8 @@ void FixedPoint::minimize(Tangents tangents, Real bound) {
 /// smaller eps. False where nothing is left.
 bool FixedPoint::improve(Real& last) {
   if (coulomb_ && update_sliding_limit()) return solution_.status == Status::converged;
-  if (inner_ > share * settings_.tol) {
-    inner_ = share * settings_.tol;
+  if (inner_ > finest()) {
+    inner_ = finest();
     return true;
   }
   if (solution_.certificate.residual < 0.5 * last) {
@@ -95,7 +96,7 @@ bool FixedPoint::improve(Real& last) {
 /// g := G(g), accelerated. False where g is settled to the tolerance.
 bool FixedPoint::update_sliding_limit() {
   const Real mismatch = measure_image();
-  if (mismatch <= 0.9 * share * settings_.tol && inner_ <= share * settings_.tol) return false;
+  if (mismatch <= 0.9 * finest() && inner_ <= finest()) return false;
   const bool learnt = mismatch >= inner_;
   judge_progress(std::max(mismatch, inner_));  // a pass tells g no better than it was solved
   sharpen_pass(mismatch);
@@ -139,8 +140,7 @@ void FixedPoint::judge_progress(Real mismatch) {
 }
 
 void FixedPoint::sharpen_pass(Real mismatch) {
-  const Real wanted =
-      std::max({precision_ * mismatch, largest_cut * inner_, share * settings_.tol});
+  const Real wanted = std::max({precision_ * mismatch, largest_cut * inner_, finest()});
   inner_ = std::min(inner_, wanted);
 }
 
@@ -163,7 +163,8 @@ bool FixedPoint::sharpen_regularization() {
     solution_.status = Status::stagnated;
     return false;
   }
-  const Real factor = std::min(0.3, 0.3 * settings_.tol / solution_.certificate.residual);
+  const Certificate& c = solution_.certificate;
+  const Real factor = std::min(0.3, 0.3 * std::max(settings_.tol, c.attainable) / c.residual);
   const Real least = std::numeric_limits<Real>::epsilon() * displacement_scale();
   if (settings_.regeps > 0 || factor * solution_.eps < least) {
     solution_.status = Status::regularized;
@@ -172,6 +173,11 @@ bool FixedPoint::sharpen_regularization() {
   solution_.eps *= factor;
   relative_eps_ *= factor;
   return true;
+}
+
+/// The last inner tolerance: less than tol, and no less than rounding allows.
+Real FixedPoint::finest() const {
+  return std::max(share * settings_.tol, solution_.certificate.attainable);
 }
 
 Real FixedPoint::displacement_scale() const {

@@ -29,6 +29,7 @@ class FixedPoint {
   void sharpen_pass(Real mismatch);
   void step_towards_image(bool learnt);
   bool sharpen_regularization();
+  Real finest() const;
   Real displacement_scale() const;
   Vector sliding_limits() const;
 

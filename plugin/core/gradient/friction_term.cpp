@@ -45,10 +45,7 @@ bool FrictionTerm::changes_piece(Index i, const Vector& x, const Phi& phi) {
 }
 
 Real FrictionTerm::along(const Vector& r_C, const Vector& v) const {
-  Real sum = 0;
-  for (Index c = 0; c < r_C.size(); ++c)
-    if (part_.free[c]) sum += (r_C[c] - r_[c]) * v[system_.interior() + c];
-  return sum;
+  return (r_C - r_).dot(v.tail(r_C.size()));
 }
 
 }  // namespace frictioncg

@@ -20,7 +20,7 @@ class FrictionTerm {
   const Vector& r() const { return r_; }  ///< -J', contact_dofs(): r_C less friction, 0 where held
   const ContactPart& part() const { return part_; }
 
-  /// <g phi'(x_T), v>: what <F - Ax, v> has more than <-J', v>.
+  /// <g phi'(x_T), v>: what <F - Ax, v> has more than <-J', v>; v is 0 on held dofs.
   Real along(const Vector& r_C, const Vector& v) const;
 
  private:

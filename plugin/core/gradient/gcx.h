@@ -8,8 +8,8 @@ namespace frictioncg {
 ///
 ///   repeat
 ///     while |r_free| > |beta|       r_free: residual on the free dofs of the present face
-///       one step of the conjugate gradient on the face, down to the first gap
-///       a node that reached its gap joins the contact face
+///       one step of the conjugate gradient on the face; a node that reaches its gap joins the
+///       contact face, and the step goes on along the direction bent there, while J falls
 ///       a node that turned round goes to the minimum of J over its x_T; at 0, it joins the stick
 ///       face
 ///     release:  d = W^{-1} beta,  rho = <beta, d>/<A d, d>,  x += rho d,  new face, restart
@@ -31,6 +31,7 @@ class Gcx final : public ReleaseRule {
   explicit Gcx(const System& system) : d_(Vector::Zero(system.contact_dofs())) {}
   Real threshold(Real, Real violation) const override { return proportion * violation; }
   bool release(Iterate& it, Real least) override;
+  bool expands() const override { return true; }
   bool stick_is_a_face() const override { return true; }
 
  private:

@@ -58,10 +58,11 @@ Real LineSearch::slope(const Phi& phi, Real rho) const {
 }
 
 Real LineSearch::operator()(const Phi& phi, const Vector& g, const Vector& x, const Vector& v,
-                            Real r_v, Real a, Curvature vAv, Real rho_max) {
+                            const Line& line, Real rho_max) {
+  const Real r_v = line.r_v;
   gather(g, x, v);
-  vAv_ = vAv.A > rigid * vAv.D ? vAv.A : 0;
-  a_ = a;
+  vAv_ = line.vAv.A > rigid * line.vAv.D ? line.vAv.A : 0;
+  a_ = line.a;
   if (nodes_.empty()) return vAv_ > 0 ? std::min(r_v / vAv_, rho_max) : rho_max;
   if (step_ == Step::newton && (!safeguarded_ || vAv_ > 0)) return newton(phi, r_v, rho_max);
 

@@ -7,6 +7,13 @@
 
 namespace frictioncg {
 
+/// J along x + rho v, before friction acts on the step.
+struct Line {
+  Real r_v = 0;   ///< <-J', v> at x
+  Real a = 0;     ///< <F - Ax, v>
+  Curvature vAv;  ///< <Av, v>
+};
+
 /// The coefficient rho of the descent x + rho v: J'(rho) = 0, eq. (13), J convex along v with
 ///   J'(rho) = rho <Av,v> - <F-Ax,v> + sum_i g_i phi'(|x_T + rho v_T|) (x_T + rho v_T).v_T / |.|
 class LineSearch {
@@ -14,10 +21,10 @@ class LineSearch {
   /// safeguarded: (14) is replaced by (13) where it overshoots; else it is taken as printed.
   LineSearch(const System& system, Step step, bool safeguarded = true);
 
-  /// rho in (0, rho_max] for the direction v with <r,v> > 0, r including friction, and a =
-  /// <F-Ax,v>; infinite where J decreases for ever along a rigid motion.
-  Real operator()(const Phi& phi, const Vector& g, const Vector& x, const Vector& v, Real r_v,
-                  Real a, Curvature vAv, Real rho_max);
+  /// rho in (0, rho_max] for the direction v, line.r_v > 0; infinite where J decreases for ever
+  /// along a rigid motion.
+  Real operator()(const Phi& phi, const Vector& g, const Vector& x, const Vector& v,
+                  const Line& line, Real rho_max);
 
   /// How many steps (14) have overshot since the last call.
   Index take_damped() { return std::exchange(damped_, 0); }

@@ -25,14 +25,6 @@ Real relaxation(const Settings& settings, const ReleaseRule& rule) {
   return rule.stick_is_a_face() ? 1.5 : 1;
 }
 
-/// The one label of an iteration, and of what it led to.
-StepLabel label_of(bool contact_hit, bool stick_frozen, bool released, bool restarted) {
-  if (released) return StepLabel::release;
-  if (contact_hit) return StepLabel::contact_hit;
-  if (stick_frozen) return StepLabel::stick_frozen;
-  return restarted ? StepLabel::restart : StepLabel::conjugate;
-}
-
 }  // namespace
 
 ProjectedCG::ProjectedCG(const ContactProblem& problem, const Settings& settings,
@@ -48,6 +40,7 @@ ProjectedCG::ProjectedCG(const ContactProblem& problem, const Settings& settings
       stopping_(settings),
       friction_(problem),
       it_(problem),
+      path_(problem),
       v_(Vector::Zero(problem.dofs())),
       residual_(problem.dofs()) {}
 
@@ -63,21 +56,31 @@ Outcome ProjectedCG::minimize(Vector& x, const Vector& g, Real eps, Tangents tan
     }
     ++iterations_;
     const bool before = turn.released && outcome.steps.total() == 0, restart = turn.restart;
+    Line line;
     Real rho = 0, rho_gap = infinity;
-    outcome.status = direct(restart);                                                // (12), (15)
-    if (outcome.status == Status::converged) outcome.status = search(rho, rho_gap);  // (13), (14)
+    outcome.status = direct(restart);  // (12), (15)
+    if (outcome.status == Status::converged)
+      outcome.status = search(line, rho, rho_gap);  // (13), (14)
     if (outcome.status == Status::converged) {
-      turn = advance(rho, rho_gap);  // x += rho v; new contact
-      judge(turn, rho);              // stop, or release
+      turn = advance(line, rho, rho_gap);  // x += rho v; new contact
+      judge(turn, rho);                    // stop, or release
     }
-    const StepLabel label =
-        label_of(turn.contact_hit, turn.stick_frozen, turn.released || before, restart);
+    turn.released |= before;
+    const StepLabel label = turn.label(restart);
     outcome.steps.add(label);
     if (observer_) observer_->iterate(iterations_, label, it_.x);
   }
   outcome.steps.damped = line_search_.take_damped();
   it_.x.swap(x);
   return outcome;
+}
+
+StepLabel ProjectedCG::Turn::label(bool restarted) const {
+  if (released) return StepLabel::release;
+  if (expanded) return StepLabel::expansion;
+  if (contact_hit) return StepLabel::contact_hit;
+  if (stick_frozen) return StepLabel::stick_frozen;
+  return restarted ? StepLabel::restart : StepLabel::conjugate;
 }
 
 ProjectedCG::Turn ProjectedCG::begin(const Vector& g, Tangents tangents, Real bound) {
@@ -115,26 +118,30 @@ Status ProjectedCG::direct(bool restart) {
   return P_->r_v(v_) > 0 ? Status::converged : Status::stagnated;
 }
 
-Status ProjectedCG::search(Real& rho, Real& rho_gap) {
-  const Curvature vAv = P_->curvature(v_);
-  if (vAv.A < indefinite * vAv.D) return Status::not_positive_definite;
+Status ProjectedCG::search(Line& line, Real& rho, Real& rho_gap) {
+  line.vAv = P_->curvature(v_);
+  if (line.vAv.A < indefinite * line.vAv.D) return Status::not_positive_definite;
+  line.r_v = P_->r_v(v_);
+  line.a = line.r_v + friction_.along(it_.rows.r(), v_);
   rho_gap = it_.faces.step_to_gap(it_.x, v_);
-  const Real r_v = P_->r_v(v_), a = r_v + friction_.along(it_.rows.r(), v_);  // <F - Ax, v>
-  rho = line_search_(phi_, it_.g, it_.x, v_, r_v, a, vAv, rho_gap);
+  rho = line_search_(phi_, it_.g, it_.x, v_, line, rho_gap);
   if (rho == infinity) return Status::no_equilibrium;
   return std::isfinite(rho) ? Status::converged : Status::stagnated;
 }
 
-ProjectedCG::Turn ProjectedCG::advance(Real rho, Real rho_gap) {
+ProjectedCG::Turn ProjectedCG::advance(const Line& line, Real rho, Real rho_gap) {
   Turn turn;
   P_->advance(rho, v_, it_.x);  // x += rho v, r -= rho A v
   it_.rows.advance(rho, v_);
   if (rho >= rho_gap) turn.contact_hit = it_.faces.close_gaps(it_.x, v_, rho);
-  if (rule_->stick_is_a_face() &&
-      come_to_rest(it_, v_, rho, stiffness_, std::sqrt(std::max(P_->r_z(), 0.0)))) {
-    turn.stick_frozen = true;
-    it_.rows.settle(*P_);
+  if (turn.contact_hit && rule_->expands()) {
+    const Real gained = path_.follow(it_, *P_, friction_, line_search_, phi_, v_, rho, line);
+    turn.expanded = gained > 0;
+    rho += gained;
   }
+  if (rule_->stick_is_a_face())
+    turn.stick_frozen = come_to_rest(it_, v_, rho, stiffness_, std::sqrt(std::max(P_->r_z(), 0.0)));
+  it_.rows.settle(*P_);
   if (rule_->at_once()) turn.released = rule_->release(it_, least_);
   turn.crossed = update_friction();
   turn.restart =

@@ -1,4 +1,5 @@
 #pragma once
+#include "gradient/bent_path.h"
 #include "gradient/friction_term.h"
 #include "gradient/iterate.h"
 #include "gradient/line_search.h"
@@ -36,14 +37,17 @@ class ProjectedCG final : public TrescaSolver {
   /// What an iteration, or the start, has led to.
   struct Turn {
     bool contact_hit = false, stick_frozen = false, released = false, crossed = false;
+    bool expanded = false;
     bool restart = true;  ///< the direction of the next iteration
     bool stop = false;
+    /// The one label of the iteration that led to it, along P r alone or not.
+    StepLabel label(bool restarted) const;
   };
 
   Turn begin(const Vector& g, Tangents tangents, Real bound);
   Status direct(bool restart);
-  Status search(Real& rho, Real& rho_gap);
-  Turn advance(Real rho, Real rho_gap);
+  Status search(Line& line, Real& rho, Real& rho_gap);
+  Turn advance(const Line& line, Real rho, Real rho_gap);
   void judge(Turn& turn, Real rho);
   bool update_friction();
 
@@ -58,6 +62,7 @@ class ProjectedCG final : public TrescaSolver {
   StoppingTest stopping_;
   FrictionTerm friction_;
   Iterate it_;
+  BentPath path_;
   Phi phi_;
   Vector v_;              ///< n, the direction
   Vector residual_;       ///< n, of the start

@@ -31,6 +31,9 @@ class ReleaseRule {
   /// The next direction would drive a released node back into the obstacle: it was held again.
   virtual void blocked() {}
 
+  /// A step that ends at a gap goes on along the direction bent there, while J falls.
+  virtual bool expands() const { return false; }
+
   /// Stick is a face, as contact is, in place of a regularized |x_T|.
   virtual bool stick_is_a_face() const { return false; }
 };

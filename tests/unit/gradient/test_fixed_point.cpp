@@ -251,3 +251,37 @@ TEST(FixedPoint, Step14ConvergesAtTheDefaultRegepsAndAtALargeOne) {
       EXPECT_EQ(b.status, Status::converged) << d << int(reg);
     }
 }
+
+TEST(FixedPoint, EpsFollowsABodyThatSlidesFartherThanItSeemed) {
+  BlockOptions o;
+  o.cells = 8;
+  o.clamp_side = true;
+  o.shear = -20;
+  o.mu = 0.2;
+  const ContactProblem p = block(o).system().problem();
+  Settings settings;
+  settings.method = Method::gc3;
+  settings.tol = 1e-5;  // eps of 1e-8 max|x| is enough
+  const Solution a = solve(p, settings);
+  EXPECT_EQ(a.status, Status::converged);
+  EXPECT_GE(a.eps, 0.4e-8 * a.x.lpNorm<Eigen::Infinity>());
+  EXPECT_LE(a.eps, 1.1e-8 * a.x.lpNorm<Eigen::Infinity>());
+}
+
+TEST(FixedPoint, ATolThatRoundingForbidsEndsNamedAndSoon) {
+  for (Method m : {Method::gc1, Method::gc2, Method::gc3, Method::gcx, Method::sorp})
+    for (int d : {2, 3}) {
+      BlockOptions o;
+      o.d = d;
+      o.cells = d == 2 ? 8 : 3;
+      o.clamp_side = true;
+      const ContactProblem p = block(o).system().problem();
+      Settings settings;
+      settings.method = m;
+      settings.tol = 1e-17;
+      const Solution a = solve(p, settings);
+      EXPECT_NE(a.status, Status::converged);
+      EXPECT_NE(a.status, Status::max_iterations) << int(m) << d;
+      EXPECT_LT(a.certificate.residual, 1e-10) << int(m) << d;
+    }
+}

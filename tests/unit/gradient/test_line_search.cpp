@@ -8,10 +8,10 @@ using namespace frictioncg::test;
 
 namespace {
 
-struct Line {
+struct Ray {
   ContactProblem p;
   Vector g, x, v;
-  explicit Line(int d, unsigned seed) {
+  explicit Ray(int d, unsigned seed) {
     BlockOptions o;
     o.d = d;
     o.cells = d == 2 ? 6 : 2;
@@ -50,13 +50,13 @@ TEST(LineSearch, ExactStepIsARootOfTheSlopeForEachRegularization) {
       for (Regularization kind :
            {Regularization::polynomial, Regularization::square_root, Regularization::log_cosh})
         for (Real eps : {1e-10, 1e-5, 1e-3}) {
-          Line line(d, seed);
+          Ray line(d, seed);
           const Phi phi{kind, eps};
           Real r_v = -line.slope(phi, 0);
           if (r_v < 0) line.v = -line.v, r_v = -r_v;
           const Curvature vAv{line.v.dot(line.p.system->A * line.v), line.v.squaredNorm()};
           LineSearch search(*line.p.system, Step::exact);
-          const Real rho = search(phi, line.g, line.x, line.v, r_v, line.a(), vAv, 1e300);
+          const Real rho = search(phi, line.g, line.x, line.v, {r_v, line.a(), vAv}, 1e300);
           // the slope changes sign at rho, to the rounding of rho
           EXPECT_LE(line.slope(phi, rho * (1 - 1e-9)), 1e-7 * r_v);
           EXPECT_GE(line.slope(phi, rho * (1 + 1e-9)), -1e-7 * r_v);
@@ -65,18 +65,19 @@ TEST(LineSearch, ExactStepIsARootOfTheSlopeForEachRegularization) {
 }
 
 TEST(LineSearch, FalsePositionComesWithinItsToleranceOfTheExactStep) {
-  Line line(2, 5);
+  Ray line(2, 5);
   const Phi phi{Regularization::polynomial, 1e-4};
   Real r_v = -line.slope(phi, 0);
   if (r_v < 0) line.v = -line.v, r_v = -r_v;
   const Curvature vAv{line.v.dot(line.p.system->A * line.v), line.v.squaredNorm()};
   LineSearch exact(*line.p.system, Step::exact), approximate(*line.p.system, Step::false_position);
-  const Real rho = exact(phi, line.g, line.x, line.v, r_v, line.a(), vAv, 1e300);
-  EXPECT_NEAR(approximate(phi, line.g, line.x, line.v, r_v, line.a(), vAv, 1e300), rho, 1e-3 * rho);
+  const Real rho = exact(phi, line.g, line.x, line.v, {r_v, line.a(), vAv}, 1e300);
+  EXPECT_NEAR(approximate(phi, line.g, line.x, line.v, {r_v, line.a(), vAv}, 1e300), rho,
+              1e-3 * rho);
 }
 
 TEST(LineSearch, NewtonStepIsEquation14) {
-  Line line(2, 3);
+  Ray line(2, 3);
   const Phi phi{Regularization::square_root, 1e-3};
   Real r_v = -line.slope(phi, 0);
   if (r_v < 0) line.v = -line.v, r_v = -r_v;
@@ -84,25 +85,25 @@ TEST(LineSearch, NewtonStepIsEquation14) {
   const Real J2 = (line.slope(phi, h) - line.slope(phi, -h)) / (2 * h);
   const Curvature vAv{line.v.dot(line.p.system->A * line.v), line.v.squaredNorm()};
   LineSearch newton(*line.p.system, Step::newton);
-  EXPECT_NEAR(newton(phi, line.g, line.x, line.v, r_v, line.a(), vAv, 1e300), r_v / J2,
+  EXPECT_NEAR(newton(phi, line.g, line.x, line.v, {r_v, line.a(), vAv}, 1e300), r_v / J2,
               1e-6 * r_v / J2);
 }
 
 TEST(LineSearch, StopsAtTheGapAndSeesARigidMotionThatNothingBrakes) {
-  Line line(2, 3);
+  Ray line(2, 3);
   const Phi phi{Regularization::polynomial, 1e-8};
   LineSearch search(*line.p.system, Step::exact);
   const Curvature vAv{line.v.dot(line.p.system->A * line.v), line.v.squaredNorm()};
-  EXPECT_EQ(search(phi, Vector::Zero(line.p.nodes()), line.x, line.v, 1, 1, vAv, 1e-12), 1e-12);
+  EXPECT_EQ(search(phi, Vector::Zero(line.p.nodes()), line.x, line.v, {1, 1, vAv}, 1e-12), 1e-12);
   line.v.setConstant(1e-3);
   Real brake = 0;
   for (Index i = 0; i < line.p.nodes(); ++i) brake += line.g[i] * 1e-3;
   line.x.setZero();
   const Curvature rigid{0, 1};
-  EXPECT_TRUE(
-      std::isinf(search(phi, line.g, line.x, line.v, 1.01 * brake, 1.01 * brake, rigid, INFINITY)));
+  EXPECT_TRUE(std::isinf(
+      search(phi, line.g, line.x, line.v, {1.01 * brake, 1.01 * brake, rigid}, INFINITY)));
   EXPECT_TRUE(std::isfinite(
-      search(phi, line.g, line.x, line.v, 0.99 * brake, 0.99 * brake, rigid, INFINITY)));
+      search(phi, line.g, line.x, line.v, {0.99 * brake, 0.99 * brake, rigid}, INFINITY)));
 }
 
 // ------------------------------------------------------------------ what one layer alone must see
@@ -111,7 +112,7 @@ namespace {
 
 /// The line as search wants it, down the slope.
 struct Descent {
-  Line line;
+  Ray line;
   Real r_v = 0;
   Curvature vAv;
   Descent(int d, unsigned seed, const Phi& phi) : line(d, seed) {
@@ -120,7 +121,7 @@ struct Descent {
     vAv = {line.v.dot(line.p.system->A * line.v), line.v.squaredNorm()};
   }
   Real step(LineSearch& search, const Phi& phi, Real rho_max = 1e300) {
-    return search(phi, line.g, line.x, line.v, r_v, line.a(), vAv, rho_max);
+    return search(phi, line.g, line.x, line.v, {r_v, line.a(), vAv}, rho_max);
   }
 };
 

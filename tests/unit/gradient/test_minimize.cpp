@@ -110,7 +110,10 @@ TEST(Minimize, StartedFromTheExactAnswerItStaysThere) {
   for (Method m : {Method::gcx, Method::sorp})
     for (int d : {2, 3}) {
       const Given c(d, false, 1);
-      EXPECT_LE(c.by(m, c.exact, 1e-8).outcome.iterations(), 1) << int(m) << d;
+      // the exact slip of a node that sticks is rounding: it is brought to rest first
+      const Minimized a = c.by(m, c.exact, 1e-8);
+      EXPECT_LE(a.outcome.iterations(), 3) << int(m) << d;
+      EXPECT_LT((a.x - c.exact).norm(), 1e-7 * c.exact.norm()) << int(m) << d;
     }
 }
 
@@ -244,4 +247,13 @@ TEST(Minimize, AnIndefiniteMatrixIsNamedAndALoadThatNothingHoldsHasNoEquilibrium
                   .outcome.status,
               Status::no_equilibrium);
   }
+}
+
+TEST(Minimize, SweepsThatLeaveTheRangeOfNumbersEndNamed) {
+  const Given c(2, false, 1);
+  Settings settings;
+  settings.method = Method::sorp;
+  settings.omega = 2.5;
+  const Vector x0 = Vector::Zero(c.p.dofs());
+  EXPECT_EQ(minimize(c.p, settings, c.g, x0, 0, 1e-9 * c.scale).outcome.status, Status::stagnated);
 }

@@ -1,6 +1,7 @@
 // When held nodes are let go, and what follows: what tells GC1, GC2, GC3 and GCX apart.
 #include <gtest/gtest.h>
 
+#include "core/gradient/gcx.h"
 #include "recorder.h"
 
 using namespace frictioncg;
@@ -121,7 +122,7 @@ TEST(Release, LabelsNameGapsThatCloseAndNodesThatComeToRest) {
   const Vector x0 = 0.01 * Vector::Random(p.dofs());  // slides everywhere
   const Minimized a = minimize(p, settings, p.increment.g, x0, 0, 1e-9);
   EXPECT_EQ(a.outcome.status, Status::converged);
-  EXPECT_GT(a.outcome.steps[StepLabel::contact_hit], 0);
+  EXPECT_GT(a.outcome.steps[StepLabel::contact_hit] + a.outcome.steps[StepLabel::expansion], 0);
   EXPECT_GT(a.outcome.steps[StepLabel::stick_frozen], 0);
   for (std::size_t k = 1; k < a.steps.size(); ++k) {
     Index more_contact = 0, more_rest = 0;
@@ -132,8 +133,75 @@ TEST(Release, LabelsNameGapsThatCloseAndNodesThatComeToRest) {
       more_contact += touches(a.steps[k].x) && !touches(a.steps[k - 1].x);
       more_rest += rests(a.steps[k].x) && !rests(a.steps[k - 1].x);
     }
-    if (a.steps[k].label == StepLabel::contact_hit) EXPECT_GT(more_contact, 0);
+    if (a.steps[k].label == StepLabel::contact_hit || a.steps[k].label == StepLabel::expansion)
+      EXPECT_GT(more_contact, 0);
     if (a.steps[k].label == StepLabel::conjugate || a.steps[k].label == StepLabel::restart)
       EXPECT_EQ(more_contact + more_rest, 0);
+  }
+}
+
+TEST(Release, GcxGoesOnBeyondTheFirstGapAndClosesManyInOneIteration) {
+  for (int d : {2, 3}) {
+    BlockOptions o;
+    o.d = d;
+    o.cells = d == 2 ? 20 : 5;
+    o.clamp_side = true;
+    o.law = Law::tresca;
+    o.mu = 0.1;
+    Scene s = block(o);
+    for (Index k = 0; k < s.gap.size(); ++k) s.gap[k] = 1e-4 * k / Real(s.gap.size());
+    const ContactProblem p = s.system().problem();
+    Settings settings;
+    settings.method = Method::gcx;
+    const Vector x0 = Vector::Zero(p.dofs());
+    const Minimized a = minimize(p, settings, p.increment.g, x0, 0, 1e-9);
+    EXPECT_EQ(a.outcome.status, Status::converged);
+    EXPECT_GT(a.outcome.steps[StepLabel::expansion], 0) << d;
+    Index most = 0;
+    for (std::size_t k = 1; k < a.steps.size(); ++k) {
+      Index closed = 0;
+      for (Index i = 0; i < p.nodes(); ++i)
+        closed += a.steps[k].x[p.system->first[i]] == p.increment.gap[i] &&
+                  a.steps[k - 1].x[p.system->first[i]] < p.increment.gap[i];
+      most = std::max(most, closed);
+    }
+    EXPECT_GE(most, 3) << d;
+  }
+}
+
+TEST(Release, GcxStepsAlongWhatTheFacesViolateToTheMinimumOfJ) {
+  for (int d : {2, 3}) {
+    Peeled c(d);
+    // held everywhere: some nodes pull, some are pushed beyond their limit
+    Iterate it(c.p);
+    it.x = c.x0;
+    it.g = c.p.increment.g;
+    it.faces.start(it.x, it.g, Tangents::sliding, true);
+    const Vector r = c.p.increment.F - c.p.system->A * it.x;
+    std::srand(2);
+    const Vector pull = r + c.scale * Vector::Random(r.size());
+    it.rows.start(pull);
+    Vector beta = Vector::Zero(r.size());
+    for (Index i = 0; i < c.p.nodes(); ++i) {
+      const Index N = c.p.system->first[i], t = c.p.tangents(i);
+      beta[N] = std::min(pull[N], 0.0);
+      const Vector r_T = pull.segment(N + 1, t);
+      if (r_T.norm() > it.g[i]) beta.segment(N + 1, t) = (1 - it.g[i] / r_T.norm()) * r_T;
+    }
+    EXPECT_NEAR(it.faces.violation(it.rows.r(), it.g), norm_D(*c.p.system, beta), 1e-12);
+    const Vector direction = beta.cwiseQuotient(c.p.system->weight);
+    const Real rho = beta.dot(direction) / direction.dot(c.p.system->A * direction);
+    Gcx rule(*c.p.system);
+    EXPECT_EQ(rule.threshold(1e-9, 0.7), 0.7);
+    ASSERT_TRUE(rule.release(it, 0));
+    EXPECT_LT((it.x - c.x0 - rho * direction).norm(), 1e-12 * (rho * direction).norm());
+    const Vector left = pull - c.p.system->A * (rho * direction);
+    EXPECT_LT((it.rows.r() - left.tail(c.p.contact_dofs())).norm(), 1e-10 * left.norm());
+    for (Index i = 0; i < c.p.nodes(); ++i) {
+      const Index N = c.p.system->first[i], t = c.p.tangents(i);
+      EXPECT_EQ(it.faces.contact(i), beta[N] == 0);
+      EXPECT_EQ(it.faces.at_rest(i), t > 0 && it.g[i] > 0 && beta.segment(N + 1, t).isZero(0));
+    }
+    EXPECT_FALSE(rule.release(it, 1e6 * c.scale));  // what the tolerance covers stays
   }
 }
