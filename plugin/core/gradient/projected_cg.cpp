@@ -142,20 +142,24 @@ ProjectedCG::Turn ProjectedCG::advance(Real rho, Real rho_gap) {
   return turn;
 }
 
-/// The stopping test, and the release of what the faces violate.
+/// The stopping test, and the release of what the faces violate: again where a release has left
+/// nothing to do on the free dofs.
 void ProjectedCG::judge(Turn& turn, Real rho) {
   const Real eps_0 = stopping_.eps_0();
-  const Real violation = stopping_.by_step() ? 0 : it_.faces.violation(it_.rows.r(), it_.g);
-  const Real eps_1 = rule_->threshold(eps_0, violation);
-  const Real left = stopping_.left(*P_, std::max(eps_0, eps_1), rho, v_, it_.x);
-  turn.stop = left <= eps_0 && std::hypot(left, violation) <= eps_0;
-  if (left > eps_1 || (turn.stop && !stopping_.by_step())) return;
-  if (!rule_->release(it_, least_)) return;
-  it_.rows.settle(*P_);
-  update_friction();
-  turn.released = true;
-  turn.restart |= rule_->restarts();
-  turn.stop = false;
+  for (Index k = 0; k <= problem_.nodes(); ++k) {
+    const Real violation = stopping_.by_step() ? 0 : it_.faces.violation(it_.rows.r(), it_.g);
+    const Real eps_1 = rule_->threshold(eps_0, violation);
+    const Real left = stopping_.left(*P_, std::max(eps_0, eps_1), rho, v_, it_.x);
+    turn.stop = left <= eps_0 && std::hypot(left, violation) <= eps_0;
+    if (left > eps_1 || (turn.stop && !stopping_.by_step())) return;
+    if (!rule_->release(it_, least_)) return;
+    it_.rows.settle(*P_);
+    update_friction();
+    turn.released = true;
+    turn.restart |= rule_->restarts();
+    turn.stop = false;
+    if (P_->r_z() > 0) return;
+  }
 }
 
 /// r on the contact dofs, J'' and the mask. True where J has another quadratic form from here on,

@@ -44,11 +44,11 @@ TEST(Anderson, TakesTheFirstImageAsItIsAndForgetsWhenTold) {
 
 TEST(Anderson, KeepsNoMoreThanItsDepth) {
   // pairs older than the depth, of another map, no longer count
-  const LinearMap G(6, 1);
+  const LinearMap G(3, 1);
   Anderson anderson;
   std::srand(9);
-  for (int k = 0; k < 7; ++k) anderson.next(Vector::Random(6), Vector::Random(6));
-  Vector g = Vector::Zero(6);
+  for (int k = 0; k < 7; ++k) anderson.next(Vector::Random(3), Vector::Random(3));
+  Vector g = Vector::Zero(3);
   for (Index k = 0; k < Anderson::depth + 2; ++k) g = anderson.next(g, G(g));
   EXPECT_LT((g - G.fixed).norm(), 1e-8);
 }
