@@ -16,10 +16,10 @@ namespace {
 
 constexpr Index newton_steps = 40;
 constexpr int refinements = 4;
-constexpr Real refines = 0.3;            ///< a refinement that reduces the residual less is the last
-constexpr Real least_stiffness = 1e-8;   ///< of diag(S) over diag(A)
-constexpr Real rigid_field = 1e-12;      ///< <Aw,w>/<Dw,w> of a motion that is used as a proof
-constexpr Real blocked = 1e-9;           ///< part of a rigid motion that a contact law forbids
+constexpr Real refines = 0.3;           ///< a refinement that reduces the residual less is the last
+constexpr Real least_stiffness = 1e-8;  ///< of diag(S) over diag(A)
+constexpr Real rigid_field = 1e-12;     ///< <Aw,w>/<Dw,w> of a motion that is used as a proof
+constexpr Real blocked = 1e-9;          ///< part of a rigid motion that a contact law forbids
 
 /// The condensed problem in the form the conjugate gradient takes: all dofs are contact dofs.
 ContactProblem on_contact_dofs(const CondensedProblem& condensed) {
@@ -44,9 +44,9 @@ struct CondensedSolver::Run {
   const Settings& settings;
   const Index bound;  ///< on all iterations
   Solution s;
-  bool asked = false;        ///< whether the load can be held
+  bool asked = false;  ///< whether the load can be held
   bool undetermined = false;
-  DenseMatrix rigid;         ///< n x k: found where it was asked
+  DenseMatrix rigid;  ///< n x k: found where it was asked
 
   Index left() const { return bound - s.iterations; }
 };
@@ -56,8 +56,9 @@ CondensedSolver::CondensedSolver(SystemPtr system)
 
 Solution CondensedSolver::solve(const ContactProblem& problem, const Settings& settings,
                                 const Vector& x0) {
-  Run run{problem, settings,
-          settings.nbiter > 0 ? settings.nbiter : default_iterations(problem), {}, {}, {}, {}};
+  Run run{problem, settings, settings.nbiter > 0 ? settings.nbiter : default_iterations(problem),
+          {},      {},       {},
+          {}};
   Solution& s = run.s;
   s.route = Route::condensed;
   const Statics statics = balance(elimination_->floating(), problem);
@@ -130,7 +131,7 @@ CondensedSolver::Answer CondensedSolver::solve_laws(Run& run, const CondensedPro
     run.s.layer = Layer::linear;
     return {Vector(0), true};
   }
-  if (!run.settings.polish) return by_fixed_point(run, condensed, x_C);
+  if (!run.settings.newton) return by_fixed_point(run, condensed, x_C);
   Answer a = by_newton(run, condensed, x_C);
   if (run.s.layer == Layer::none) run.s.layer = Layer::newton;
   if (a.solved) return a;
@@ -149,7 +150,8 @@ CondensedSolver::Answer CondensedSolver::solve_laws(Run& run, const CondensedPro
   }
   a = by_fixed_point(run, condensed, x_C);
   if (a.solved) return a;
-  if (a.status == Status::regularized || a.status == Status::no_equilibrium) a.status = Status::stagnated;
+  if (a.status == Status::regularized || a.status == Status::no_equilibrium)
+    a.status = Status::stagnated;
   if (run.left() <= 0) a.status = Status::max_iterations;
   return a;
 }
@@ -180,16 +182,15 @@ CondensedSolver::Answer CondensedSolver::by_newton(Run& run, const CondensedProb
 }
 
 /// The paper's method on S; where it converges, Newton once more.
-CondensedSolver::Answer CondensedSolver::by_fixed_point(Run& run,
-                                                        const CondensedProblem& condensed,
+CondensedSolver::Answer CondensedSolver::by_fixed_point(Run& run, const CondensedProblem& condensed,
                                                         const Vector* x_C) {
   // a body on one or two nodes leaves S without a diagonal to precondition with: then on A itself
   const bool on_S = (condensed.S.diagonal().array() > least_stiffness * condensed.D.array()).all();
   const ContactProblem p = on_S ? on_contact_dofs(condensed) : condensed.laws;
   Settings inner = run.settings;
   inner.method = Method::gc3;
-  if (inner.polish) inner.tol = std::max(inner.tol, 1e-6);
-  ProjectedCG cg(p, inner, std::max(run.left(), 1), nullptr);
+  if (inner.newton) inner.tol = std::max(inner.tol, 1e-6);
+  ProjectedCG cg(p, inner, run.left(), nullptr);
   const Solution regularized = FixedPoint(p, inner, cg).solve(x_C && on_S ? *x_C : Vector());
   Solution& s = run.s;
   s.iterations += regularized.iterations;
@@ -200,12 +201,12 @@ CondensedSolver::Answer CondensedSolver::by_fixed_point(Run& run,
   Answer a{regularized.x.tail(condensed.f.size())};
   a.status = regularized.status;
   a.solved = a.status == Status::converged;
-  if (!inner.polish || !a.x_C.allFinite()) return a;
-  const Answer polished = by_newton(run, condensed, &a.x_C);
-  if (!polished.solved) return a;
+  if (!inner.newton || !a.x_C.allFinite()) return a;
+  const Answer newton = by_newton(run, condensed, &a.x_C);
+  if (!newton.solved) return a;
   s.eps = 0;
   s.layer = Layer::newton;
-  return polished;
+  return newton;
 }
 
 /// Whether a rigid motion shows that contact and friction cannot hold the load. Asked once a call.
