@@ -124,7 +124,7 @@ $(BUILD)/unit_tests: $(OBJECTS) $(UNIT:tests/%.cpp=$(BUILD)/%.o)
 # test_faults.cpp counts allocations, and makes them fail
 WRAP := -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
-$(BUILD)/unit/%.o: tests/unit/%.cpp $(HEADERS) $(wildcard tests/unit/*.h)
+$(BUILD)/unit/%.o: tests/unit/%.cpp $(HEADERS) $(wildcard tests/unit/*.h tests/unit/*/*.h)
 	@mkdir -p $(@D)
 	$(CXX) $(FLAGS) -Iplugin -Itests -c $< -o $@
 

@@ -51,20 +51,26 @@ std::shared_ptr<Scene> pose(Stack stack, const Arguments& args, const Expression
     for (std::size_t k = 0; k < scene->nodes.size(); ++k)
       scene->tangents |= scene->nodes[k].point.friction = everywhere || laws.friction[k] > 0;
   scene->assemble(triplets(GetAny<Matrice_Creuse<double>*>((*A)(stack)), scene->ndof));
-  if (!scene->tangents || scene->system->nodes() == 0) laws.law = Law::frictionless;
+  if (!scene->tangents) laws.law = Law::frictionless;
   return scene;
+}
+
+/// The vectors of the call, and its laws, as an increment in local dofs.
+inline LocalIncrement increment(const Call& call, const Scene& scene, PointLaws laws) {
+  check_vector(call.b, "b", scene.ndof);
+  if (call.args.has(p_uold)) check_vector(call.u_old, "uold", scene.ndof);
+  if (call.args.has(p_init)) check_vector(call.u_init, "init", scene.ndof);
+  if (scene.system->nodes() == 0) laws.law = Law::frictionless;  // supports hold every normal
+  LocalIncrement now = scene.system->increment(call.b, call.u_old, laws);
+  refuse_other_tgv(scene, call.b, now.u0);
+  return now;
 }
 
 /// The field of one increment, on a posed scene.
 inline KN_<double> solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws) {
   const double start = cpu_seconds();
   const Outputs out(stack, call.args);
-  check_vector(call.b, "b", scene.ndof);
-  if (call.args.has(p_uold)) check_vector(call.u_old, "uold", scene.ndof);
-  if (call.args.has(p_init)) check_vector(call.u_init, "init", scene.ndof);
-  const LocalIncrement now = scene.system->increment(call.b, call.u_old, laws);
-  refuse_other_tgv(scene, call.b, now.u0);
-
+  const LocalIncrement now = increment(call, scene, laws);
   const ContactProblem problem{scene.system->system(), now.increment};
   if (call.verb > 0) {
     report_plan(call.args, scene, problem, call.settings);

@@ -10,9 +10,9 @@ namespace {
 constexpr Index newton_steps = 40;
 constexpr Real first_springs = 1;
 constexpr Real last_springs = 1e-10;
-constexpr Real weak_springs = 1e-2;    ///< from here on Newton is tried without them
-constexpr Real first_ratio = 0.1;      ///< from springs to springs
-constexpr Real later_ratio = 0.3;      ///< the same, once Newton has failed
+constexpr Real weak_springs = 1e-2;  ///< from here on Newton is tried without them
+constexpr Real first_ratio = 0.1;    ///< from springs to springs
+constexpr Real later_ratio = 0.3;    ///< the same, once Newton has failed
 constexpr Real stiffer = 10;
 constexpr Index proximal_steps = 400;  ///< of Newton, over all points
 constexpr Real most_springs = 100;     ///< where even these do not help, nothing does

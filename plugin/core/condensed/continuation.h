@@ -15,9 +15,9 @@ struct Attempt {
 /// Proximal points, where Newton's method alone does not arrive: springs eps D on the contact dofs
 /// whose other ends follow,
 ///   (S + eps D) x_k = f + eps D x_{k-1} - r,  x_0 = 0,
-/// until Newton's method arrives from x_k without them. For eps > 0 the matrix is definite, whatever
-/// motions contact leaves free: the body creeps to where contact and friction hold it. eps falls
-/// where a point is found, and rises where not.
+/// until Newton's method arrives from x_k without them. For eps > 0 the matrix is definite,
+/// whatever motions contact leaves free: the body creeps to where contact and friction hold it. eps
+/// falls where a point is found, and rises where not.
 Attempt by_proximal_points(const CondensedProblem& problem, Index max_steps);
 
 /// Friction coefficients from 0 up to their values, each solution the start of the next; the step

@@ -8,9 +8,9 @@ namespace frictioncg::test {
 /// What a random block is made from; each has a solution by construction (moderate shear).
 struct Block3d {
   BlockOptions block;
-  bool driven = false;                  ///< the top is moved, in place of pressure and shear
-  Eigen::Vector3d drive{0, 0, 0};       ///< displacement of the top [length]
-  Real curvature = 0;                   ///< gap = curvature (x^2 + y^2), from the block's axis
+  bool driven = false;             ///< the top is moved, in place of pressure and shear
+  Eigen::Vector3d drive{0, 0, 0};  ///< displacement of the top [length]
+  Real curvature = 0;              ///< gap = curvature (x^2 + y^2), from the block's axis
 
   friend std::ostream& operator<<(std::ostream& out, const Block3d& b) {
     out << b.block.cells << "^3 cells, mu " << b.block.mu << ", nu " << b.block.nu;

@@ -1,6 +1,6 @@
 // How often each iterative method arrives on blocks in three dimensions that have an answer, and at
-// what cost. A long run: --gtest_also_run_disabled_tests --gtest_filter='*Arrival*'; ARRIVAL_BLOCKS,
-// ARRIVAL_HISTORIES and ARRIVAL_SEED in the environment choose how many, and which.
+// what cost. A long run: --gtest_also_run_disabled_tests --gtest_filter='*Arrival*';
+// ARRIVAL_BLOCKS, ARRIVAL_HISTORIES and ARRIVAL_SEED in the environment choose how many, and which.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -142,4 +142,14 @@ TEST(Arrival, DISABLED_OnManyBlocksAndHistories) {
   histories.print("load increments in 3D");
   EXPECT_EQ(blocks.of(Method::gcx).missed + histories.of(Method::gcx).missed, 0u);
   EXPECT_EQ(blocks.of(Method::gcx).above_3 + histories.of(Method::gcx).above_3, 0u);
+}
+
+TEST(Arrival, GradientMethodsArriveOnBlocksInThreeDimensionsAndGcxCostsNoMoreThanThriceGc3) {
+  Table table;
+  run_blocks(25, 1, false, table);
+  run_history(1, false, table);  // 15 and 16 of its increments stalled
+  for (Method m : {Method::gc1, Method::gc2, Method::gc3, Method::gcx})
+    EXPECT_EQ(table.of(m).missed, 0u) << int(m);
+  EXPECT_EQ(table.of(Method::gcx).above_3, 0u);
+  EXPECT_EQ(table.of(Method::sorp).ends[int(Status::stagnated)], 0u);
 }

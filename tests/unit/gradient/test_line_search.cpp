@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/gradient/line_search.h"
-#include "scene.h"
+#include "../scene.h"
 
 using namespace frictioncg;
 using namespace frictioncg::test;
@@ -103,4 +103,84 @@ TEST(LineSearch, StopsAtTheGapAndSeesARigidMotionThatNothingBrakes) {
       std::isinf(search(phi, line.g, line.x, line.v, 1.01 * brake, 1.01 * brake, rigid, INFINITY)));
   EXPECT_TRUE(std::isfinite(
       search(phi, line.g, line.x, line.v, 0.99 * brake, 0.99 * brake, rigid, INFINITY)));
+}
+
+// ------------------------------------------------------------------ what one layer alone must see
+
+namespace {
+
+/// The line as search wants it, down the slope.
+struct Descent {
+  Line line;
+  Real r_v = 0;
+  Curvature vAv;
+  Descent(int d, unsigned seed, const Phi& phi) : line(d, seed) {
+    r_v = -line.slope(phi, 0);
+    if (r_v < 0) line.v = -line.v, r_v = -r_v;
+    vAv = {line.v.dot(line.p.system->A * line.v), line.v.squaredNorm()};
+  }
+  Real step(LineSearch& search, const Phi& phi, Real rho_max = 1e300) {
+    return search(phi, line.g, line.x, line.v, r_v, line.a(), vAv, rho_max);
+  }
+};
+
+}  // namespace
+
+TEST(LineSearch, WithoutRegularizationItFindsTheMinimumBetweenAndAtTheKinks) {
+  const Phi phi{Regularization::polynomial, 0};
+  for (int d : {2, 3})
+    for (unsigned seed = 1; seed <= 40; ++seed) {
+      Descent c(d, seed, phi);
+      // some nodes past their kink from the start, some ahead of it, one that starts in it
+      for (Index i = 2; i < c.line.p.nodes(); ++i) {
+        const Index T = c.line.p.system->first[i] + 1, t = c.line.p.tangents(i);
+        const Real s = i % 3 == 0 ? 1.5 : i % 3 == 1 ? -1e-3 : -0.2;
+        c.line.x.segment(T, t) = s * c.line.v.segment(T, t);
+      }
+      c.r_v = -c.line.slope(phi, 0);
+      if (c.r_v <= 0) continue;
+      LineSearch search(*c.line.p.system, Step::exact);
+      const Real rho = c.step(search, phi), J = c.line.J(phi, rho);
+      EXPECT_LT(J, c.line.J(phi, 0));
+      for (Real other : {0.5, 0.9, 0.999, 1.001, 1.1, 2.0})
+        EXPECT_LE(J, c.line.J(phi, other * rho) + 1e-13 * std::abs(J)) << d << " " << seed;
+    }
+}
+
+TEST(LineSearch, EveryStepStopsAtTheGap) {
+  for (int d : {2, 3})
+    for (Step step : {Step::exact, Step::newton, Step::false_position})
+      for (bool safeguarded : {true, false})
+        for (Regularization kind : {Regularization::polynomial, Regularization::square_root}) {
+          const Phi phi{kind, 1e-4};
+          Descent c(d, 2, phi);
+          LineSearch search(*c.line.p.system, step, safeguarded);
+          const Real rho = c.step(search, phi);
+          EXPECT_LE(c.step(search, phi, 0.3 * rho), 0.3 * rho) << int(step);
+          EXPECT_GT(c.step(search, phi, 0.3 * rho), 0);
+          c.line.g.setZero();  // and where nothing brakes
+          c.r_v = -c.line.slope(phi, 0);
+          if (c.r_v > 0) EXPECT_EQ(c.step(search, phi, 1e-9), 1e-9) << int(step);
+        }
+}
+
+TEST(LineSearch, Step14ThatOvershootsAKinkIsShortenedSoThatJFalls) {
+  Index damped = 0;
+  for (int d : {2, 3})
+    for (unsigned seed = 1; seed <= 40; ++seed)
+      for (Real eps : {1e-9, 1e-6, 1e-4}) {
+        const Phi phi{Regularization::polynomial, eps};
+        Descent c(d, seed, phi);
+        LineSearch printed(*c.line.p.system, Step::newton, false),
+            safe(*c.line.p.system, Step::newton);
+        const Real rho = c.step(safe, phi), as_printed = c.step(printed, phi);
+        EXPECT_LE(c.line.J(phi, rho), c.line.J(phi, 0)) << d << " " << seed << " " << eps;
+        EXPECT_LE(rho, as_printed * (1 + 1e-12));
+        EXPECT_EQ(printed.take_damped(), 0);
+        const Index count = safe.take_damped();
+        EXPECT_EQ(count > 0, rho < as_printed * (1 - 1e-3)) << rho << " " << as_printed;
+        damped += count;
+        EXPECT_EQ(safe.take_damped(), 0);
+      }
+  EXPECT_GT(damped, 0);
 }

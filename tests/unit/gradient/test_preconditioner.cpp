@@ -3,7 +3,7 @@
 #include <Eigen/LU>
 
 #include "core/gradient/preconditioner.h"
-#include "scene.h"
+#include "../scene.h"
 
 using namespace frictioncg;
 using namespace frictioncg::test;
@@ -67,8 +67,7 @@ TEST(Preconditioner, DirectionIsTheSolutionOfEquation15OnTheFreeSubspace) {
       EXPECT_LT((v - z).norm(), 1e-11 * z.norm()) << int(kind);
       EXPECT_NEAR(P->r_z(), c.r.dot(z), 1e-10 * c.r.dot(z));
       EXPECT_NEAR(P->r_v(v), c.r.dot(v), 1e-10 * c.r.dot(v));
-      EXPECT_NEAR(P->free_norm(), std::sqrt((c.r.array().square() / c.p.system->D.array()).sum()),
-                  1e-10);
+      EXPECT_NEAR(P->free_norm(), norm_D(*c.p.system, c.r), 1e-10);
       const Curvature k = P->curvature(v);
       EXPECT_NEAR(k.A, v.dot(c.p.system->A * v), 1e-8 * k.D);
       EXPECT_NEAR(k.D, (c.p.system->D.array() * v.array().square()).sum(), 1e-10 * k.D);
@@ -107,5 +106,29 @@ TEST(Preconditioner, AnIterationKeepsResidualsAndProductsExactWhileTheHessianCha
       EXPECT_NEAR(P->r_z(), r.dot(z), 1e-9 * r.dot(z));
       EXPECT_NEAR(P->dr_z(), (r - r_before).dot(z), 1e-9 * r.dot(z));
     }
+  }
+}
+
+TEST(Preconditioner, AMoveOfContactDofsReachesTheInteriorResidual) {
+  const Case c;
+  for (Precon kind : all) {
+    const auto P = make_preconditioner(*c.p.system, kind, 1.3);
+    P->start(c.r);
+    P->set_contact(c.r_C(), c.part);
+    Vector v = Vector::Zero(c.p.dofs());
+    P->direction(0, v);
+    P->curvature(v);
+    const Index interior = c.p.interior();
+    const Vector dx_C = 1e-3 * Vector::Random(c.p.contact_dofs());
+    Vector dx = Vector::Zero(c.p.dofs()), r = c.r;
+    dx.tail(c.p.contact_dofs()) = dx_C;
+    P->move_contact(dx_C);
+    r.head(interior) -= (c.p.system->A * dx).head(interior);
+    P->set_contact(c.r_C(), c.part);
+    P->direction(0, v);
+    const Vector z = c.C(kind, 1.3).lu().solve(r);
+    EXPECT_LT((v - z).norm(), 1e-11 * z.norm()) << int(kind);
+    EXPECT_NEAR(P->r_z(), r.dot(z), 1e-10 * r.dot(z));
+    EXPECT_NEAR(P->free_norm(), norm_D(*c.p.system, r), 1e-10 * P->free_norm());
   }
 }

@@ -26,8 +26,8 @@ TEST(Regularization, CurvatureMatchesACentredDifferenceOfTheSlope) {
     for (Real t : points) {
       const Phi phi{kind, 2.0};
       const Real h = 1e-5;
-      EXPECT_NEAR(phi.second_derivative(2 * t), (phi.slope(2 * t + h) - phi.slope(2 * t - h)) / (2 * h),
-                  1e-8);
+      EXPECT_NEAR(phi.second_derivative(2 * t),
+                  (phi.slope(2 * t + h) - phi.slope(2 * t - h)) / (2 * h), 1e-8);
     }
 }
 
