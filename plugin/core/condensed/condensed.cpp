@@ -131,7 +131,7 @@ CondensedSolver::Answer CondensedSolver::solve_laws(Run& run, const CondensedPro
     run.s.layer = Layer::linear;
     return {Vector(0), true};
   }
-  if (!run.settings.polish) return by_fixed_point(run, condensed, x_C);
+  if (!run.settings.newton) return by_fixed_point(run, condensed, x_C);
   Answer a = by_newton(run, condensed, x_C);
   if (run.s.layer == Layer::none) run.s.layer = Layer::newton;
   if (a.solved) return a;
@@ -189,8 +189,8 @@ CondensedSolver::Answer CondensedSolver::by_fixed_point(Run& run, const Condense
   const ContactProblem p = on_S ? on_contact_dofs(condensed) : condensed.laws;
   Settings inner = run.settings;
   inner.method = Method::gc3;
-  if (inner.polish) inner.tol = std::max(inner.tol, 1e-6);
-  ProjectedCG cg(p, inner, std::max(run.left(), 1), nullptr);
+  if (inner.newton) inner.tol = std::max(inner.tol, 1e-6);
+  ProjectedCG cg(p, inner, run.left(), nullptr);
   const Solution regularized = FixedPoint(p, inner, cg).solve(x_C && on_S ? *x_C : Vector());
   Solution& s = run.s;
   s.iterations += regularized.iterations;
@@ -201,12 +201,12 @@ CondensedSolver::Answer CondensedSolver::by_fixed_point(Run& run, const Condense
   Answer a{regularized.x.tail(condensed.f.size())};
   a.status = regularized.status;
   a.solved = a.status == Status::converged;
-  if (!inner.polish || !a.x_C.allFinite()) return a;
-  const Answer polished = by_newton(run, condensed, &a.x_C);
-  if (!polished.solved) return a;
+  if (!inner.newton || !a.x_C.allFinite()) return a;
+  const Answer newton = by_newton(run, condensed, &a.x_C);
+  if (!newton.solved) return a;
   s.eps = 0;
   s.layer = Layer::newton;
-  return polished;
+  return newton;
 }
 
 /// Whether a rigid motion shows that contact and friction cannot hold the load. Asked once a call.

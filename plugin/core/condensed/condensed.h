@@ -17,7 +17,7 @@ class CondensedSolver {
     return elimination_->factor(*system_, memory_bound);
   }
 
-  /// settings.polish: semismooth Newton on the unregularized laws, and what follows where it does
+  /// settings.newton: semismooth Newton on the unregularized laws, and what follows where it does
   /// not arrive; else the regularized conjugate gradient and the fixed point on S.
   /// problem.system is the one that was factored.
   Solution solve(const ContactProblem& problem, const Settings& settings, const Vector& x0);
