@@ -101,8 +101,8 @@ inline Reference reference_solution(const ContactProblem& p) {
   return result;
 }
 
-/// Whether any of the 4^m combinations of open, stick and slip to either side obeys Coulomb's laws on
-/// S: 2D, few nodes. Solves each as a linear system.
+/// Whether any of the 4^m combinations of open, stick and slip to either side obeys Coulomb's laws
+/// on S: 2D, few nodes. Solves each as a linear system.
 inline bool any_combination_of_branches(const Eigen::MatrixXd& S, const Eigen::VectorXd& f,
                                         const Eigen::VectorXd& gap, const Eigen::VectorXd& mu) {
   const int m = int(gap.size());
@@ -111,8 +111,9 @@ inline bool any_combination_of_branches(const Eigen::MatrixXd& S, const Eigen::V
     Eigen::MatrixXd K = S / stiffness;
     Eigen::VectorXd b = f / stiffness;
     for (int i = 0; i < m; ++i) {
-      const int branch = code >> (2 * i) & 3, N = 2 * i, T = 2 * i + 1;  // 0 open, 1 stick, 2, 3 slip
-      if (branch >= 2) {  // r_T = +- mu r_N, r = f - Sx
+      const int branch = code >> (2 * i) & 3, N = 2 * i,
+                T = 2 * i + 1;  // 0 open, 1 stick, 2, 3 slip
+      if (branch >= 2) {        // r_T = +- mu r_N, r = f - Sx
         const double factor = (branch == 2 ? 1 : -1) * mu[i];
         K.row(T) -= factor * K.row(N);
         b[T] -= factor * b[N];

@@ -10,8 +10,8 @@
 
 namespace frictioncg::test {
 
-/// Sum of |t - G lambda| over lambda >= 0, at its least: phase 1 of the simplex method, with Bland's
-/// rule; 0 where t lies in the cone of the columns of G.
+/// Sum of |t - G lambda| over lambda >= 0, at its least: phase 1 of the simplex method, with
+/// Bland's rule; 0 where t lies in the cone of the columns of G.
 inline double distance_to_cone(Eigen::MatrixXd G, Eigen::VectorXd t) {
   const int rows = int(G.rows()), columns = int(G.cols());
   for (int i = 0; i < rows; ++i)
@@ -92,7 +92,8 @@ class RigidStatics {
     bool sure = held(1 - margin, none) == now && held(1 + margin, none, true) == now;
     for (int k = 0; k < motions() && sure; ++k)
       for (double sign : {-1.0, 1.0}) {
-        const Eigen::VectorXd more = sign * margin * load_.norm() * Eigen::VectorXd::Unit(motions(), k);
+        const Eigen::VectorXd more =
+            sign * margin * load_.norm() * Eigen::VectorXd::Unit(motions(), k);
         sure &= held(1, more, !now) == now;
       }
     if (!now) return sure ? -1 : 0;
@@ -108,14 +109,16 @@ class RigidStatics {
       Eigen::Vector3d n(s_.points[p].normal.data());
       Eigen::MatrixXd w(s_.d, motions());
       for (int k = 0; k < s_.d; ++k) w.row(k) = W_.row(s_.points[p].dof[k]);
-      double mu = s_.law == Law::coulomb && s_.points[p].friction ? friction_factor * s_.friction[p] : 0;
+      double mu =
+          s_.law == Law::coulomb && s_.points[p].friction ? friction_factor * s_.friction[p] : 0;
       std::vector<Eigen::Vector3d> tangents;
       if (s_.d == 2) {
         tangents = {{-n[1], n[0], 0}, {n[1], -n[0], 0}};
       } else {
         const Eigen::Vector3d t1 = n.unitOrthogonal(), t2 = n.cross(t1);
         for (int k = 0; k < sides; ++k)
-          tangents.push_back(std::cos(2 * M_PI * k / sides) * t1 + std::sin(2 * M_PI * k / sides) * t2);
+          tangents.push_back(std::cos(2 * M_PI * k / sides) * t1 +
+                             std::sin(2 * M_PI * k / sides) * t2);
         if (around) mu /= std::cos(M_PI / sides);
       }
       for (const Eigen::Vector3d& t : tangents)
@@ -135,7 +138,8 @@ class RigidStatics {
 /// unit of area): P1 elasticity on 2 n x m triangles; both end faces may touch floor or wall.
 inline Scene ladder(double degrees, double mu_floor, double mu_wall, int n = 20, int m = 2) {
   const double th = degrees * M_PI / 180, c = std::cos(th), s = std::sin(th), l = 4, t = 0.2;
-  const double E = 1e5, nu = 0.3, lambda = E * nu / ((1 + nu) * (1 - 2 * nu)), G = E / (2 * (1 + nu));
+  const double E = 1e5, nu = 0.3, lambda = E * nu / ((1 + nu) * (1 - 2 * nu)),
+               G = E / (2 * (1 + nu));
   const auto id = [&](int i, int j) { return i + (n + 1) * j; };
   std::vector<Eigen::Vector2d> X;
   for (int j = 0; j <= m; ++j)

@@ -10,11 +10,11 @@ namespace frictioncg {
 
 namespace {
 
-constexpr Real sigma = 0.5;          ///< of the springs, in units of D: costs S one digit
-constexpr int dense_matrices = 3;    ///< S, the matrix of a Newton step, and what solves it
-constexpr Real small_pivot = 1e-9;   ///< over D: below it a pivot may be the rounding of 0
-constexpr Real rigid = 1e-14;        ///< <Av,v>/<Dv,v> up to which v costs no energy
-constexpr Index most_motions = 6;    ///< of one body
+constexpr Real sigma = 0.5;         ///< of the springs, in units of D: costs S one digit
+constexpr int dense_matrices = 3;   ///< S, the matrix of a Newton step, and what solves it
+constexpr Real small_pivot = 1e-9;  ///< over D: below it a pivot may be the rounding of 0
+constexpr Real rigid = 1e-14;       ///< <Av,v>/<Dv,v> up to which v costs no energy
+constexpr Index most_motions = 6;   ///< of one body
 constexpr Index panel_width = 64;
 
 }  // namespace
@@ -130,7 +130,8 @@ bool CholmodElimination::analyze(const System& system, UpperTriangle& A) {
   const std::vector<Index> order = contact_last(system, ordering, common_);
   const auto fits = [&] {
     L_ = cholmod_analyze_p(&A.view, const_cast<Index*>(order.data()), nullptr, 0, &common_);
-    if (common_.status == CHOLMOD_TOO_LARGE) memory_needed_ = std::numeric_limits<double>::infinity();
+    if (common_.status == CHOLMOD_TOO_LARGE)
+      memory_needed_ = std::numeric_limits<double>::infinity();
     if (common_.status == CHOLMOD_TOO_LARGE) return false;
     check(L_ != nullptr, common_);
     return true;

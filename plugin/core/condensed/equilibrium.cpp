@@ -10,7 +10,8 @@ namespace {
 constexpr Real rounding = 1e-9;      ///< of a load, up to which it counts as balanced
 constexpr Real most_pressure = 1e6;  ///< over the load: larger forces are neither held nor excluded
 constexpr Real no_descent = 1e-14;   ///< cosine up to which a column does not lead to the target
-constexpr int most_rounds = 300;     ///< 2D ends by itself; tangents to cones in 3D converge like Newton
+constexpr int most_rounds =
+    300;  ///< 2D ends by itself; tangents to cones in 3D converge like Newton
 
 /// The point of a cone, given by columns that come one by one, that is nearest to a target
 /// (nonnegative least squares of Lawson and Hanson).

@@ -6,14 +6,14 @@ namespace frictioncg {
 
 namespace {
 
-constexpr Real rigid = 1e-11;        ///< <Sw,w>/<Dw,w> of a rigid motion: S carries rounding of D
-constexpr Real rigid_in_A = 1e-13;   ///< the same in A, where only the entries are rounded
-constexpr Real first_shift = 1e-9;   ///< of inverse iteration, relative to D
+constexpr Real rigid = 1e-11;       ///< <Sw,w>/<Dw,w> of a rigid motion: S carries rounding of D
+constexpr Real rigid_in_A = 1e-13;  ///< the same in A, where only the entries are rounded
+constexpr Real first_shift = 1e-9;  ///< of inverse iteration, relative to D
 constexpr Real greatest_shift = 1e-5;
-constexpr int sweeps = 8;            ///< of inverse iteration: a softest mode of 1e-8 D is out by then
-constexpr Index first_block = 7;     ///< one more than a single body has
-constexpr Real new_direction = 1e-5; ///< what is left of a motion beside those found before it
-constexpr Real settled = 1e-12;      ///< |A y - A z| over |A z|, norm_D
+constexpr int sweeps = 8;         ///< of inverse iteration: a softest mode of 1e-8 D is out by then
+constexpr Index first_block = 7;  ///< one more than a single body has
+constexpr Real new_direction = 1e-5;  ///< what is left of a motion beside those found before it
+constexpr Real settled = 1e-12;       ///< |A y - A z| over |A z|, norm_D
 
 /// Columns without structure, so that they have a part along every motion.
 DenseMatrix arbitrary(Index n, Index columns, Index first = 0) {

@@ -9,13 +9,13 @@
 namespace frictioncg {
 
 namespace {
-constexpr Real singular = 1e-13;  ///< reciprocal condition number at which a motion counts as free
-constexpr Real load_share = 0.01;       ///< of the unit of the residual, as in the certificate
-constexpr Real rounding_margin = 100;   ///< S carries what the elimination has left
-constexpr Real solved = 1e-12;          ///< residual at which a node that grazes is on either branch
-constexpr Real settled = 1e-9;          ///< residual that may be rounding, once the branches stay
-constexpr int patience = 8;       ///< 3D: directions of slip may need some steps to settle
-constexpr Index large = 500;      ///< unknowns from which the factorization dominates a step
+constexpr Real singular = 1e-13;   ///< reciprocal condition number at which a motion counts as free
+constexpr Real load_share = 0.01;  ///< of the unit of the residual, as in the certificate
+constexpr Real rounding_margin = 100;  ///< S carries what the elimination has left
+constexpr Real solved = 1e-12;         ///< residual at which a node that grazes is on either branch
+constexpr Real settled = 1e-9;         ///< residual that may be rounding, once the branches stay
+constexpr int patience = 8;            ///< 3D: directions of slip may need some steps to settle
+constexpr Index large = 500;           ///< unknowns from which the factorization dominates a step
 }  // namespace
 
 SemismoothNewton::SemismoothNewton(const CondensedProblem& problem)

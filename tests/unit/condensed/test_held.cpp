@@ -9,10 +9,10 @@
 
 #include "core/condensed/cholmod_elimination.h"
 #include "core/solver.h"
-#include "random_scene.h"
-#include "reference.h"
-#include "statics.h"
-#include "verifier.h"
+#include "../random_scene.h"
+#include "../reference.h"
+#include "../statics.h"
+#include "../verifier.h"
 
 using namespace frictioncg;
 using namespace frictioncg::test;
@@ -67,11 +67,13 @@ TEST(Held, EveryLadderGetsTheVerdictOfStatics) {
         const Vector force = posed.force_to_global(a.certificate.r);
         EXPECT_LT(verify(s, posed.to_global(a.x), force).worst(), 1e-6);
       }
-  std::cout << "ladders: " << stand << " stand, " << fall << " fall, " << unsure << " at the limit\n";
+  std::cout << "ladders: " << stand << " stand, " << fall << " fall, " << unsure
+            << " at the limit\n";
 }
 
 TEST(Held, RandomBodiesAreSolvedOrProvenToFall) {
-  const unsigned count = from_environment("HELD_SCENES", 300), seed = from_environment("HELD_SEED", 1);
+  const unsigned count = from_environment("HELD_SCENES", 300),
+                 seed = from_environment("HELD_SEED", 1);
   std::map<int, std::map<Status, unsigned>> ends;
   for (unsigned k = 0; k < count; ++k) {
     const Recipe recipe = floating_recipe(seed + k);
@@ -82,15 +84,22 @@ TEST(Held, RandomBodiesAreSolvedOrProvenToFall) {
     ++ends[truth][a.status];
     EXPECT_FALSE(truth > 0 && a.status == Status::no_equilibrium) << recipe;
     EXPECT_FALSE(truth < 0 && a.status == Status::converged) << recipe;
-    const bool bad = truth > 0 ? a.status != Status::converged : truth < 0 && a.status != Status::no_equilibrium;
+    const bool bad =
+        truth > 0 ? a.status != Status::converged : truth < 0 && a.status != Status::no_equilibrium;
     std::string none;
     if (bad && truth > 0 && s.d == 2 && s.points.size() <= 6) {
       const ContactProblem& p = posed.problem();
       CholmodElimination elimination;
-      if (elimination.factor(*p.system, 1e9) == Elimination::Outcome::done && p.contact_dofs() == 2 * p.nodes())
-        none = any_combination_of_branches(elimination.S(), elimination.condense(p.increment.F), p.increment.gap, p.increment.mu) ? "EXISTS " : "none exists ";
+      if (elimination.factor(*p.system, 1e9) == Elimination::Outcome::done &&
+          p.contact_dofs() == 2 * p.nodes())
+        none = any_combination_of_branches(elimination.S(), elimination.condense(p.increment.F),
+                                           p.increment.gap, p.increment.mu)
+                   ? "EXISTS "
+                   : "none exists ";
     }
-    if (bad && std::getenv("HELD_VERBOSE")) std::cout << none << truth << " " << int(a.status) << " res " << a.certificate.residual << " it " << a.iterations << " " << recipe << "\n";
+    if (bad && std::getenv("HELD_VERBOSE"))
+      std::cout << none << truth << " " << int(a.status) << " res " << a.certificate.residual
+                << " it " << a.iterations << " " << recipe << "\n";
   }
   for (const auto& [truth, of] : ends) {
     std::cout << (truth > 0 ? "held:" : truth < 0 ? "not held:" : "at the limit:");
