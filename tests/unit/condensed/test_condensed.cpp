@@ -5,9 +5,9 @@
 #include "core/condensed/cholmod_elimination.h"
 #include "core/condensed/condensed.h"
 #include "core/solver.h"
-#include "random_scene.h"
-#include "reference.h"
-#include "verifier.h"
+#include "../random_scene.h"
+#include "../reference.h"
+#include "../verifier.h"
 
 using namespace frictioncg;
 using namespace frictioncg::test;
