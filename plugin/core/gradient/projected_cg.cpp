@@ -155,7 +155,8 @@ void ProjectedCG::judge(Turn& turn, Real rho) {
   update_friction();
   turn.released = true;
   turn.restart |= rule_->restarts();
-  turn.stop = false;
+  // a release may leave nothing to descend along: the answer of a few dofs, met exactly
+  turn.stop = P_->r_z() == 0 && it_.faces.violation(it_.rows.r(), it_.g) <= eps_0;
 }
 
 /// r on the contact dofs, J'' and the mask. True where J has another quadratic form from here on,
