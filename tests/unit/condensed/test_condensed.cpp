@@ -299,3 +299,21 @@ TEST(Condensed, AToleranceBelowRoundingEndsStagnatedWithTheBestField) {
   EXPECT_EQ(a.status, Status::stagnated);
   EXPECT_LT(a.certificate.residual, 1e-12);
 }
+
+TEST(Condensed, TangentsWithoutAFrictionLawSlideFreely) {
+  for (int d : {2, 3}) {
+    BlockOptions o;
+    o.d = d;
+    o.cells = d == 2 ? 5 : 2;
+    o.clamp_side = true;
+    Scene s = block(o), bare = s;
+    s.law = bare.law = Law::frictionless;
+    for (ContactPoint& p : bare.points) p.friction = false;
+    const Posed with = s.system(), without = bare.system();
+    const Solution a = solve(with.problem(), Settings()), b = solve(without.problem(), Settings());
+    ASSERT_EQ(a.status, Status::converged);
+    EXPECT_EQ(a.layer, Layer::newton);
+    const Vector u = with.to_global(a.x), v = without.to_global(b.x);
+    EXPECT_LT((u - v).norm(), 1e-10 * v.norm());
+  }
+}
