@@ -40,7 +40,8 @@ PREFIX     ?= $(FF_PREFIX)
 
 CORE      := $(wildcard plugin/core/*.cpp plugin/core/*/*.cpp plugin/core/*/*/*.cpp)
 OBJECTS   := $(CORE:plugin/%.cpp=$(BUILD)/%.o)
-HEADERS   := $(wildcard plugin/core/*.h plugin/core/*/*.h plugin/core/*/*/*.h plugin/freefem/*.h)
+CORE_H    := $(wildcard plugin/core/*.h plugin/core/*/*.h plugin/core/*/*/*.h)
+HEADERS   := $(CORE_H) $(wildcard plugin/freefem/*.h)
 UNIT      := $(filter-out tests/unit/standalone/%,$(wildcard tests/unit/*.cpp tests/unit/*/*.cpp))
 IDP       := $(wildcard edp/*.idp)
 SCRIPTS   := $(wildcard tests/edp/*.edp)
@@ -73,7 +74,7 @@ setup: ## install what is missing from Debian's packages
 	    apt-get install -y -qq --no-install-recommends $$missing >/dev/null || { echo "cannot install:$$missing"; exit 1; }; \
 	fi
 
-$(BUILD)/core/%.o: plugin/core/%.cpp $(HEADERS)
+$(BUILD)/core/%.o: plugin/core/%.cpp $(CORE_H)
 	@mkdir -p $(@D)
 	$(CXX) $(FLAGS) $(CORE_FLAGS) -c $< -o $@
 
@@ -126,7 +127,7 @@ WRAP := -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
 $(BUILD)/unit/%.o: tests/unit/%.cpp $(HEADERS) $(wildcard tests/unit/*.h tests/unit/*/*.h)
 	@mkdir -p $(@D)
-	$(CXX) $(FLAGS) -Iplugin -Itests -c $< -o $@
+	$(CXX) $(FLAGS) -O1 -Iplugin -Itests -c $< -o $@
 
 # The benchmarks run in FreeFEM, with one thread, in the same process as what they compare with.
 $(BUILD)/%.so: tests/bench/%.cpp $(OBJECTS) $(HEADERS)

@@ -28,7 +28,7 @@ enum class Step {
 
 struct Settings {
   Method method = Method::automatic;
-  bool polish = true;   ///< condensed: semismooth Newton on the unregularized laws
+  bool newton = true;   ///< condensed: semismooth Newton on the unregularized laws
   double memory = 8e9;  ///< [bytes] that the factor and the dense matrices may take
   Regularization reg = Regularization::polynomial;
   Real regeps = 0;  ///< [length]; 0: from the scene, 1e-8 max|x| and less if tol asks for it
@@ -36,7 +36,7 @@ struct Settings {
   Real omega = 0;  ///< relaxation, in (0, 2); 0: 1 as in the paper, gcx 1.5, sorp 1.8
   Step step = Step::exact;
   Real tol = 1e-8;     ///< on the certificate, dimensionless
-  Index nbiter = 0;    ///< bound on all iterations of a call; 0: 10 sqrt(n) + 20 m + 10000
+  Index nbiter = 0;    ///< bound on all iterations of a call; 0: 20 sqrt(n) + 20 m + 10000
   Real partial = 100;  ///< eps_1/eps_0 of section 3: GC3 tests for release at `partial` times tol
   /// Only to repeat the paper's tables: stop at |dx| <= stop_on_step |x|. Proves nothing; 0: off.
   Real stop_on_step = 0;

@@ -24,7 +24,7 @@ constexpr Real rounding_margin = 10;
 /// The method that stands in for the condensed route, without a factor: not regularized either,
 /// unless the settings ask for it.
 Settings without_factor(Settings settings) {
-  settings.method = settings.polish ? Method::gcx : Method::gc3;
+  settings.method = settings.newton ? Method::gcx : Method::gc3;
   return settings;
 }
 
@@ -91,23 +91,16 @@ bool at_rest(const Increment& increment) {
   return increment.F.isZero(0) && (increment.bilateral ? (closed == 0).all() : (closed >= 0).all());
 }
 
-/// The last word on a field is its certificate's: converged where it is below tol and nowhere else;
-/// and where rounding is what keeps it above, the method is not blamed.
-void conclude(const ContactProblem& problem, const Settings& settings, Solution& s) {
-  const Certificate& c = s.certificate;
-  const bool by_rounding = c.residual <= rounding_margin * c.attainable;
-  const bool blames_method = s.status == Status::max_iterations ||
-                             s.status == Status::regularized ||
-                             s.status == Status::fixed_point_diverged;
-  if (c.residual <= settings.tol)
-    s.status = Status::converged;
-  else if (s.status == Status::converged ? settings.stop_on_step == 0
-                                         : blames_method && by_rounding)
-    s.status = Status::stagnated;
-  s.state = classify(problem, s.x, c);
-}
-
 }  // namespace
+
+Status concluded(Status status, const Certificate& certificate, const Settings& settings) {
+  if (certificate.residual <= settings.tol) return Status::converged;
+  if (status == Status::converged) return settings.stop_on_step > 0 ? status : Status::stagnated;
+  const bool blames_method = status == Status::max_iterations || status == Status::regularized ||
+                             status == Status::fixed_point_diverged;
+  const bool by_rounding = certificate.residual <= rounding_margin * certificate.attainable;
+  return blames_method && by_rounding ? Status::stagnated : status;
+}
 
 /// A factorization serves every load and law that follows, and the laws on the contact dofs alone
 /// are then exact and cheap: the route unless the settings name another method.
@@ -121,7 +114,7 @@ Plan make_plan(const ContactProblem& problem, const Settings& settings) {
   plan.law = problem.nodes() > 0 ? problem.increment.law : Law::frictionless;
   plan.fixed_point = plan.law == Law::coulomb;
   const bool smooths = settings.method != Method::sorp && settings.method != Method::gcx;
-  plan.regularization = plan.law != Law::frictionless && (direct ? !settings.polish : smooths);
+  plan.regularization = plan.law != Law::frictionless && (direct ? !settings.newton : smooths);
   return plan;
 }
 
@@ -153,7 +146,8 @@ Solution Solver::solve(const Increment& increment, const Settings& settings, con
   } else {
     s = by_route(problem, settings, x0, observer);
   }
-  conclude(problem, settings, s);
+  s.status = concluded(s.status, s.certificate, settings);
+  s.state = classify(problem, s.x, s.certificate);
   return s;
 }
 
@@ -166,7 +160,7 @@ Solution Solver::by_route(const ContactProblem& problem, const Settings& setting
   const bool kept = factored_;
   if (!condense(settings)) return iterate(problem, without_factor(settings), x0, observer);
   Solution s = condensed_->solve(problem, settings, x0);
-  if (settings.polish) try_without_factor(problem, settings, observer, s);
+  if (settings.newton) try_without_factor(problem, settings, observer, s);
   if (!kept) {
     const EliminationTimes& t = condensed_->elimination().times();
     s.times.order = t.order;

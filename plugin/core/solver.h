@@ -23,6 +23,11 @@ std::unique_ptr<TrescaSolver> make_tresca_solver(const ContactProblem& problem,
                                                  const Settings& settings, Index max_iterations,
                                                  Observer* observer);
 
+/// The last word on a status is the certificate's: converged where its residual is below tol and
+/// nowhere else (or where the paper's own rule is asked for); and where rounding is what keeps it
+/// above, the method is not blamed.
+Status concluded(Status status, const Certificate& certificate, const Settings& settings);
+
 class CondensedSolver;
 
 /// Solves increment after increment of one system: a factorization is made at the first call that

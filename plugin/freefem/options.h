@@ -31,7 +31,7 @@ inline bool by_condensation(const Settings& s) {
 }
 /// GC1 to GC3, or the conjugate gradient on the condensed system: friction is regularized.
 inline bool smooths_friction(const Settings& s) {
-  if (by_condensation(s)) return !s.polish;
+  if (by_condensation(s)) return !s.newton;
   return s.method != Method::gcx && s.method != Method::sorp;
 }
 inline bool has_relaxation(const Settings& s) {
@@ -41,7 +41,7 @@ inline bool has_relaxation(const Settings& s) {
 /// An option without effect is refused: it would let the user believe in what does not happen. The
 /// core sees values alone; here what is given counts, be it the default.
 inline void refuse_without_effect(const Arguments& args, const Settings& s) {
-  const bool newton = by_condensation(s) && s.polish, smooth = smooths_friction(s);
+  const bool newton = by_condensation(s) && s.newton, smooth = smooths_friction(s);
   const auto rule = [&](Parameter p, bool has_effect, const char* because) {
     if (!args.has(p) || has_effect) return;
     const std::string name = parameters[p].name, method = name_of(s.method, methods);
@@ -70,7 +70,7 @@ inline Settings read_settings(Stack stack, const Arguments& args) {
   s.reg = args.chosen(stack, p_reg, regularizations, s.reg);
   s.precon = args.chosen(stack, p_precon, preconditioners, s.precon);
   s.step = args.chosen(stack, p_step, steps, s.step);
-  s.polish = args.value(stack, args.has(p_newton) ? p_newton : p_polish, s.polish);
+  s.newton = args.value(stack, args.has(p_newton) ? p_newton : p_polish, s.newton);
   s.regeps = args.value(stack, p_regeps, s.regeps);
   s.omega = args.value(stack, p_omega, s.omega);
   s.tol = args.value(stack, p_tol, s.tol);

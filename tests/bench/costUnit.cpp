@@ -14,7 +14,8 @@
 //     CPU seconds of the same frictionless scene without any code for friction: copy, factor,
 //     active set on S, back-substitution, residual; u becomes the field
 //   real m = peakMemory(reset);  peak memory of the process since the last reset [MB]
-#include "../../plugin/freefem/pose.h"
+#include "../../plugin/freefem/call.h"
+#include "../../plugin/freefem/errors.h"
 
 #include "core/condensed/cholmod_elimination.h"
 
@@ -82,6 +83,11 @@ struct PosedScene {
   const Increment& increment;
   const Vector& u0;
   const System& system() const { return *scene.system->system(); }
+  Vector local(const KN_<double>& u) const {
+    const Vector field = copy_of(u);
+    check_vector(field, "u", scene.ndof);
+    return scene.system->to_local(field);
+  }
 };
 
 /// name(A, b, Vh, label, extra ..., mu=.., gap=..): poses the contact problem, and hands it to
@@ -91,7 +97,7 @@ class OnScene : public E_F0mps {
  public:
   using Result = typename Body::Result;
   explicit OnScene(const basicAC_F0& args)
-      : arguments_(args, Dimension<typename V::FESpace>::d, true),
+      : arguments_(args, Dimension<typename V::FESpace>::d),
         A_(to<Matrice_Creuse<double>*>(args[0])),
         b_(to<KN_<double>>(args[1])),
         Vh_(to<typename V::pfes*>(args[2])),
@@ -106,11 +112,11 @@ class OnScene : public E_F0mps {
   static E_F0* f(const basicAC_F0& args) { return new OnScene(args); }
   AnyType operator()(Stack stack) const override {
     return translated(Body::name, [&] {
-      const auto scene =
-          pose<V>(stack, arguments_, GetAny<Matrice_Creuse<double>*>((*A_)(stack)),
-                  GetAny<typename V::pfes*>((*Vh_)(stack)), {GetAny<long>((*label_)(stack))}, true);
-      const LocalIncrement now =
-          scene->increment(checked_vector(GetAny<KN_<double>>((*b_)(stack)), "b", scene->ndof), {});
+      const Call call(stack, arguments_, b_);
+      PointLaws laws;
+      const auto scene = pose<V>(stack, arguments_, A_, GetAny<typename V::pfes*>((*Vh_)(stack)),
+                                 {GetAny<long>((*label_)(stack))}, true, laws);
+      const LocalIncrement now = increment(call, *scene, laws);
       return SetAny<Result>(
           run(stack, {*scene, now.increment, now.u0}, std::index_sequence_for<Extra...>()));
     });
@@ -164,7 +170,7 @@ struct AttainableResidual {
   using Result = double;
   static Result run(Stack, const PosedScene& posed, KN_<double> u) {
     const System& p = posed.system();
-    const Vector x = posed.scene.system->to_local(checked_vector(u, "u", posed.scene.ndof));
+    const Vector x = posed.local(u);
     const Vector size = p.A.cwiseAbs() * x.cwiseAbs();
     return std::numeric_limits<double>::epsilon() * norm_D(p, size) / posed.increment.force_scale;
   }
@@ -206,7 +212,7 @@ struct ExportSystem {
   using Result = double;
   static Result run(Stack, const PosedScene& posed, string* file, KN_<double> u) {
     const System& p = posed.system();
-    const Vector x = posed.scene.system->to_local(checked_vector(u, "u", posed.scene.ndof));
+    const Vector x = posed.local(u);
     const double start = cpu_seconds();
     CholmodElimination elimination;
     elimination.factor(p, 1e11);

@@ -1,6 +1,7 @@
 // A FreeFEM plugin of the benchmarks: paperTables(A, b, Vh, label, mu=..., ...) repeats the tables
 // 3 to 6 of Raous and Barbarin (1992) on the scene it is given, with the paper's own counts beside.
-#include "../../plugin/freefem/pose.h"
+#include "../../plugin/freefem/call.h"
+#include "../../plugin/freefem/errors.h"
 
 #include <iomanip>
 
@@ -195,7 +196,7 @@ class PaperTables : public E_F0mps {
  public:
   using Result = long;
   explicit PaperTables(const basicAC_F0& args)
-      : arguments_(args, 2, true),
+      : arguments_(args, 2),
         A_(to<Matrice_Creuse<double>*>(args[0])),
         b_(to<KN_<double>>(args[1])),
         Vh_(to<pfes*>(args[2])),
@@ -208,11 +209,11 @@ class PaperTables : public E_F0mps {
   static E_F0* f(const basicAC_F0& args) { return new PaperTables(args); }
   AnyType operator()(Stack stack) const override {
     return translated("paperTables", [&] {
-      const auto scene =
-          pose<v_fes>(stack, arguments_, GetAny<Matrice_Creuse<double>*>((*A_)(stack)),
-                      GetAny<pfes*>((*Vh_)(stack)), {GetAny<long>((*label_)(stack))}, true);
-      const LocalIncrement now =
-          scene->increment(checked_vector(GetAny<KN_<double>>((*b_)(stack)), "b", scene->ndof), {});
+      const Call call(stack, arguments_, b_);
+      PointLaws laws;
+      const auto scene = pose<v_fes>(stack, arguments_, A_, GetAny<pfes*>((*Vh_)(stack)),
+                                     {GetAny<long>((*label_)(stack))}, true, laws);
+      const LocalIncrement now = increment(call, *scene, laws);
       const Tables tables({scene->system->system(), now.increment});
       const PaperCounts counts[] = {{{{102, 71, 93}, {98, 93, 90}, {50, 49, 47}},
                                      225,

@@ -1,7 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "core/solver.h"
 #include "driven.h"
+#include "random_scene.h"
 #include "verifier.h"
 
 using namespace frictioncg;
@@ -208,7 +211,7 @@ TEST(Solver, TheUniformStickPatchSlipsByExactlyTheRegularization) {
       const Posed system = s.system();
       for (Method method : {Method::gc3, Method::condensed}) {
         settings.method = method;
-        settings.polish = method == Method::gc3;  // condensed: the conjugate gradient on S
+        settings.newton = method == Method::gc3;  // condensed: the conjugate gradient on S
         const Solution a = solve(system.problem(), settings);
         EXPECT_EQ(a.status, Status::regularized);
         const Real slip = reg == Regularization::polynomial ? 1e-3 * shear
@@ -484,5 +487,148 @@ TEST(Solver, AToleranceBelowRoundingEndsStagnatedAndSaysWhatCanBeReached) {
     EXPECT_EQ(a.status, Status::stagnated) << int(m);
     EXPECT_GT(a.certificate.attainable, 1e-17) << int(m);
     EXPECT_LT(a.certificate.residual, 10 * a.certificate.attainable) << int(m);
+    if (m == Method::automatic) EXPECT_LT(a.iterations, 40);  // A itself would be no better
   }
+}
+
+namespace {
+
+/// Scenes that Newton's method on S does not solve: nearly incompressible, held by contact alone.
+constexpr unsigned hard_seeds[] = {323, 2407, 3771, 4409, 5500};
+
+}  // namespace
+
+TEST(Solver, WhereTheFactorDoesNotFitTheSameLawsAreSolvedOnA) {
+  const Scene s = block(BlockOptions());
+  Settings settings;
+  settings.memory = 1000;
+  settings.tol = 1e-6;
+  const Solution a = run(s, settings).solution;
+  EXPECT_EQ(a.status, Status::converged);
+  EXPECT_EQ(a.route, Route::iterative);
+  EXPECT_EQ(a.layer, Layer::gcx);
+  EXPECT_EQ(a.eps, 0);
+  settings.newton = false;
+  const Solution b = run(s, settings).solution;
+  EXPECT_EQ(b.layer, Layer::gc);
+  EXPECT_GT(b.eps, 0);
+}
+
+TEST(Solver, WhereTheCondensedRouteDoesNotArriveAItselfAnswers) {
+  int answers = 0;
+  for (unsigned seed : hard_seeds) {
+    const Posed system = make_scene(random_recipe(seed)).system();
+    const Solution a = solve(system.problem(), Settings());
+    if (a.layer != Layer::gcx) continue;
+    ++answers;
+    Settings settings;
+    settings.method = Method::gcx;
+    const Solution alone = solve(system.problem(), settings);
+    EXPECT_EQ(alone.layer, Layer::gcx);
+    EXPECT_EQ(a.status, Status::converged) << seed;
+    EXPECT_EQ(a.x, alone.x) << seed;
+    EXPECT_GT(a.iterations, alone.iterations) << seed;  // what the condensed route took counts
+    EXPECT_GT(a.times.factor, 0) << seed;
+  }
+  EXPECT_GT(answers, 0);
+}
+
+TEST(Solver, TheBoundOnTheIterationsHoldsForAllLayersTogether) {
+  for (unsigned seed : hard_seeds) {
+    const Posed system = make_scene(random_recipe(seed)).system();
+    for (Method m : {Method::automatic, Method::gc3, Method::gcx, Method::sorp})
+      for (Index bound : {1, 3, 10, 30, 100, 300}) {
+        Settings settings;
+        settings.method = m;
+        settings.nbiter = bound;
+        const Solution a = solve(system.problem(), settings);
+        EXPECT_LE(a.iterations, bound) << seed << " " << int(m);
+        EXPECT_LE(a.steps.total(), bound) << seed << " " << int(m);
+      }
+  }
+}
+
+TEST(Solver, WithoutABoundACallTakesTenThousandIterationsAndTwentyForEachNodeAndRootOfDofs) {
+  const Posed system = block(BlockOptions()).system();  // 5 nodes, 50 dofs
+  EXPECT_EQ(default_iterations(system.problem()), 10000 + 20 * 5 + 141);
+}
+
+TEST(Solver, ThePlanLeavesOutWhatTheSceneDoesNotNeed) {
+  const auto plan = [](Law law, Method method, bool newton) {
+    BlockOptions o;
+    o.law = law;
+    const Posed system = block(o).system();
+    Settings settings;
+    settings.method = method;
+    settings.newton = newton;
+    return make_plan(system.problem(), settings);
+  };
+  EXPECT_EQ(plan(Law::coulomb, Method::automatic, true).route, Route::condensed);
+  EXPECT_EQ(plan(Law::coulomb, Method::condensed, true).route, Route::condensed);
+  EXPECT_EQ(plan(Law::coulomb, Method::gcx, true).route, Route::iterative);
+  EXPECT_TRUE(plan(Law::coulomb, Method::automatic, true).fixed_point);
+  EXPECT_FALSE(plan(Law::tresca, Method::automatic, true).fixed_point);
+  EXPECT_FALSE(plan(Law::coulomb, Method::automatic, true).regularization);
+  EXPECT_TRUE(plan(Law::coulomb, Method::automatic, false).regularization);
+  EXPECT_TRUE(plan(Law::tresca, Method::gc1, true).regularization);
+  EXPECT_FALSE(plan(Law::tresca, Method::gcx, true).regularization);
+  EXPECT_FALSE(plan(Law::tresca, Method::sorp, true).regularization);
+  EXPECT_FALSE(plan(Law::frictionless, Method::gc3, true).regularization);
+  EXPECT_EQ(plan(Law::tresca, Method::gc3, true).tangents, 5);
+  EXPECT_EQ(plan(Law::tresca, Method::gc3, true).nodes, 5);
+  EXPECT_EQ(plan(Law::tresca, Method::gc3, true).dofs, 50);
+  const auto empty = std::make_shared<System>();
+  empty->first = {0};
+  ContactProblem nothing{empty, {}};
+  nothing.increment.law = Law::coulomb;
+  EXPECT_EQ(make_plan(nothing, Settings()).law, Law::frictionless);
+}
+
+TEST(Solver, TheObserverHearsOfTheCondensedAnswerOnceAndOfIterationsOneByOne) {
+  struct Count : Observer {
+    Index calls = 0, last = 0;
+    Vector x;
+    void iterate(Index iteration, StepLabel, const Vector& at) override {
+      ++calls;
+      last = iteration;
+      x = at;
+    }
+  };
+  const Posed system = block(BlockOptions()).system();
+  Count direct, iterative;
+  const Solution a = solve(system.problem(), Settings(), {}, &direct);
+  EXPECT_EQ(direct.calls, 1);
+  EXPECT_EQ(direct.last, a.iterations);
+  EXPECT_EQ(direct.x, a.x);
+  Settings settings;
+  settings.method = Method::gcx;
+  const Solution b = solve(system.problem(), settings, {}, &iterative);
+  EXPECT_EQ(iterative.calls, b.iterations);
+}
+
+TEST(Solver, TheCertificateHasTheLastWordOnTheStatus) {
+  Settings settings;
+  settings.tol = 1e-8;
+  Certificate c;
+  c.residual = 1e-8;
+  for (Status s : {Status::converged, Status::max_iterations, Status::stagnated,
+                   Status::regularized, Status::fixed_point_diverged})
+    EXPECT_EQ(concluded(s, c, settings), Status::converged);
+  c.residual = 1.01e-8;  // above tol, and not by rounding
+  c.attainable = 1e-9;
+  EXPECT_EQ(concluded(Status::converged, c, settings), Status::stagnated);
+  for (Status s : {Status::max_iterations, Status::stagnated, Status::regularized,
+                   Status::fixed_point_diverged, Status::no_equilibrium})
+    EXPECT_EQ(concluded(s, c, settings), s);
+  c.attainable = 2e-9;  // rounding leaves that much
+  for (Status s : {Status::converged, Status::max_iterations, Status::stagnated,
+                   Status::regularized, Status::fixed_point_diverged})
+    EXPECT_EQ(concluded(s, c, settings), Status::stagnated);
+  for (Status s : {Status::no_equilibrium, Status::not_positive_definite})
+    EXPECT_EQ(concluded(s, c, settings), s);
+  settings.stop_on_step = 1e-5;
+  EXPECT_EQ(concluded(Status::converged, c, settings), Status::converged);
+  c.residual = std::numeric_limits<Real>::quiet_NaN();
+  settings.stop_on_step = 0;
+  EXPECT_EQ(concluded(Status::converged, c, settings), Status::stagnated);
 }

@@ -2,13 +2,15 @@
 
 namespace frictioncg {
 
-std::vector<Image> images(const Basis& basis) {
+Images::Images(const Basis& basis) : plain(basis.T.rows(), -1), all(basis.T.rows()) {
   const Index* row = basis.T.outerIndexPtr();
-  std::vector<Image> all(basis.T.rows());
-  for (Index i = 0; i < basis.T.rows(); ++i)
-    if (row[i + 1] == row[i] + 1)
-      all[i] = {basis.T.innerIndexPtr()[row[i]], basis.T.valuePtr()[row[i]]};
-  return all;
+  for (Index i = 0; i < basis.T.rows(); ++i) {
+    if (row[i + 1] != row[i] + 1) continue;
+    const Index image = basis.T.innerIndexPtr()[row[i]];
+    const Real factor = basis.T.valuePtr()[row[i]];
+    all[i] = {image, factor};
+    if (factor == 1 && image < basis.local_dofs()) plain[i] = image;
+  }
 }
 
 Basis composed(const Coupling& coupling, const Basis& of_v) {

@@ -20,14 +20,19 @@ struct Basis {
   Index local_dofs() const { return static_cast<Index>(origin.size()); }
 };
 
-/// Row i of T where it has one entry: u_i = factor w[image]; several otherwise, and none where
-/// Dirichlet conditions hold u_i (image is then beyond the local dofs).
-struct Image {
-  Index image = -1;
-  Real factor = 1;
-  bool single() const { return image >= 0; }
+/// The rows of T that have one entry: u_i = factor w[image], image beyond the local dofs where
+/// Dirichlet conditions hold u_i.
+struct Images {
+  explicit Images(const Basis& basis);
+  /// n: the image of a free dof with factor 1, as nearly all are; negative otherwise.
+  std::vector<Index> plain;
+  struct Image {
+    Index image = -1;  ///< -1: the row has several entries
+    Real factor = 1;
+    bool single() const { return image >= 0; }
+  };
+  std::vector<Image> all;  ///< n
 };
-std::vector<Image> images(const Basis& basis);
 
 /// A change u = T v among the dofs of the script, v = W u, both n x n, with rows of the identity at
 /// Dirichlet dofs: v of a contact node is its displacement relative to the other body.

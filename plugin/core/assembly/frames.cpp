@@ -87,15 +87,15 @@ bool Frames::add_normal(Frame& f, Index point) const {
 /// Tangents: Gram-Schmidt on the axes, that least along the normals first; then the dual basis.
 void Frames::complete(Frame& f) const {
   const int normals = static_cast<int>(f.nodes.size());
-  Square free = f.to_local;  // the directions on free components
-  for (int c = 0; c < d_; ++c)
-    if (dirichlet_.holds(f.dof[c])) free.col(c).setZero();
-  Square orthonormal = free;
-  for (int k = 0; k < normals; ++k) {
+  Square orthonormal = on_free_components(f);
+  const auto orthogonalize = [&](int k) {
     for (int q = 0; q < k; ++q)
       orthonormal.row(k) -= orthonormal.row(k).dot(orthonormal.row(q)) * orthonormal.row(q);
+    for (int c = 0; c < d_; ++c)
+      if (dirichlet_.holds(f.dof[c])) orthonormal(k, c) = 0;
     orthonormal.row(k).normalize();
-  }
+  };
+  for (int k = 0; k < normals; ++k) orthogonalize(k);
   std::array<bool, 3> used{};
   for (int k = normals; k < f.free; ++k) {
     int axis = -1;
@@ -106,23 +106,30 @@ void Frames::complete(Frame& f) const {
       if (axis < 0 || along < least) axis = c, least = along;
     }
     used[axis] = true;
-    Eigen::Matrix<Real, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 3> t =
-        Eigen::Matrix<Real, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 3>::Unit(d_, axis);
-    for (int q = 0; q < k; ++q) t -= t.dot(orthonormal.row(q)) * orthonormal.row(q);
-    for (int c = 0; c < d_; ++c)
-      if (dirichlet_.holds(f.dof[c])) t[c] = 0;
-    orthonormal.row(k) = t.normalized();
-    free.row(k) = f.to_local.row(k) = orthonormal.row(k);
+    orthonormal.row(k).setZero();
+    orthonormal(k, axis) = 1;
+    orthogonalize(k);
+    f.to_local.row(k) = orthonormal.row(k);
   }
   orient(f);
+  dualize(f);
+}
+
+/// The directions on what Dirichlet conditions leave free.
+Frames::Square Frames::on_free_components(const Frame& f) const {
+  Square free = f.to_local;
+  for (int c = 0; c < d_; ++c)
+    if (dirichlet_.holds(f.dof[c])) free.col(c).setZero();
+  return free;
+}
+
+/// from_local: the inverse of the directions on the free components.
+void Frames::dualize(Frame& f) const {
+  const Square free = on_free_components(f);
   f.from_local.setZero(d_, d_);
-  if (normals == 1) {  // orthogonal rows
-    for (int k = 0; k < f.free; ++k) {
-      free.row(k) = f.to_local.row(k);
-      for (int c = 0; c < d_; ++c)
-        if (dirichlet_.holds(f.dof[c])) free(k, c) = 0;
+  if (f.nodes.size() == 1) {  // orthogonal rows: exact where they lie along the axes
+    for (int k = 0; k < f.free; ++k)
       f.from_local.col(k) = free.row(k).transpose() / free.row(k).squaredNorm();
-    }
   } else {
     const Eigen::MatrixXd rows = free.topRows(f.free);
     f.from_local.leftCols(f.free) = rows.completeOrthogonalDecomposition().pseudoInverse();

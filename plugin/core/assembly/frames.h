@@ -49,7 +49,9 @@ class Frames {
   void add_frame(const std::vector<Index>& points);
   bool add_normal(Frame& frame, Index point) const;
   void complete(Frame& frame) const;
+  Square on_free_components(const Frame& frame) const;
   void orient(Frame& frame) const;
+  void dualize(Frame& frame) const;
   void number(Index n);
   void fill(Index n);
 

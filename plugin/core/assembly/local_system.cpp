@@ -1,6 +1,7 @@
 #include "assembly/local_system.h"
 
 #include <limits>
+#include <sstream>
 
 #include "assembly/transform.h"
 
@@ -37,9 +38,26 @@ void LocalSystem::assemble(const Triplets& A, int dimension, const std::vector<I
   system_ = system;
 }
 
+/// Each vector of a call has a value for each dof, or for each contact point.
+void LocalSystem::check_sizes(const Vector& b, const Vector& u_old, const PointLaws& laws) const {
+  const Index n = static_cast<Index>(basis_->T.rows()), points = static_cast<Index>(points_.size());
+  const auto require_size = [](const char* name, Index size, Index wanted, const char* of) {
+    if (size == wanted) return;
+    std::ostringstream m;
+    m << name << " has " << size << " values; it takes " << wanted << ", one for each " << of;
+    throw IllegalInput(m.str());
+  };
+  require_size("b", static_cast<Index>(b.size()), n, "dof");
+  if (u_old.size() > 0) require_size("u_old", static_cast<Index>(u_old.size()), n, "dof");
+  require_size("gap", static_cast<Index>(laws.gap.size()), points, "contact point");
+  if (laws.law != Law::frictionless)
+    require_size("friction", static_cast<Index>(laws.friction.size()), points, "contact point");
+}
+
 /// F = T'b - K u_D - A w_old: the load of the increment.
 LocalIncrement LocalSystem::increment(const Vector& b, const Vector& u_old,
                                       const PointLaws& laws) const {
+  check_sizes(b, u_old, laws);
   LocalIncrement result;
   Increment& increment = result.increment;
   const Index w = basis_->local_dofs();

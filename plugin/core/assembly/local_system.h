@@ -9,8 +9,8 @@ namespace frictioncg {
 struct PointLaws {
   Law law = Law::frictionless;
   bool bilateral = false;
-  Vector gap;       ///< [length]
-  Vector friction;  ///< mu [1] or g [force]; ignored where law is frictionless
+  Vector gap;       ///< one for each contact point [length]
+  Vector friction;  ///< likewise mu [1] or g [force]; ignored where law is frictionless
 };
 
 /// An increment in local dofs, and the displacement u0 (n) that it starts from: u = u0 + T x.
@@ -37,7 +37,8 @@ class LocalSystem {
   LocalSystem& operator=(const LocalSystem&) = delete;
 
   /// The increment under the load b (n, with the data of Dirichlet dofs as A's storage wants it)
-  /// from the state u_old (n, or empty for 0).
+  /// from the state u_old (n, or empty for 0). Throws IllegalInput for vectors of another size, and
+  /// where A does not have the couplings that Dirichlet data need.
   LocalIncrement increment(const Vector& b, const Vector& u_old, const PointLaws& laws) const;
 
   SystemPtr system() const { return system_; }
@@ -58,6 +59,7 @@ class LocalSystem {
  private:
   void assemble(const Triplets& A, int dimension, const std::vector<Index>& mesh_node,
                 const Coupling* coupling);
+  void check_sizes(const Vector& b, const Vector& u_old, const PointLaws& laws) const;
 
   std::vector<ContactPoint> points_;
   Dirichlet dirichlet_;

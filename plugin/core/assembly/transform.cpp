@@ -14,11 +14,11 @@ constexpr Real asymmetry = 1e-9;  ///< |a_ij - a_ji| over sqrt(a_ii a_jj) that i
 using Entry = Eigen::Triplet<Real, Index>;
 
 /// The entries of A_local, each as (row, column, value), in no order: what setFromTriplets reads.
+/// First the triplets between dofs with factor 1, then what sort_out has made of the others.
 class LocalEntries {
  public:
-  LocalEntries(const Triplets& A, const std::vector<Image>& image, Index local_dofs,
-               const std::vector<Entry>& products)
-      : A_(A), image_(image), local_dofs_(local_dofs), products_(products) {}
+  LocalEntries(const Triplets& A, const Images& images, const std::vector<Entry>& others)
+      : A_(A), image_(images.plain.data()), others_(others) {}
 
   class Iterator {
    public:
@@ -45,18 +45,13 @@ class LocalEntries {
     void settle() {
       const Triplets& A = all_.A_;
       for (; k_ < A.size; ++k_) {
-        if (A.a[k_] == 0) continue;
-        const Image &P = all_.image_[A.row(k_)], &Q = all_.image_[A.col(k_)];
-        if (!P.single() || !Q.single() || P.image >= all_.local_dofs_ ||
-            Q.image >= all_.local_dofs_)
-          continue;
-        row_ = P.image;
-        col_ = Q.image;
-        value_ = P.factor * Q.factor * A.a[k_];
-        return;
+        row_ = all_.image_[A.row(k_)];
+        col_ = all_.image_[A.col(k_)];
+        value_ = A.a[k_];
+        if (row_ >= 0 && col_ >= 0 && value_ != 0) return;
       }
-      if (k_ == A.size + all_.products_.size()) return;
-      const Entry& e = all_.products_[k_ - A.size];
+      if (k_ == A.size + all_.others_.size()) return;
+      const Entry& e = all_.others_[k_ - A.size];
       row_ = e.row();
       col_ = e.col();
       value_ = e.value();
@@ -69,47 +64,59 @@ class LocalEntries {
   };
 
   Iterator begin() const { return {*this, 0}; }
-  Iterator end() const { return {*this, A_.size + products_.size()}; }
+  Iterator end() const { return {*this, A_.size + others_.size()}; }
 
  private:
   const Triplets& A_;
-  const std::vector<Image>& image_;
-  const Index local_dofs_;
-  const std::vector<Entry>& products_;
+  const Index* const image_;
+  const std::vector<Entry>& others_;
 };
 
-/// T'BT, B the entries of A that touch a row of T with several entries.
-Matrix product_part(const Triplets& A, const Basis& basis, const std::vector<Image>& image) {
-  std::vector<Entry> B;
-  for (std::size_t k = 0; k < A.size; ++k) {
-    const Index i = A.row(k), j = A.col(k);
-    if (A.a[k] == 0 || (image[i].single() && image[j].single())) continue;
-    B.emplace_back(i, j, A.a[k]);
-    if (A.half && i != j) B.emplace_back(j, i, A.a[k]);
-  }
-  Matrix touching(A.n, A.n);
-  touching.setFromTriplets(B.begin(), B.end());
-  const Matrix right = touching * basis.T;
-  return Matrix(basis.T.transpose()) * right;
-}
+/// The triplets that touch a dof that is held or whose factor is not 1, in the local dofs: those of
+/// A_local, those of K.
+struct Others {
+  std::vector<Entry> local, couplings;
 
-/// Entries (free, held) among those whose rows of T are single.
-std::vector<Entry> single_couplings(const Triplets& A, const std::vector<Image>& image,
-                                    Index local_dofs) {
-  std::vector<Entry> K;
-  const auto couple = [&](const Image& free, const Image& held, Real a) {
-    if (free.image < local_dofs && held.image >= local_dofs)
-      K.emplace_back(free.image, held.image - local_dofs, free.factor * a);
-  };
-  for (std::size_t k = 0; k < A.size; ++k) {
-    if (A.a[k] == 0) continue;
-    const Image &P = image[A.row(k)], &Q = image[A.col(k)];
-    if (!P.single() || !Q.single()) continue;
-    couple(P, Q, A.a[k]);
-    if (A.half) couple(Q, P, A.a[k]);
+  Others(const Triplets& A, const Basis& basis, const Images& images) : w_(basis.local_dofs()) {
+    std::vector<Entry> B;  // what touches a row of T with several entries
+    const Index* plain = images.plain.data();
+    for (std::size_t k = 0; k < A.size; ++k) {
+      const Index i = A.row(k), j = A.col(k);
+      if ((plain[i] >= 0 && plain[j] >= 0) || A.a[k] == 0) continue;
+      const Images::Image &P = images.all[i], &Q = images.all[j];
+      const bool single = P.single() && Q.single();
+      const auto add = [&](Index row, Index column, const Images::Image& left,
+                           const Images::Image& right) {
+        if (!single)
+          B.emplace_back(row, column, A.a[k]);
+        else if (left.image < w_)
+          sort(left.image, right.image, left.factor * right.factor * A.a[k]);
+      };
+      add(i, j, P, Q);
+      if (A.half && i != j) add(j, i, Q, P);
+    }
+    if (!B.empty()) add_product(A.n, B, basis);
   }
-  return K;
-}
+
+ private:
+  void sort(Index p, Index q, Real a) {
+    if (q < w_)
+      local.emplace_back(p, q, a);
+    else
+      couplings.emplace_back(p, q - w_, a);
+  }
+  /// T'BT
+  void add_product(Index n, const std::vector<Entry>& B, const Basis& basis) {
+    Matrix touching(n, n);
+    touching.setFromTriplets(B.begin(), B.end());
+    const Matrix right = touching * basis.T;
+    const Matrix product = Matrix(basis.T.transpose()) * right;
+    for (Index p = 0; p < w_; ++p)
+      for (Matrix::InnerIterator e(product, p); e; ++e)
+        sort(p, static_cast<Index>(e.col()), e.value());
+  }
+  const Index w_;
+};
 
 void check_size(const Triplets& A, const std::vector<Entry>& products) {
   const std::size_t most = (A.half ? 2 : 1) * A.size + products.size();
@@ -122,21 +129,12 @@ void check_size(const Triplets& A, const std::vector<Entry>& products) {
 void transform(const Triplets& A, const Basis& basis, Matrix& A_local, Matrix& K) {
   const Index w = basis.local_dofs();
   if (w == 0) throw IllegalInput("Dirichlet conditions hold every degree of freedom of A");
-  const std::vector<Image> image = images(basis);
-  std::vector<Entry> products, couplings = single_couplings(A, image, w);
-  if (!std::all_of(image.begin(), image.end(), [](const Image& i) { return i.single(); })) {
-    const Matrix part = product_part(A, basis, image);
-    for (Index p = 0; p < w; ++p)
-      for (Matrix::InnerIterator e(part, p); e; ++e)
-        if (e.col() < w)
-          products.emplace_back(p, static_cast<Index>(e.col()), e.value());
-        else
-          couplings.emplace_back(p, static_cast<Index>(e.col()) - w, e.value());
-  }
-  check_size(A, products);
+  const Images images(basis);
+  const Others others(A, basis, images);
+  check_size(A, others.local);
   K.resize(w, basis.T.cols() - w);
-  K.setFromTriplets(couplings.begin(), couplings.end());
-  const LocalEntries entries(A, image, w, products);
+  K.setFromTriplets(others.couplings.begin(), others.couplings.end());
+  const LocalEntries entries(A, images, others.local);
   A_local.resize(w, w);
   A_local.setFromTriplets(entries.begin(), entries.end());
 }

@@ -1,7 +1,7 @@
 #pragma once
 #include <memory>
 
-#include "condensed/continuation.h"
+#include "condensed/attempt.h"
 #include "condensed/elimination.h"
 #include "solution.h"
 
@@ -17,28 +17,24 @@ class CondensedSolver {
     return elimination_->factor(*system_, memory_bound);
   }
 
-  /// settings.polish: semismooth Newton on the unregularized laws, and what follows where it does
+  /// settings.newton: semismooth Newton on the unregularized laws, and what follows where it does
   /// not arrive; else the regularized conjugate gradient and the fixed point on S.
-  /// problem.system is the one that was factored.
+  /// x0: n, or empty to start from the last answer. problem.system is the one that was factored.
   Solution solve(const ContactProblem& problem, const Settings& settings, const Vector& x0);
 
   const Elimination& elimination() const { return *elimination_; }
 
  private:
   struct Run;
-  struct Answer {
-    Vector x_C;
-    bool solved = false, undetermined = false;
-    Status status = Status::converged;
-  };
-  void refine(Run& run, const Vector& x0);
-  Answer solve_laws(Run& run, const CondensedProblem& condensed, const Vector* x_C);
-  Answer by_newton(Run& run, const CondensedProblem& condensed, const Vector* x_C);
-  Answer by_fixed_point(Run& run, const CondensedProblem& condensed, const Vector* x_C);
-  bool unheld(Run& run);
-  void find_rigid_motions(Run& run);
-  DenseMatrix left_free(Run& run);
-  void rest(Run& run);
+  void refine(Run& run, Vector start);
+  CondensedProblem condense(Run& run);
+  void recover(Run& run, const Attempt& a);
+  Attempt solve_laws(Run& run, const CondensedProblem& condensed, const Vector& start);
+  Attempt by_newton(Run& run, const CondensedProblem& condensed, const Vector& start);
+  Attempt by_gradient(Run& run, const CondensedProblem& condensed, const Vector& start);
+  bool unheld(Run& run, const DenseMatrix& motions);
+  const DenseMatrix& rigid_motions_of_A(Run& run);
+  void settle(Run& run);
 
   SystemPtr system_;
   std::unique_ptr<Elimination> elimination_;

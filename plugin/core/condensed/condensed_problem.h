@@ -12,7 +12,7 @@ using DenseMatrix = Eigen::MatrixXd;
 struct CondensedProblem {
   const DenseMatrix& S;        ///< contact_dofs square
   Vector f;                    ///< contact_dofs [force]
-  const Vector& D;             ///< contact_dofs, > 0, System::weight: the unit of residuals
+  Vector D;                    ///< contact_dofs, > 0, System::weight: the unit of residuals
   const ContactProblem& laws;  ///< gap, mu or g, and the layout of the nodes
   Real springs = 0;            ///< to the ground, on every contact dof, in units of D
 

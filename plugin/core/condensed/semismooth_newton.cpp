@@ -78,9 +78,7 @@ void SemismoothNewton::choose_branches(const Vector& x, const Vector& r) {
         laws.increment.bilateral || r[N] + problem_.D[N] * (x[N] - laws.increment.gap[i]) > 0;
     if (t == 0) continue;
     b.sign = laws.increment.bilateral && r[N] < 0 ? -1 : 1;
-    b.g = laws.increment.law == Law::tresca ? laws.increment.g[i]
-          : b.closed                        ? laws.increment.mu[i] * std::max(b.sign * r[N], 0.0)
-                                            : 0;
+    b.g = law_of(laws.increment, i).limit(b.closed ? r[N] : 0);
     const auto y = r.segment(N + 1, t) + c_[i] * x.segment(N + 1, t);
     const Real norm = y.norm();
     b.stick = norm <= b.g && (laws.increment.law == Law::tresca || b.closed);

@@ -76,9 +76,9 @@ bool condenses(const Settings& s) {
 /// The options that differ from their defaults, each with whether the method heeds it.
 void refuse_without_effect(const Settings& s) {
   const Settings standard;
-  const bool newton = condenses(s) && s.polish;
+  const bool newton = condenses(s) && s.newton;
   const bool smooths =
-      condenses(s) ? !s.polish : s.method != Method::gcx && s.method != Method::sorp;
+      condenses(s) ? !s.newton : s.method != Method::gcx && s.method != Method::sorp;
   const bool relaxes =
       s.method == Method::sorp || s.precon == Precon::ssor || s.precon == Precon::hessian_ssor;
   const auto rule = [](bool differs, bool has_effect, const char* name, const char* remedy) {
@@ -93,7 +93,7 @@ void refuse_without_effect(const Settings& s) {
        "it does not precondition: leave it out");
   rule(s.omega != standard.omega, !newton && relaxes, "omega",
        "it does not relax: leave it out, or take an SSOR");
-  rule(s.polish != standard.polish, condenses(s), "newton",
+  rule(s.newton != standard.newton, condenses(s), "newton",
        "it does not condense: leave it out, or the method");
   rule(s.memory != standard.memory, condenses(s), "memory",
        "it does not condense: leave it out, or the method");

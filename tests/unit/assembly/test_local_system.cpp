@@ -165,3 +165,24 @@ TEST(LocalSystem, TheForceOnTheBodyIsMinusTheResidualOnContactNodesOnly) {
   const Vector f = system.force_to_global(r);
   EXPECT_NEAR(f.norm(), r.tail(system.problem().contact_dofs()).norm(), 1e-13);
 }
+
+TEST(LocalSystem, VectorsOfAnotherSizeAreRefused) {
+  const Scene s = small(true);
+  const Posed system = s.system();
+  const auto refused = [&](const Vector& b, const Vector& u_old, const PointLaws& laws) {
+    try {
+      system.local().increment(b, u_old, laws);
+    } catch (const IllegalInput& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(refused(s.b, {}, s.laws()), "");
+  EXPECT_NE(refused(Vector::Zero(3), {}, s.laws()).find("b has 3 values"), std::string::npos);
+  EXPECT_NE(refused(s.b, Vector::Zero(1), s.laws()).find("u_old has 1"), std::string::npos);
+  EXPECT_NE(refused(s.b, {}, {Law::coulomb, false, {}, s.friction}).find("gap has 0"),
+            std::string::npos);
+  EXPECT_NE(refused(s.b, {}, {Law::tresca, false, s.gap, {}}).find("friction has 0"),
+            std::string::npos);
+  EXPECT_EQ(refused(s.b, {}, {Law::frictionless, false, s.gap, {}}), "");
+}

@@ -364,6 +364,8 @@ TEST(States, AForceInsideItsLimitSticksAndOneAtItsLimitThatMovesSlips) {
   EXPECT_EQ(state(Law::coulomb, 0.3, {0, 0}, {1, 0.2}), NodeState::stick);
   EXPECT_EQ(state(Law::coulomb, 0.3, {0, 1}, {1, 0.3}), NodeState::slip);
   EXPECT_EQ(state(Law::coulomb, 0.3, {0, -1e-8}, {1, -0.3}), NodeState::slip);
+  EXPECT_EQ(state(Law::coulomb, 0.3, {0, 1}, {1, 0.3 - 1e-12}), NodeState::slip);
+  EXPECT_EQ(state(Law::coulomb, 0.5, {0, 0}, {1, 0.5}), NodeState::stick);  // just held
   EXPECT_EQ(state(Law::tresca, 0.3, {0, 0}, {1, 0.2}), NodeState::stick);
   EXPECT_EQ(state(Law::tresca, 0.3, {0, 1}, {1, 0.3}), NodeState::slip);
 }

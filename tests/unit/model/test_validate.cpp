@@ -186,7 +186,7 @@ TEST(Validate, OptionsWithoutEffectAreRefusedAlike) {
   for (char method : {'c', '1', '2', '3', 'x', 's', 'n', 'N'})
     for (const Option& option : options) {
       Settings s;
-      if (method == 'c') s.polish = false;
+      if (method == 'c') s.newton = false;
       if (method == '1') s.method = Method::gc1;
       if (method == '2') s.method = Method::gc2;
       if (method == '3') s.method = Method::gc3;
@@ -202,7 +202,7 @@ TEST(Validate, OptionsWithoutEffectAreRefusedAlike) {
         expect(said, {option.name, "no effect", "leave it out"});
     }
   for (Method m : {Method::gc1, Method::gc2, Method::gc3, Method::gcx, Method::sorp})
-    expect(refused_settings([&](Settings& s) { s.method = m, s.polish = false; }), {"newton"});
+    expect(refused_settings([&](Settings& s) { s.method = m, s.newton = false; }), {"newton"});
   for (Precon p : {Precon::none, Precon::diagonal, Precon::hessian_diagonal})
     expect(refused_settings([&](Settings& s) {
              s.method = Method::gc3;

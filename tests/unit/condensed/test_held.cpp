@@ -9,10 +9,10 @@
 
 #include "core/condensed/cholmod_elimination.h"
 #include "core/solver.h"
-#include "random_scene.h"
-#include "reference.h"
-#include "statics.h"
-#include "verifier.h"
+#include "../random_scene.h"
+#include "../reference.h"
+#include "../statics.h"
+#include "../verifier.h"
 
 using namespace frictioncg;
 using namespace frictioncg::test;

@@ -5,9 +5,9 @@
 #include "core/condensed/cholmod_elimination.h"
 #include "core/condensed/condensed.h"
 #include "core/solver.h"
-#include "random_scene.h"
-#include "reference.h"
-#include "verifier.h"
+#include "../random_scene.h"
+#include "../reference.h"
+#include "../verifier.h"
 
 using namespace frictioncg;
 using namespace frictioncg::test;
@@ -298,4 +298,22 @@ TEST(Condensed, AToleranceBelowRoundingEndsStagnatedWithTheBestField) {
   const Solution a = solve(problem_of(BlockOptions()), settings);
   EXPECT_EQ(a.status, Status::stagnated);
   EXPECT_LT(a.certificate.residual, 1e-12);
+}
+
+TEST(Condensed, TangentsWithoutAFrictionLawSlideFreely) {
+  for (int d : {2, 3}) {
+    BlockOptions o;
+    o.d = d;
+    o.cells = d == 2 ? 5 : 2;
+    o.clamp_side = true;
+    Scene s = block(o), bare = s;
+    s.law = bare.law = Law::frictionless;
+    for (ContactPoint& p : bare.points) p.friction = false;
+    const Posed with = s.system(), without = bare.system();
+    const Solution a = solve(with.problem(), Settings()), b = solve(without.problem(), Settings());
+    ASSERT_EQ(a.status, Status::converged);
+    EXPECT_EQ(a.layer, Layer::newton);
+    const Vector u = with.to_global(a.x), v = without.to_global(b.x);
+    EXPECT_LT((u - v).norm(), 1e-10 * v.norm());
+  }
 }

@@ -1,0 +1,43 @@
+#include "condensed/attempt.h"
+
+#include <algorithm>
+
+namespace frictioncg {
+
+namespace {
+
+constexpr Index newton_steps = 40;  ///< where it arrives it takes 15; beyond 40 it cycles
+
+bool run(SemismoothNewton& newton, Index max_steps, Attempt& a) {
+  const Index bound = std::min(newton_steps, max_steps - a.steps);
+  const bool solved = newton.solve(bound) == SemismoothNewton::Outcome::converged;
+  a.steps += newton.steps();
+  if (!solved) {
+    if (a.steps >= max_steps) a.status = Status::max_iterations;
+    return false;
+  }
+  a.x = newton.x();
+  a.branches = newton.branches();
+  a.undetermined = newton.undetermined();
+  return true;
+}
+
+}  // namespace
+
+bool newton_from(const Vector& x, const CondensedProblem& problem, Index max_steps, Attempt& a) {
+  SemismoothNewton newton(problem);
+  if (x.size() > 0)
+    newton.start_from(x, problem.residual(x));
+  else
+    newton.start_from_stick();
+  return run(newton, max_steps, a);
+}
+
+bool newton_from(const std::vector<SemismoothNewton::Branch>& branches,
+                 const CondensedProblem& problem, Index max_steps, Attempt& a) {
+  SemismoothNewton newton(problem);
+  newton.start_from(branches);
+  return run(newton, max_steps, a);
+}
+
+}  // namespace frictioncg

@@ -1,0 +1,25 @@
+#pragma once
+#include "condensed/semismooth_newton.h"
+#include "status.h"
+
+namespace frictioncg {
+
+/// How an attempt at the laws on the contact dofs ended.
+struct Attempt {
+  Vector x;                                        ///< contact_dofs; empty where nothing was found
+  std::vector<SemismoothNewton::Branch> branches;  ///< of x, where Newton's method found it
+  bool solved = false;
+  bool undetermined = false;  ///< a motion is free, and x has the least
+  Index steps = 0;            ///< of Newton's method, solved or not
+  Status status = Status::stagnated;
+};
+
+/// Newton's method from the branches of x, or from stick where x is empty: the rest of max_steps,
+/// at most 40. True where it arrives; a is then its answer, and else keeps the one it has.
+bool newton_from(const Vector& x, const CondensedProblem& problem, Index max_steps, Attempt& a);
+
+/// The same from given branches.
+bool newton_from(const std::vector<SemismoothNewton::Branch>& branches,
+                 const CondensedProblem& problem, Index max_steps, Attempt& a);
+
+}  // namespace frictioncg

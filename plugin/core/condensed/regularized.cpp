@@ -1,0 +1,42 @@
+#include "condensed/regularized.h"
+
+#include "gradient/fixed_point.h"
+#include "gradient/projected_cg.h"
+
+namespace frictioncg {
+
+namespace {
+
+constexpr Real least_stiffness = 1e-8;  ///< of diag(S) over D, to precondition with
+
+/// The condensed problem in the form the conjugate gradient takes: all dofs are contact dofs. S in
+/// sparse form takes half as much again as S.
+ContactProblem on_contact_dofs(const CondensedProblem& condensed) {
+  const System& whole = *condensed.laws.system;
+  const auto s = std::make_shared<System>();
+  s->dimension = whole.dimension;
+  for (Index first : whole.first) s->first.push_back(first - whole.interior());
+  s->A = condensed.S.sparseView(0, 0);
+  s->D = condensed.S.diagonal();
+  s->weight = node_weights(*s);
+  ContactProblem p{s, condensed.laws.increment};
+  p.increment.F = condensed.f;
+  return p;
+}
+
+}  // namespace
+
+Solution by_regularization(const CondensedProblem& problem, const Settings& settings,
+                           Index max_iterations, const Vector& start) {
+  Settings gc3 = settings;
+  gc3.method = Method::gc3;
+  // a body on one or two nodes leaves S without a diagonal to precondition with: then on A itself
+  const bool on_S = (problem.S.diagonal().array() > least_stiffness * problem.D.array()).all();
+  const ContactProblem p = on_S ? on_contact_dofs(problem) : problem.laws;
+  ProjectedCG cg(p, gc3, max_iterations, nullptr);
+  Solution s = FixedPoint(p, gc3, cg).solve(on_S ? start : Vector());
+  s.x = Vector(s.x.tail(problem.f.size()));
+  return s;
+}
+
+}  // namespace frictioncg

@@ -1,0 +1,15 @@
+#pragma once
+#include "condensed/semismooth_newton.h"
+
+namespace frictioncg {
+
+/// The rigid motions (span of W, n x k) that the branches of the contact nodes leave free: closed
+/// nodes keep x_N, stuck nodes x_T, sliding nodes the direction of x_T.   n x (0 .. k)
+DenseMatrix left_free(const DenseMatrix& W, const ContactProblem& problem,
+                      const std::vector<SemismoothNewton::Branch>& branches);
+
+/// x (n) less its part along the motions (n x k), in the product of D: the least that differs from
+/// x by them.
+Vector least(const Vector& x, const DenseMatrix& motions, const Vector& D);
+
+}  // namespace frictioncg

@@ -1,0 +1,43 @@
+#pragma once
+// Blocks as contact problems, one or several side by side that share nothing.
+#include "../scene.h"
+
+namespace frictioncg::test {
+
+inline ContactProblem problem_of(const BlockOptions& o) { return block(o).system().problem(); }
+
+/// `bodies` copies of a problem with the same laws: their interiors first, then their contact nodes.
+inline ContactProblem beside(const ContactProblem& one, int bodies) {
+  const Index n = one.dofs(), I = one.interior(), C = one.contact_dofs();
+  const auto place = [&](Index i, int body) {
+    return i < I ? i + body * I : bodies * I + (i - I) + body * C;
+  };
+  const auto system = std::make_shared<System>();
+  system->dimension = one.system->dimension;
+  std::vector<Eigen::Triplet<Real>> t;
+  for (int body = 0; body < bodies; ++body) {
+    for (Index i = 0; i < n; ++i)
+      for (Matrix::InnerIterator e(one.system->A, i); e; ++e)
+        t.emplace_back(place(i, body), place(Index(e.col()), body), e.value());
+    for (Index k = 0; k < one.nodes(); ++k)
+      system->first.push_back(place(one.system->first[k], body));
+  }
+  system->first.push_back(bodies * n);
+  system->A.resize(bodies * n, bodies * n);
+  system->A.setFromTriplets(t.begin(), t.end());
+  system->D = system->A.diagonal();
+  system->weight = node_weights(*system);
+  ContactProblem all{system, one.increment};
+  Increment& increment = all.increment;
+  increment.F.resize(bodies * n);
+  for (int body = 0; body < bodies; ++body)
+    for (Index i = 0; i < n; ++i) increment.F[place(i, body)] = one.increment.F[i];
+  increment.gap = one.increment.gap.replicate(bodies, 1);
+  increment.mu = one.increment.mu.replicate(bodies, 1);
+  increment.g = one.increment.g.replicate(bodies, 1);
+  increment.load_norm *= std::sqrt(bodies);
+  increment.force_scale *= std::sqrt(bodies);
+  return all;
+}
+
+}  // namespace frictioncg::test

@@ -1,0 +1,137 @@
+// The elimination alone: S, the condensed load, the field, what floats, and the memory it asks for.
+#include <gtest/gtest.h>
+
+#include "bodies.h"
+#include "core/condensed/cholmod_elimination.h"
+
+using namespace frictioncg;
+using namespace frictioncg::test;
+using Outcome = Elimination::Outcome;
+
+namespace {
+
+/// A^+ on what is not rigid: the reference of S and f where A_II is singular.
+Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& A) {
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> cod;
+  cod.setThreshold(1e-11);
+  return cod.compute(A).pseudoInverse();
+}
+
+}  // namespace
+
+TEST(Elimination, SchurComplementCondensedLoadAndFieldMatchDenseAlgebra) {
+  for (int d : {2, 3})
+    for (Ordering ordering : {Ordering::camd, Ordering::amd, Ordering::metis}) {
+      BlockOptions o;
+      o.d = d;
+      o.cells = d == 2 ? 7 : 3;
+      o.angle = 0.3;
+      const ContactProblem p = problem_of(o);
+      CholmodElimination elimination(ordering);
+      ASSERT_EQ(elimination.factor(*p.system, 1e9), Outcome::done);
+      EXPECT_EQ(elimination.floating().cols(), 0);
+      const Eigen::MatrixXd A = p.system->A;
+      const Index I = p.interior(), C = p.contact_dofs();
+      const Eigen::MatrixXd to_contact =
+          A.bottomLeftCorner(C, I) * A.topLeftCorner(I, I).ldlt().solve(
+                                         Eigen::MatrixXd(Eigen::MatrixXd::Identity(I, I)));
+      const Eigen::MatrixXd S =
+          A.bottomRightCorner(C, C) - to_contact * A.topRightCorner(I, C);
+      EXPECT_LT((elimination.S() - S).norm(), 1e-12 * S.norm());
+      EXPECT_EQ((elimination.S() - elimination.S().transpose()).norm(), 0);
+      const Vector f = p.increment.F.tail(C) - to_contact * p.increment.F.head(I);
+      EXPECT_LT((elimination.condense(p.increment.F) - f).norm(), 1e-12 * f.norm());
+      const Vector x_C = Vector::Random(C);
+      const Vector x = elimination.recover(x_C);
+      EXPECT_LT((x.tail(C) - x_C).norm(), 1e-13 * x_C.norm());
+      EXPECT_LT((p.increment.F - p.system->A * x).head(I).norm(), 1e-11 * (p.system->A * x).norm());
+      const Vector w = elimination.extend(x_C);
+      EXPECT_LT((w.tail(C) - x_C).norm(), 1e-13 * x_C.norm());
+      EXPECT_LT((p.system->A * w).head(I).norm(), 1e-11 * (p.system->A * w).norm());
+    }
+}
+
+TEST(Elimination, WhatFloatsAlongAFrictionlessPlaneIsNamedAndSAndFExistAllTheSame) {
+  for (int d : {2, 3})
+    for (int bodies : {1, 2}) {
+      BlockOptions o;
+      o.d = d;
+      o.cells = d == 2 ? 4 : 2;
+      o.law = Law::frictionless;
+      o.shear = 0;
+      const ContactProblem p = beside(problem_of(o), bodies);
+      CholmodElimination elimination;
+      ASSERT_EQ(elimination.factor(*p.system, 1e9), Outcome::done);
+      const DenseMatrix& V = elimination.floating();
+      ASSERT_EQ(V.cols(), bodies * (d == 2 ? 1 : 3));
+      EXPECT_LT((p.system->A * V).norm(), 1e-11 * p.system->A.norm() * V.norm());
+      const Index I = p.interior(), C = p.contact_dofs();
+      EXPECT_EQ(V.bottomRows(C).norm(), 0);
+      EXPECT_GT(Eigen::JacobiSVD<DenseMatrix>(V).singularValues().minCoeff(), 0.1);
+      const Eigen::MatrixXd A = p.system->A;
+      const Eigen::MatrixXd to_contact =
+          A.bottomLeftCorner(C, I) * pseudo_inverse(A.topLeftCorner(I, I));
+      const Eigen::MatrixXd S = A.bottomRightCorner(C, C) - to_contact * A.topRightCorner(I, C);
+      EXPECT_LT((elimination.S() - S).norm(), 1e-11 * S.norm());
+      const Vector f = p.increment.F.tail(C) - to_contact * p.increment.F.head(I);
+      EXPECT_LT((elimination.condense(p.increment.F) - f).norm(), 1e-11 * f.norm());
+      const Vector x = elimination.recover(Vector::Random(C));
+      EXPECT_LT((p.increment.F - p.system->A * x).head(I).norm(), 1e-10 * (p.system->A * x).norm());
+    }
+}
+
+TEST(Elimination, ABodyThatTouchesNothingFloatsByAllItsRigidMotions) {
+  for (int d : {2, 3}) {
+    BlockOptions o;
+    o.d = d;
+    o.cells = 2;
+    Scene s = block(o);
+    s.points.clear();
+    s.gap.resize(0);
+    s.friction.resize(0);
+    const Posed posed = s.system();
+    CholmodElimination elimination;
+    ASSERT_EQ(elimination.factor(*posed.problem().system, 1e9), Outcome::done);
+    EXPECT_EQ(elimination.floating().cols(), d == 2 ? 3 : 6);
+  }
+}
+
+TEST(Elimination, SeparateBodiesKeepTheirContactDofsLast) {
+  // the contact block of the factor is not dense
+  const ContactProblem one = problem_of(BlockOptions()), two = beside(one, 2);
+  CholmodElimination single, twofold;
+  ASSERT_EQ(single.factor(*one.system, 1e9), Outcome::done);
+  ASSERT_EQ(twofold.factor(*two.system, 1e9), Outcome::done);
+  const Index C = one.contact_dofs();
+  EXPECT_LT((twofold.S().topLeftCorner(C, C) - single.S()).norm(), 1e-12 * single.S().norm());
+  EXPECT_LT((twofold.S().bottomRightCorner(C, C) - single.S()).norm(), 1e-12 * single.S().norm());
+  EXPECT_LT(twofold.S().topRightCorner(C, C).norm(), 1e-12 * single.S().norm());
+}
+
+TEST(Elimination, AsksForTheFactorAndTheDenseMatricesAndForNoByteMore) {
+  BlockOptions o;
+  o.cells = 8;
+  const ContactProblem p = problem_of(o);
+  const double dense = 3 * sizeof(Real) * std::pow(p.contact_dofs(), 2);
+  CholmodElimination open;
+  ASSERT_EQ(open.factor(*p.system, 1e9), Outcome::done);
+  const double needed = open.memory_needed();
+  // a factor of some fill-in: more than the lower half of A, less than a dense one
+  EXPECT_GT(needed, dense + sizeof(Real) * p.system->A.nonZeros() / 2);
+  EXPECT_LT(needed, dense + sizeof(Real) * std::pow(p.dofs(), 2) / 2);
+  CholmodElimination exact, tight, tighter;
+  EXPECT_EQ(exact.factor(*p.system, needed), Outcome::done);
+  EXPECT_EQ(tight.factor(*p.system, needed - 1), Outcome::too_large);
+  EXPECT_EQ(tight.memory_needed(), needed);
+  EXPECT_EQ(tighter.factor(*p.system, dense - 1), Outcome::too_large);
+  EXPECT_EQ(tighter.memory_needed(), dense);
+}
+
+TEST(Elimination, AnIndefiniteMatrixHasNone) {
+  const ContactProblem p = problem_of(BlockOptions());
+  System bad = *p.system;
+  bad.A.coeffRef(3, 3) *= -1;
+  bad.D[3] *= -1;
+  CholmodElimination elimination;
+  EXPECT_EQ(elimination.factor(bad, 1e9), Outcome::not_positive_definite);
+}

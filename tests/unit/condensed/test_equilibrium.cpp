@@ -1,0 +1,167 @@
+// The conic test alone: held, not held with the motion that shows it, or at the limit.
+#include <gtest/gtest.h>
+
+#include "bodies.h"
+#include "by_hand.h"
+#include "core/condensed/equilibrium.h"
+#include "core/condensed/rigid_motions.h"
+
+using namespace frictioncg;
+using namespace frictioncg::test;
+
+namespace {
+
+/// The verdict; where nothing holds the load, checks the proof node by node.
+Balance judged(const ContactProblem& p, const DenseMatrix& W) {
+  const Statics statics = balance(W, p);
+  EXPECT_EQ(statics.motion.size() > 0, statics.balance == Balance::unheld);
+  if (statics.balance != Balance::unheld) return statics.balance;
+  const Vector& w = statics.motion;
+  const Real size = w.cwiseAbs().maxCoeff();
+  EXPECT_LT(std::abs(w.dot(p.system->A * w)), 1e-11 * w.dot(p.system->D.cwiseProduct(w)));
+  Real pull = p.increment.F.dot(w);
+  for (Index i = 0; i < p.nodes(); ++i) {
+    const Index N = p.system->first[i];
+    const Real slide = w.segment(N + 1, p.tangents(i)).norm();
+    if (p.increment.law == Law::tresca) pull -= p.increment.g[i] * slide;
+    if (!std::isfinite(p.increment.gap[i])) continue;
+    const Real mu = p.increment.law == Law::coulomb ? p.increment.mu[i] : 0;
+    const Real w_N = p.increment.bilateral ? std::abs(w[N]) : w[N];
+    EXPECT_LE(w_N + mu * slide, 1e-8 * size);
+  }
+  EXPECT_GT(pull, 0);
+  return Balance::unheld;
+}
+
+Balance judged(const ContactProblem& p) { return judged(p, rigid_motions(*p.system, 100000)); }
+
+bool unheld(const BlockOptions& o) { return judged(problem_of(o)) == Balance::unheld; }
+
+}  // namespace
+
+TEST(Equilibrium, SlidingStartsAtTheFrictionAngle) {
+  for (int d : {2, 3}) {
+    BlockOptions o;
+    o.d = d;
+    o.cells = 3;
+    for (Real excess : {0.9, 0.999, 0.999999, 1.000001, 1.001, 1.1}) {
+      o.shear = 0.3 * o.pressure * excess;  // far from tipping, at 0.5 of the pressure
+      EXPECT_EQ(judged(problem_of(o)), excess > 1 ? Balance::unheld : Balance::held)
+          << d << " " << excess;
+    }
+  }
+}
+
+TEST(Equilibrium, ExactlyAtTheLimitNothingIsProven) {
+  BlockOptions o;
+  o.shear = 0.3 * o.pressure;
+  EXPECT_NE(judged(problem_of(o)), Balance::unheld);
+  o.shear *= 1 + 1e-11;
+  EXPECT_NE(judged(problem_of(o)), Balance::unheld);
+}
+
+TEST(Equilibrium, TippingStartsWhereTheLoadLeavesTheBase) {
+  for (int d : {2, 3}) {
+    BlockOptions o;
+    o.d = d;
+    o.cells = 3;
+    o.mu = 2;
+    for (Real excess : {0.99, 1.01}) {
+      o.shear = 0.5 * o.pressure * excess;
+      EXPECT_EQ(unheld(o), excess > 1) << d << " " << excess;
+    }
+  }
+}
+
+TEST(Equilibrium, LiftingIsNotHeldAndASupportedBodyAlwaysIs) {
+  BlockOptions o;
+  o.pressure = -1;
+  o.shear = 0;
+  EXPECT_TRUE(unheld(o));
+  o.pressure = 1;
+  EXPECT_FALSE(unheld(o));
+  o.clamp_side = true;  // u_x held: no sliding
+  o.shear = 100;
+  o.pressure = 50;
+  EXPECT_FALSE(unheld(o));
+}
+
+TEST(Equilibrium, OneOfTwoBodiesThatSlidesIsEnough) {
+  BlockOptions o;
+  o.shear = 2;
+  ContactProblem p = beside(problem_of(o), 2);
+  EXPECT_EQ(judged(p), Balance::held);
+  p.increment.mu.tail(p.nodes() / 2).setConstant(0.1);
+  EXPECT_EQ(judged(p), Balance::unheld);
+}
+
+TEST(Equilibrium, ABalancedOrAbsentLoadIsHeldByNothing) {
+  BlockOptions o;
+  ContactProblem p = problem_of(o);
+  p.increment.F.setZero();
+  EXPECT_EQ(judged(p), Balance::held);
+  p.increment.F = p.system->A * Vector::Random(p.dofs());  // rounding of a balanced load
+  EXPECT_EQ(judged(p), Balance::held);
+  EXPECT_EQ(judged(p, DenseMatrix(p.dofs(), 0)), Balance::held);
+}
+
+TEST(Equilibrium, BilateralContactHoldsATensionAndFrictionlessOneNoSlide) {
+  BlockOptions o;
+  o.pressure = -1;
+  o.shear = 0;
+  ContactProblem p = problem_of(o);
+  p.increment.bilateral = true;
+  EXPECT_EQ(judged(p), Balance::held);
+  p.increment.mu.setZero();
+  EXPECT_EQ(judged(p), Balance::held);
+  o.shear = 0.1;
+  p.increment.F = problem_of(o).increment.F;
+  EXPECT_EQ(judged(p), Balance::unheld);
+}
+
+TEST(Equilibrium, AGivenLimitHoldsUpToItsSum) {
+  for (int d : {2, 3}) {
+    BlockOptions o;
+    o.d = d;
+    o.cells = 3;
+    o.law = Law::tresca;
+    const int nodes = d == 2 ? 4 : 16;
+    o.mu = 0.01;  // each node holds so much, whatever presses it
+    for (Real excess : {0.999, 1.001}) {
+      o.shear = excess * nodes * o.mu;
+      EXPECT_EQ(judged(problem_of(o)), excess > 1 ? Balance::unheld : Balance::held) << d;
+    }
+    o.shear = 0;
+    o.pressure = -1;  // lifts
+    EXPECT_EQ(judged(problem_of(o)), Balance::unheld) << d;
+    ContactProblem p = problem_of(o);
+    p.increment.bilateral = true;
+    EXPECT_EQ(judged(p), Balance::held) << d;
+  }
+}
+
+TEST(Equilibrium, NodesThatCannotTouchHoldNothing) {
+  BlockOptions o;
+  o.shear = 0;
+  ContactProblem p = problem_of(o);
+  p.increment.gap.head(p.nodes() - 1).setConstant(std::numeric_limits<Real>::infinity());
+  EXPECT_EQ(judged(p), Balance::unheld);  // it tips over the last node
+  p.increment.gap[0] = 1e3;               // far, but within reach
+  EXPECT_EQ(judged(p), Balance::held);
+}
+
+TEST(Equilibrium, WhereOnlyAMillionTimesTheLoadWouldHoldNeitherIsSaid) {
+  // a wedge of two faces, almost parallel, without friction: pressures are load over their angle
+  for (Real angle : {1e-3, 1e-8}) {
+    DenseMatrix S(4, 4);
+    S.setZero();
+    const ByHand hand = ByHand(2, DenseMatrix::Identity(4, 4), vec({0, 0, 0, 1}));
+    DenseMatrix W(4, 2);  // body translations, seen in the frames of the two nodes
+    const Real c = std::cos(angle), s = std::sin(angle);
+    W << c, s, -s, c, -c, s, -s, -c;
+    ContactProblem p = hand.problem;
+    p.increment.F = vec({0, 0, 0, -1});
+    const Balance b = balance(W, p).balance;
+    EXPECT_EQ(b, angle > 1e-6 ? Balance::held : Balance::at_limit) << angle;
+  }
+}

@@ -1,0 +1,96 @@
+// Proximal points and the continuation in mu, each alone.
+#include <gtest/gtest.h>
+
+#include "../statics.h"
+#include "bodies.h"
+#include "by_hand.h"
+#include "core/condensed/cholmod_elimination.h"
+#include "core/condensed/continuation.h"
+#include "core/condensed/proximal.h"
+
+using namespace frictioncg;
+using namespace frictioncg::test;
+
+namespace {
+
+/// A scene on its contact dofs, with all that the condensed problem refers to.
+struct OnContact {
+  explicit OnContact(const Scene& s) : posed(s.system()) {
+    EXPECT_EQ(elimination.factor(*posed.problem().system, 1e9), Elimination::Outcome::done);
+  }
+  CondensedProblem problem() {
+    const ContactProblem& p = posed.problem();
+    return {elimination.S(), elimination.condense(p.increment.F),
+            p.system->weight.tail(p.contact_dofs()), p};
+  }
+  Real residual(const Vector& x_C) {
+    return certify(posed.problem(), elimination.recover(x_C)).residual;
+  }
+  Posed posed;
+  CholmodElimination elimination;
+};
+
+}  // namespace
+
+TEST(Proximal, FindsTheLaddersThatStandWithoutAStart) {
+  for (const auto& [degrees, floor, wall] :
+       {std::tuple{60., 0.3, 0.2}, {40., 0.6, 0.2}, {65., 0.2, 0.2}, {50., 0.4, 0.2}}) {
+    OnContact ladder_on_contact(ladder(degrees, floor, wall));
+    const Attempt a = by_proximal_points(ladder_on_contact.problem(), 1000);
+    ASSERT_TRUE(a.solved) << degrees;
+    EXPECT_LE(a.steps, 200) << degrees;
+    EXPECT_LT(ladder_on_contact.residual(a.x), 1e-8) << degrees;
+    EXPECT_EQ(a.branches.size(), 6u);
+  }
+}
+
+TEST(Proximal, TheSpringsAreGoneAtTheEnd) {
+  BlockOptions o;
+  o.clamp_side = true;
+  o.shear = 4;
+  OnContact blocks(block(o));
+  const CondensedProblem p = blocks.problem();
+  SemismoothNewton newton(p);
+  newton.start_from_stick();
+  ASSERT_EQ(newton.solve(40), SemismoothNewton::Outcome::converged);
+  const Attempt a = by_proximal_points(p, 1000);
+  ASSERT_TRUE(a.solved);
+  EXPECT_LT((a.x - newton.x()).norm(), 1e-12 * newton.x().norm());
+  EXPECT_FALSE(a.undetermined);
+}
+
+TEST(Proximal, ABodyThatNothingHoldsCreepsWithinTheBound) {
+  OnContact falling(ladder(40, 0.1, 0.1));
+  const Attempt a = by_proximal_points(falling.problem(), 1000);
+  EXPECT_FALSE(a.solved);
+  EXPECT_LE(a.steps, 400);
+  EXPECT_EQ(a.status, Status::max_iterations);
+  for (Index bound : {0, 1, 7}) {
+    const Attempt b = by_proximal_points(falling.problem(), bound);
+    EXPECT_FALSE(b.solved);
+    EXPECT_LE(b.steps, bound);
+  }
+}
+
+TEST(Continuation, ReachesTheFullCoefficientAndNewtonsAnswer) {
+  BlockOptions o;
+  o.clamp_side = true;
+  o.shear = 4;
+  OnContact blocks(block(o));
+  const CondensedProblem p = blocks.problem();
+  SemismoothNewton newton(p);
+  newton.start_from_stick();
+  ASSERT_EQ(newton.solve(40), SemismoothNewton::Outcome::converged);
+  const Attempt a = by_continuation(p, 1000);
+  ASSERT_TRUE(a.solved);
+  EXPECT_LT((a.x - newton.x()).norm(), 1e-12 * newton.x().norm());
+  EXPECT_LT(blocks.residual(a.x), 1e-12);
+  EXPECT_FALSE(by_continuation(p, 3).solved);
+  EXPECT_LE(by_continuation(p, 3).steps, 3);
+}
+
+TEST(Continuation, IsForCoulombsLawOnly) {
+  const ByHand hand = ByHand(2, diag({2, 1}), vec({3, 2})).given(0.4);
+  EXPECT_FALSE(by_continuation(hand.condensed(), 100).solved);
+  EXPECT_EQ(by_continuation(hand.condensed(), 100).steps, 0);
+}

@@ -1,0 +1,97 @@
+// The rigid motions alone: from S, and from A without a factor.
+#include <gtest/gtest.h>
+
+#include "../random_scene.h"
+#include "bodies.h"
+#include "core/condensed/cholmod_elimination.h"
+#include "core/condensed/rigid_motions.h"
+
+using namespace frictioncg;
+using namespace frictioncg::test;
+
+namespace {
+
+/// Expects `count` columns that cost no energy and are orthonormal in the product of D.
+void expect_rigid(const DenseMatrix& W, const DenseMatrix& A, const Vector& D, Index count) {
+  ASSERT_EQ(W.cols(), count);
+  const DenseMatrix gram = W.transpose() * D.asDiagonal() * W;
+  EXPECT_LT((gram - DenseMatrix::Identity(count, count)).norm(), 1e-9);
+  EXPECT_LT((W.transpose() * A * W).norm(), 1e-12);
+}
+
+DenseMatrix schur_complement(const ContactProblem& p) {
+  CholmodElimination elimination;
+  EXPECT_EQ(elimination.factor(*p.system, 1e9), Elimination::Outcome::done);
+  return elimination.S();
+}
+
+}  // namespace
+
+TEST(RigidMotions, AFreeBodyHasThreeOrSixASupportedOneNone) {
+  for (int d : {2, 3})
+    for (bool supported : {false, true}) {
+      BlockOptions o;
+      o.d = d;
+      o.cells = 3;
+      o.clamp_side = supported;
+      const ContactProblem p = problem_of(o);
+      // u_x held at one face leaves the other translations, and in 3D the turn about x
+      const Index in_A = supported ? (d == 2 ? 1 : 3) : (d == 2 ? 3 : 6);
+      expect_rigid(rigid_motions(*p.system, 100000), p.system->A, p.system->D, in_A);
+      const Vector D = p.system->weight.tail(p.contact_dofs());
+      const DenseMatrix S = schur_complement(p);
+      expect_rigid(rigid_motions(S, D), S, D, in_A);
+    }
+}
+
+TEST(RigidMotions, SeveralBodiesHaveTheSumOfTheirs) {
+  for (int d : {2, 3}) {
+    BlockOptions o;
+    o.d = d;
+    o.cells = 2;
+    const ContactProblem p = beside(problem_of(o), 3);
+    expect_rigid(rigid_motions(*p.system, 100000), p.system->A, p.system->D, d == 2 ? 9 : 18);
+    const Vector D = p.system->weight.tail(p.contact_dofs());
+    const DenseMatrix S = schur_complement(p);
+    expect_rigid(rigid_motions(S, D), S, D, d == 2 ? 9 : 18);
+  }
+}
+
+TEST(RigidMotions, ASoftDeformationIsNone) {
+  // a chain of two masses whose spring is 1e-8 of the springs to the ground, or there is none
+  for (Real spring : {1e-8, 0.0}) {
+    DenseMatrix S(3, 3);
+    S << 1, 0, 0, 0, 1 + spring, -1, 0, -1, 1;
+    EXPECT_EQ(rigid_motions(S, Vector::Ones(3)).cols(), spring > 0 ? 0 : 1);
+    System s;
+    s.A = S.sparseView();
+    s.D = s.A.diagonal();
+    s.first = {0, 2, 3};
+    EXPECT_EQ(rigid_motions(s, 1000).cols(), spring > 0 ? 0 : 1);
+  }
+}
+
+TEST(RigidMotions, ABodyOnOneNodeAndNoBodyAtAll) {
+  EXPECT_EQ(rigid_motions(DenseMatrix::Zero(3, 3), Vector::Ones(3)).cols(), 3);
+  EXPECT_EQ(rigid_motions(DenseMatrix(0, 0), Vector(0)).cols(), 0);
+}
+
+TEST(RigidMotions, RankDeficitsOfRandomMatricesAreFound) {
+  for (int deficit : {0, 1, 2, 5, 8}) {
+    Recipe r;
+    r.seed = 3 + deficit;
+    r.algebraic = true;
+    r.nodes = 20;
+    r.rank_deficit = deficit;
+    r.contrast = 100;
+    const Posed posed = make_scene(r).system();
+    const System& s = *posed.problem().system;
+    expect_rigid(rigid_motions(DenseMatrix(s.A), s.D), s.A, s.D, deficit);
+    expect_rigid(rigid_motions(s, 100000), s.A, s.D, deficit);
+  }
+}
+
+TEST(RigidMotions, WithoutIterationsNothingIsClaimed) {
+  const ContactProblem p = problem_of(BlockOptions());
+  EXPECT_EQ(rigid_motions(*p.system, 3).cols(), 0);
+}
