@@ -3,6 +3,7 @@
 
 #include "../random_scene.h"
 #include "by_hand.h"
+#include "core/model/certificate.h"
 #include "core/condensed/cholmod_elimination.h"
 #include "core/condensed/semismooth_newton.h"
 
