@@ -96,6 +96,17 @@ Face Faces::branch(Index i, bool closed, const Eigen::Vector2d& f, Real g, const
   return next;
 }
 
+void Faces::start_from(const std::vector<Face>& faces) {
+  face_ = faces;
+  for (std::size_t i = 0; i < face_.size(); ++i) {
+    Face& face = face_[i];
+    face.flips = 0;
+    if (increment_.bilateral) face.closed = true;
+    if (!std::isfinite(increment_.gap[static_cast<Index>(i)])) face.closed = face.stick = false;
+  }
+  update_rows();
+}
+
 Index Faces::choose(const Vector& x, const Vector& b_C) {
   Index changed = 0;
   for (Index i = 0; i < system_.nodes(); ++i) {

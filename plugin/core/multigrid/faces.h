@@ -31,6 +31,9 @@ class Faces {
   void start_from_stick();  ///< every node that can close closed, every one with friction in stick
   void start_from(const Vector& x, const Vector& b_C);  ///< the branches that any (x, b) is on
 
+  void start_from(const std::vector<Face>& faces);  ///< m, of another increment
+  const std::vector<Face>& all() const { return face_; }
+
   /// The branches that the laws ask for at x, b; the number of nodes whose branch changed.
   Index choose(const Vector& x, const Vector& b_C);
 

@@ -70,12 +70,15 @@ InexactNewton::InexactNewton(const ContactProblem& problem, Hierarchy& hierarchy
       faces_(problem),
       inner_(system_) {}
 
-Status InexactNewton::solve(Real tol, Index max_iterations, const Vector& x0) {
+Status InexactNewton::solve(Real tol, Index max_iterations, const Vector& x0,
+                            const std::vector<Face>& start) {
   const Real goal = tol * problem_.increment.force_scale;
   x_ = x0.size() > 0 ? x0 : Vector(Vector::Zero(system_.dofs()));
   recompute_forces();
   if (x0.size() > 0)
     faces_.start_from(x_, b_C_);
+  else if (!start.empty())
+    faces_.start_from(start);
   else
     faces_.start_from_stick();
   best_ = drop_from_ = std::numeric_limits<Real>::infinity();

@@ -38,11 +38,14 @@ class InexactNewton {
  public:
   InexactNewton(const ContactProblem& problem, Hierarchy& hierarchy);
 
-  /// From stick, or from the branches of x0 (n). converged: by the certificate; max_iterations;
-  /// stagnated: neither a tighter Gamma nor a new start reduces the violation.
-  Status solve(Real tol, Index max_iterations, const Vector& x0);
+  /// From the branches of x0 (n), or where it is empty from the given ones, or where these are,
+  /// too, from stick. converged: by the certificate; max_iterations; stagnated: neither a tighter
+  /// Gamma nor a new start reduces the violation.
+  Status solve(Real tol, Index max_iterations, const Vector& x0,
+               const std::vector<Face>& start = {});
 
   const Vector& x() const { return x_; }
+  const std::vector<Face>& faces() const { return faces_.all(); }
   Index iterations() const { return iterations_; }  ///< cycles
   Index updates() const { return updates_; }        ///< of the faces
 
