@@ -7,7 +7,6 @@ namespace frictioncg {
 namespace {
 
 constexpr Real most_stiffness = 100;  ///< of w over c: near the limit w grows without bound
-constexpr int most_flips = 10;        ///< after which a node stays on the branch of slip
 
 /// t <= 2 components of v from `first` on, then zeros.
 Eigen::Vector2d tangent(const Vector& v, Index first, Index t) {
@@ -85,9 +84,9 @@ Face Faces::branch(Index i, bool closed, const Eigen::Vector2d& f, Real g, const
   if (t == 0) return next;
   const Eigen::Vector2d y = f + c_[i] * tangent(x, system_.first[i] + 1, t);
   const Real norm = y.norm();
-  const bool was_stick = next.stick;
-  next.stick = g > 0 && norm <= g && next.flips < most_flips;
-  next.flips += next.stick != was_stick;
+  // slip does not reverse at once: on a motion that little resists it would do so for ever
+  const bool reverses = !face_[i].stick && y.dot(face_[i].d) < 0;
+  next.stick = g > 0 && (norm <= g || reverses);
   if (next.stick) return next;
   next.d.setZero();
   if (norm > 0) next.d = y / norm;
@@ -100,7 +99,6 @@ void Faces::start_from(const std::vector<Face>& faces) {
   face_ = faces;
   for (std::size_t i = 0; i < face_.size(); ++i) {
     Face& face = face_[i];
-    face.flips = 0;
     if (increment_.bilateral) face.closed = true;
     if (!std::isfinite(increment_.gap[static_cast<Index>(i)])) face.closed = face.stick = false;
   }

@@ -16,7 +16,6 @@ struct Face {
   Real g = 0;     ///< sliding limit when the branch was chosen [force]
   Real w = 0;     ///< [force/length]
   Eigen::Vector2d d = Eigen::Vector2d::Zero();
-  int flips = 0;  ///< changes between stick and slip
 };
 
 /// The faces of all contact nodes, and what they make of the linear system: which dofs they fix,

@@ -59,7 +59,8 @@ class HierarchyOf final : public Hierarchy {
  public:
   HierarchyOf(const Matrix& A, const NodeBlocks& blocks, const Eigen::MatrixXd& modes,
               const HierarchyOptions& options);
-  void truncate(const std::vector<char>& fixed, const std::vector<TangentialStiffness>& W) override;
+  void truncate(const std::vector<char>& fixed, const std::vector<TangentialStiffness>& W,
+                const Vector& springs) override;
   void apply(const Vector& r, Vector& z) override;
   Index levels() const override { return static_cast<Index>(1 + coarse_.size()); }
   Real operator_complexity() const override;
@@ -75,7 +76,8 @@ class HierarchyOf final : public Hierarchy {
   template <int B>
   void first_product(Level<B, K>& level, Coarse& next, std::vector<float>& contact);
   void build_coarse(Modes<K> modes);
-  void set_contact_rows(const std::vector<char>& fixed, const std::vector<TangentialStiffness>& W);
+  void set_contact_rows(const std::vector<char>& fixed, const std::vector<TangentialStiffness>& W,
+                        const Vector& springs);
   void factor_coarsest();
   template <int B>
   void cycle(Level<B, K>& level, std::size_t next);
@@ -176,7 +178,8 @@ void HierarchyOf<D, K>::build_coarse(Modes<K> modes) {
 /// Diagonal blocks, their inverses and the prolongation at the contact nodes.
 template <int D, int K>
 void HierarchyOf<D, K>::set_contact_rows(const std::vector<char>& fixed,
-                                         const std::vector<TangentialStiffness>& W) {
+                                         const std::vector<TangentialStiffness>& W,
+                                         const Vector& springs) {
   const Index first_contact = static_cast<Index>(blocks_.slot.size() - fixed.size());
   const Index first_slot = D * blocks_.interior;
   std::vector<char> out(std::size_t(blocks_.slots() - first_slot), 0);
@@ -185,6 +188,10 @@ void HierarchyOf<D, K>::set_contact_rows(const std::vector<char>& fixed,
 
   float* diagonal = fine_.A.diagonal.data() + std::size_t(blocks_.interior) * D * D;
   std::copy(contact_diagonal_.begin(), contact_diagonal_.end(), diagonal);
+  for (Eigen::Index c = 0; c < springs.size(); ++c) {
+    const Index p = blocks_.slot[first_contact + c];
+    diagonal[std::size_t(p - first_slot) * D + p % D] += static_cast<float>(scale_ * springs[c]);
+  }
   for (const TangentialStiffness& w : W)
     for (int k = 0; k < 2; ++k)
       for (int l = 0; l < 2; ++l) {
@@ -206,8 +213,8 @@ void HierarchyOf<D, K>::set_contact_rows(const std::vector<char>& fixed,
 
 template <int D, int K>
 void HierarchyOf<D, K>::truncate(const std::vector<char>& fixed,
-                                 const std::vector<TangentialStiffness>& W) {
-  set_contact_rows(fixed, W);
+                                 const std::vector<TangentialStiffness>& W, const Vector& springs) {
+  set_contact_rows(fixed, W, springs);
   coarse_.front().touched.clear(coarse_.front().A);
   fine_product_.add(fine_.A, fine_.P, {blocks_.interior, blocks_.blocks}, coarse_.front().A);
   for (std::size_t l = 0; l < coarse_.size(); ++l) {

@@ -26,9 +26,10 @@ class Hierarchy {
  public:
   virtual ~Hierarchy() = default;
 
-  /// fixed: one flag for each contact dof, those from the first contact dof on.
-  virtual void truncate(const std::vector<char>& fixed,
-                        const std::vector<TangentialStiffness>& W) = 0;
+  /// Of each contact dof, those from the first contact dof on: fixed, whether it is cut out;
+  /// springs (or empty), what is added to its diagonal [force/length].
+  virtual void truncate(const std::vector<char>& fixed, const std::vector<TangentialStiffness>& W,
+                        const Vector& springs = {}) = 0;
 
   /// z = one cycle on r (n): two forward Gauss-Seidel sweeps, coarse correction (by two cycles
   /// where that level has coarser ones), two backward sweeps. 0 on fixed dofs, whatever r is there.

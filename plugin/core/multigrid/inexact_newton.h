@@ -1,4 +1,6 @@
 #pragma once
+#include <limits>
+
 #include "multigrid/faces.h"
 #include "settings.h"
 
@@ -13,7 +15,8 @@ class ConjugateResiduals {
   /// A new linear system, residual s (n).
   void start(const Vector& s);
   /// One iteration; x and b_C follow. False where no direction reduces the residual.
-  bool step(Hierarchy& hierarchy, const Faces& faces, Vector& x, Vector& b_C);
+  bool step(Hierarchy& hierarchy, const Faces& faces, const Vector& springs, Vector& x,
+            Vector& b_C);
   Real norm() const { return norm_; }  ///< of the residual, norm_D
   const Vector& residual() const { return s_; }
 
@@ -50,25 +53,33 @@ class InexactNewton {
   Index updates() const { return updates_; }        ///< of the faces
 
  private:
-  enum class Inner { reached, failed };
-  enum class Next { choose, restart, stop };
   void move_onto_faces();
   void recompute_forces();
-  Inner solve_faces(Real goal, Index max_iterations);
-  Next tighten(Real violation);
+  bool solve_faces();
+  bool progress(bool solved, Real violation);
+  Real spring_force() const;
+  void set_springs(Real over_D);
+  bool release_springs();
+  bool retreat(bool solved);
 
   const ContactProblem& problem_;
   const System& system_;
   Hierarchy& hierarchy_;
   Faces faces_;
   ConjugateResiduals inner_;
-  Vector x_, b_;  ///< n; b = F - Ax
-  Vector b_C_, s_;
-  Real Gamma_ = 0.3;
-  Real best_ = 0;  ///< violation so far
-  int without_progress_ = 0, without_drop_ = 0, restarts_ = 0;
-  Real drop_from_ = 0;
-  Index iterations_ = 0, updates_ = 0;
+  Vector x_, b_;                           ///< n; b = F - Ax, and the springs' force
+  Vector b_C_, s_;                         ///< contact dofs of b; n, residual of the linear system
+  Real spring_ = 0, least_spring_ = 1e-8;  ///< over D
+  Vector springs_;  ///< contact_dofs [force/length]: proximal, 0 until faces left a motion free
+  Vector rest_;     ///< n, x where they are at rest
+  std::vector<Face> faces_at_rest_;
+  Real last_force_ = 0;  ///< of the springs, when they were released last
+  Real Gamma_ = 0.3;     ///< residual over violation at which faces are chosen anew
+  Real goal_ = 0;        ///< [norm_D]
+  Real first_ = std::numeric_limits<Real>::infinity(), best_ = first_,
+       drop_from_ = first_;  ///< violations
+  int without_progress_ = 0, without_drop_ = 0, retreats_ = 0, drifts_ = 0;
+  Index iterations_ = 0, updates_ = 0, max_iterations_ = 0;
 };
 
 }  // namespace frictioncg
