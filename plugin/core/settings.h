@@ -12,7 +12,6 @@ enum class Method {
   gc2,        ///< release tensile nodes at each iteration, keep conjugating (Dilintas)
   gc3,        ///< release tensile nodes after partial convergence (Raous-Barbarin)
   gcx,        ///< gc3 with stick as a face, held and released like contact: not regularized
-  multigrid,  ///< inexact Newton steps, preconditioned by multigrid with contact cut out
   sorp        ///< successive over-relaxation with projection, unregularized
 };
 

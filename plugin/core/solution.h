@@ -6,8 +6,7 @@ namespace frictioncg {
 
 enum class Route {
   iterative,  ///< a method of the paper on A
-  condensed,  ///< one factorization, then the laws on the contact dofs
-  multigrid   ///< inexact Newton steps, preconditioned by multigrid
+  condensed   ///< one factorization, then the laws on the contact dofs
 };
 
 /// Which layer answered: a fallback that did shows here.
