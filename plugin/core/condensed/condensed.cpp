@@ -43,7 +43,7 @@ struct CondensedSolver::Run {
   Real best = std::numeric_limits<Real>::infinity();
   bool undetermined = false;  ///< s.x is the least of several
   bool asked = false;         ///< whether the load can be held
-  DenseMatrix rigid;          ///< n x k, found where it was asked for
+  DenseMatrix rigid = {};     ///< n x k, found where it was asked for
 
   Index left() const { return bound - s.iterations; }
 };

@@ -6,7 +6,8 @@ namespace frictioncg::test {
 
 inline ContactProblem problem_of(const BlockOptions& o) { return block(o).system().problem(); }
 
-/// `bodies` copies of a problem with the same laws: their interiors first, then their contact nodes.
+/// `bodies` copies of a problem with the same laws: their interiors first, then their contact
+/// nodes.
 inline ContactProblem beside(const ContactProblem& one, int bodies) {
   const Index n = one.dofs(), I = one.interior(), C = one.contact_dofs();
   const auto place = [&](Index i, int body) {

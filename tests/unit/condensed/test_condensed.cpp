@@ -48,71 +48,7 @@ Scene random_scene(unsigned seed) {
 
 }  // namespace
 
-TEST(Elimination, SchurComplementReducedLoadAndFieldMatchDenseAlgebra) {
-  for (int d : {2, 3})
-    for (Ordering ordering : {Ordering::camd, Ordering::amd, Ordering::metis}) {
-      BlockOptions o;
-      o.d = d;
-      o.cells = d == 2 ? 7 : 3;
-      o.angle = 0.3;
-      const ContactProblem p = problem_of(o);
-      CholmodElimination elimination(ordering);
-      ASSERT_EQ(elimination.factor(*p.system, 1e9), Elimination::Outcome::done);
-      const Eigen::MatrixXd A = p.system->A;
-      const Index I = p.interior(), C = p.contact_dofs();
-      const Eigen::MatrixXd S =
-          A.bottomRightCorner(C, C) -
-          A.bottomLeftCorner(C, I) * A.topLeftCorner(I, I).ldlt().solve(A.topRightCorner(I, C));
-      EXPECT_LT((elimination.S() - S).norm(), 1e-12 * S.norm());
-      const Vector f =
-          p.increment.F.tail(C) -
-          A.bottomLeftCorner(C, I) * A.topLeftCorner(I, I).ldlt().solve(p.increment.F.head(I));
-      EXPECT_LT((elimination.condense(p.increment.F) - f).norm(), 1e-12 * f.norm());
-      const Vector x_C = Vector::Random(C);
-      const Vector x = elimination.recover(x_C);
-      EXPECT_LT((x.tail(C) - x_C).norm(), 1e-13 * x_C.norm());
-      EXPECT_LT((p.increment.F - p.system->A * x).head(I).norm(), 1e-11 * (p.system->A * x).norm());
-    }
-}
-
-TEST(Elimination, SeparateBodiesKeepTheirContactDofsLast) {
-  // two blocks that share nothing: the contact block of the factor is not dense
-  const ContactProblem one = problem_of(BlockOptions());
-  const Index n = one.dofs(), I = one.interior(), C = one.contact_dofs();
-  const auto place = [&](Index i, int body) {
-    return i < I ? i + body * I : 2 * I + (i - I) + body * C;
-  };
-  std::vector<Eigen::Triplet<Real>> t;
-  for (int body : {0, 1})
-    for (Index i = 0; i < n; ++i)
-      for (Matrix::InnerIterator e(one.system->A, i); e; ++e)
-        t.emplace_back(place(i, body), place(Index(e.col()), body), e.value());
-  const auto system = std::make_shared<System>();
-  system->A.resize(2 * n, 2 * n);
-  system->A.setFromTriplets(t.begin(), t.end());
-  system->D = system->A.diagonal();
-  system->weight = node_weights(*system);
-  for (int body : {0, 1})
-    for (Index k = 0; k < one.nodes(); ++k)
-      system->first.push_back(place(one.system->first[k], body));
-  system->first.push_back(2 * n);
-  ContactProblem two{system, one.increment};
-  two.increment.F.resize(2 * n);
-  for (int body : {0, 1})
-    for (Index i = 0; i < n; ++i) two.increment.F[place(i, body)] = one.increment.F[i];
-  two.increment.gap = Vector::Zero(two.nodes());
-  two.increment.mu = Vector::Constant(two.nodes(), 0.3);
-  two.increment.force_scale = driving_norm(*two.system, two.increment);
-  const Solution a = solve(one, Settings()), b = solve(two, Settings());
-  ASSERT_EQ(b.status, Status::converged);
-  EXPECT_EQ(b.route, Route::condensed);
-  for (Index i = 0; i < n; ++i) {
-    EXPECT_NEAR(b.x[place(i, 0)], a.x[i], 1e-10);
-    EXPECT_NEAR(b.x[place(i, 1)], a.x[i], 1e-10);
-  }
-}
-
-TEST(Elimination, RefusesWhatDoesNotFitAndTheSolverThenIterates) {
+TEST(Condensed, RefusesWhatDoesNotFitAndTheSolverThenIterates) {
   const ContactProblem p = problem_of(BlockOptions());
   CholmodElimination elimination;
   EXPECT_EQ(elimination.factor(*p.system, 1000), Elimination::Outcome::too_large);

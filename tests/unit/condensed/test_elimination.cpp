@@ -33,10 +33,9 @@ TEST(Elimination, SchurComplementCondensedLoadAndFieldMatchDenseAlgebra) {
       const Eigen::MatrixXd A = p.system->A;
       const Index I = p.interior(), C = p.contact_dofs();
       const Eigen::MatrixXd to_contact =
-          A.bottomLeftCorner(C, I) * A.topLeftCorner(I, I).ldlt().solve(
-                                         Eigen::MatrixXd(Eigen::MatrixXd::Identity(I, I)));
-      const Eigen::MatrixXd S =
-          A.bottomRightCorner(C, C) - to_contact * A.topRightCorner(I, C);
+          A.bottomLeftCorner(C, I) *
+          A.topLeftCorner(I, I).ldlt().solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(I, I)));
+      const Eigen::MatrixXd S = A.bottomRightCorner(C, C) - to_contact * A.topRightCorner(I, C);
       EXPECT_LT((elimination.S() - S).norm(), 1e-12 * S.norm());
       EXPECT_EQ((elimination.S() - elimination.S().transpose()).norm(), 0);
       const Vector f = p.increment.F.tail(C) - to_contact * p.increment.F.head(I);

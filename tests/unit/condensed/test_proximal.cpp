@@ -4,6 +4,7 @@
 #include "../statics.h"
 #include "bodies.h"
 #include "by_hand.h"
+#include "core/model/certificate.h"
 #include "core/condensed/cholmod_elimination.h"
 #include "core/condensed/continuation.h"
 #include "core/condensed/proximal.h"

@@ -3,6 +3,7 @@
 
 #include "../random_scene.h"
 #include "by_hand.h"
+#include "core/model/certificate.h"
 #include "core/condensed/cholmod_elimination.h"
 #include "core/condensed/semismooth_newton.h"
 
@@ -79,8 +80,7 @@ TEST(SemismoothNewton, TheGapIsClosedAndAnUnreachableObstacleIsNoContact) {
 TEST(SemismoothNewton, BilateralContactRubsByTheSizeOfItsForceWhateverItsSign) {
   for (Real sign : {1.0, -1.0})
     for (Real side : {1.0, -1.0}) {
-      const ByHand hand =
-          ByHand(2, diag({2, 1}), vec({3 * sign, 2 * side})).mu(0.3).bilateral();
+      const ByHand hand = ByHand(2, diag({2, 1}), vec({3 * sign, 2 * side})).mu(0.3).bilateral();
       const CondensedProblem p = hand.condensed();
       const SemismoothNewton newton = expect(p, vec({0, 1.1 * side}), 2);
       EXPECT_EQ(newton.branches()[0].sign, sign);
@@ -206,6 +206,8 @@ TEST(SemismoothNewton, ItsResidualIsTheCertificates) {
   Recipe r;
   r.algebraic = true;
   r.nodes = 12;
+  r.block.mu = 0.1;
+  r.block.shear = 5;
   for (int d : {2, 3}) {
     r.block.d = d;
     const Scene s = make_scene(r);

@@ -1,0 +1,193 @@
+#include "multigrid/faces.h"
+
+#include <cmath>
+
+namespace frictioncg {
+
+namespace {
+
+constexpr Real most_stiffness = 100;  ///< of w over c: near the limit w grows without bound
+
+/// t <= 2 components of v from `first` on, then zeros.
+Eigen::Vector2d tangent(const Vector& v, Index first, Index t) {
+  Eigen::Vector2d two(0, 0);
+  for (Index k = 0; k < t; ++k) two[k] = v[first + k];
+  return two;
+}
+
+}  // namespace
+
+Faces::Faces(const ContactProblem& problem)
+    : system_(*problem.system),
+      increment_(problem.increment),
+      face_(problem.nodes()),
+      c_(problem.nodes()),
+      c_D_(problem.nodes()),
+      fixed_(problem.contact_dofs(), 0) {
+  // near the stiffness that the body has for one wave along the contact, not for one node
+  const Index m = problem.nodes();
+  const Real waves = system_.dimension == 2 ? Real(m) : std::sqrt(Real(m));
+  for (Index i = 0; i < m; ++i) {
+    const Index t = problem.tangents(i);
+    c_D_[i] = t == 0 ? 0 : system_.D.segment(system_.first[i] + 1, t).mean();
+    c_[i] = std::min(1.0, 3 / waves) * c_D_[i];
+  }
+}
+
+void Faces::start_from_stick() {
+  for (std::size_t i = 0; i < face_.size(); ++i) {
+    face_[i] = Face();
+    const Index node = static_cast<Index>(i);
+    face_[i].closed = increment_.bilateral || std::isfinite(increment_.gap[node]);
+    face_[i].stick = face_[i].closed && law_of(increment_, node).has_friction();
+  }
+  update_rows();
+}
+
+void Faces::start_from(const Vector& x, const Vector& b_C) {
+  for (Index i = 0; i < system_.nodes(); ++i) {
+    const Index N = normal(i), t = system_.tangents(i), first = system_.first[i];
+    const Real closing = system_.D[first] * (increment_.gap[i] - x[first]);
+    const bool closed = law_of(increment_, i).closed(closing, b_C[N]);
+    face_[i] = Face();
+    face_[i] = branch(i, closed, tangent(b_C, N + 1, t), limit(i, closed ? b_C[N] : 0), x);
+    face_[i].sign = increment_.bilateral && b_C[N] < 0 ? -1 : 1;
+  }
+  update_rows();
+}
+
+/// Sliding limit at a force b_N of a closed node, or 0 of an open one.
+Real Faces::limit(Index i, Real b_N) const { return law_of(increment_, i).limit(b_N); }
+
+Eigen::Vector2d Faces::slip_force(Index i, const Vector& x, const Vector& b_C) const {
+  const Face& face = face_[i];
+  Real g = face.g;
+  if (increment_.law == Law::coulomb && !lagged_)
+    g = face.closed ? face.sign * increment_.mu[i] * b_C[normal(i)] : 0;
+  const Eigen::Vector2d x_T = tangent(x, system_.first[i] + 1, system_.tangents(i));
+  return g * face.d + face.w * (x_T - face.d.dot(x_T) * face.d);
+}
+
+/// The force of friction on the present branch: where it sticks, whatever b is.
+Eigen::Vector2d Faces::friction(Index i, const Vector& x, const Vector& b_C) const {
+  if (face_[i].stick) return tangent(b_C, normal(i) + 1, system_.tangents(i));
+  return slip_force(i, x, b_C);
+}
+
+/// The branch of friction for the force f and the limit g.
+Face Faces::branch(Index i, bool closed, const Eigen::Vector2d& f, Real g, const Vector& x) const {
+  Face next = face_[i];
+  next.closed = closed;
+  next.g = g;
+  next.w = 0;
+  const Index t = system_.tangents(i);
+  if (t == 0) return next;
+  const Eigen::Vector2d y = f + c_[i] * tangent(x, system_.first[i] + 1, t);
+  const Real norm = y.norm();
+  // slip does not reverse at once: on a motion that little resists it would do so for ever
+  const bool reverses = !face_[i].stick && y.dot(face_[i].d) < 0;
+  next.stick = g > 0 && (norm <= g || reverses);
+  if (next.stick) return next;
+  next.d.setZero();
+  if (norm > 0) next.d = y / norm;
+  const Real beyond = std::max(norm - g, g / most_stiffness);
+  if (t == 2 && g > 0) next.w = g * c_[i] / beyond;
+  return next;
+}
+
+void Faces::start_from(const std::vector<Face>& faces) {
+  face_ = faces;
+  for (std::size_t i = 0; i < face_.size(); ++i) {
+    Face& face = face_[i];
+    if (increment_.bilateral) face.closed = true;
+    if (!std::isfinite(increment_.gap[static_cast<Index>(i)])) face.closed = face.stick = false;
+  }
+  update_rows();
+}
+
+Index Faces::choose(const Vector& x, const Vector& b_C) {
+  Index changed = 0;
+  for (Index i = 0; i < system_.nodes(); ++i) {
+    const Face& now = face_[i];
+    const Index N = normal(i);
+    const bool closed =
+        increment_.bilateral || (now.closed ? b_C[N] > 0 : x[system_.first[i]] > increment_.gap[i]);
+    Face next =
+        branch(i, closed, friction(i, x, b_C), limit(i, closed && now.closed ? b_C[N] : 0), x);
+    next.sign = increment_.bilateral && b_C[N] < 0 ? -1 : 1;
+    changed += next.closed != now.closed || next.stick != now.stick;
+    face_[i] = next;
+  }
+  update_rows();
+  return changed;
+}
+
+void Faces::update_rows() {
+  W_.clear();
+  for (Index i = 0; i < system_.nodes(); ++i) {
+    const Face& face = face_[i];
+    const Index N = normal(i), t = system_.tangents(i);
+    fixed_[N] = face.closed;
+    std::fill(fixed_.begin() + N + 1, fixed_.begin() + N + 1 + t, face.stick);
+    if (face.stick || face.w == 0) continue;
+    W_.push_back({system_.first[i] + 1,
+                  face.w * (Eigen::Matrix2d::Identity() - face.d * face.d.transpose())});
+  }
+}
+
+void Faces::place(Vector& x) const {
+  for (Index i = 0; i < system_.nodes(); ++i) {
+    const Index first = system_.first[i];
+    if (face_[i].closed) x[first] = increment_.gap[i];
+    if (face_[i].stick) x.segment(first + 1, system_.tangents(i)).setZero();
+  }
+}
+
+void Faces::residual(const Vector& x, const Vector& b_C, Eigen::Ref<Vector> s_C) const {
+  for (Index i = 0; i < system_.nodes(); ++i) {
+    const Index N = normal(i), t = system_.tangents(i);
+    s_C[N] = face_[i].closed ? 0 : b_C[N];
+    const Eigen::Vector2d f = friction(i, x, b_C);  // b_T itself where it sticks
+    for (Index k = 0; k < t; ++k) s_C[N + 1 + k] = b_C[N + 1 + k] - f[k];
+  }
+}
+
+void Faces::jacobian(const Vector& z, const Vector& Az_C, Eigen::Ref<Vector> Jz_C) const {
+  const bool coupled = increment_.law == Law::coulomb && !lagged_;
+  for (Index i = 0; i < system_.nodes(); ++i) {
+    const Face& face = face_[i];
+    const Index N = normal(i), t = system_.tangents(i);
+    Jz_C[N] = face.closed ? 0 : Az_C[N];
+    if (face.stick) {
+      Jz_C.segment(N + 1, t).setZero();
+      continue;
+    }
+    const Eigen::Vector2d z_T = tangent(z, system_.first[i] + 1, t);
+    const Real mu = coupled && face.closed ? face.sign * increment_.mu[i] : 0;
+    const Eigen::Vector2d law = -mu * Az_C[N] * face.d + face.w * (z_T - face.d.dot(z_T) * face.d);
+    for (Index k = 0; k < t; ++k) Jz_C[N + 1 + k] = Az_C[N + 1 + k] + law[k];
+  }
+}
+
+Real Faces::violation(const Vector& x, const Vector& b_C) const {
+  Real sum = 0;
+  for (Index i = 0; i < system_.nodes(); ++i) {
+    const Face& face = face_[i];
+    const Index first = system_.first[i], N = normal(i), t = system_.tangents(i);
+    const Real D = system_.D[first];
+    if (face.closed && !increment_.bilateral) {
+      const Real tension = std::min(b_C[N], 0.0);
+      sum += tension * tension / D;
+    } else if (!face.closed) {
+      const Real penetration = std::max(x[first] - increment_.gap[i], 0.0);
+      sum += D * penetration * penetration;
+    }
+    if (t == 0) continue;
+    const Real g = limit(i, face.closed ? b_C[N] : 0);
+    const Eigen::Vector2d f = friction(i, x, b_C), x_T = tangent(x, first + 1, t);
+    sum += friction_residual(f, x_T, c_D_[i], g).squaredNorm() / c_D_[i];
+  }
+  return std::sqrt(sum);
+}
+
+}  // namespace frictioncg

@@ -1,0 +1,115 @@
+#include "multigrid/galerkin.h"
+
+namespace frictioncg {
+
+template <int B, int K>
+SymmetricBlocks<K> galerkin_pattern(const SymmetricBlocks<B>& A, const Prolongation<B, K>& P) {
+  std::vector<std::vector<Index>> lower(P.columns);
+  std::vector<Index> reached, seen_by(P.columns, -1);
+  for (Index i = 0; i < A.rows(); ++i) {
+    reached.clear();
+    const auto visit = [&](Index j) {
+      for (Index q = P.row[j]; q < P.row[j + 1]; ++q)
+        if (seen_by[P.col[q]] != i) seen_by[P.col[q]] = i, reached.push_back(P.col[q]);
+    };
+    visit(i);
+    for (Index k = A.row[i]; k < A.row[i + 1]; ++k) visit(A.col[k]);
+    for (Index q = P.row[i]; q < P.row[i + 1]; ++q)
+      for (Index J : reached) {
+        const Index I = P.col[q];
+        if (I != J) lower[std::max(I, J)].push_back(std::min(I, J));
+      }
+  }
+  SymmetricBlocks<K> coarse;
+  for (std::vector<Index>& columns : lower) {
+    std::sort(columns.begin(), columns.end());
+    columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
+    coarse.col.insert(coarse.col.end(), columns.begin(), columns.end());
+    coarse.row.push_back(static_cast<Index>(coarse.col.size()));
+    std::vector<Index>().swap(columns);
+  }
+  coarse.value.assign(coarse.col.size() * K * K, 0);
+  coarse.diagonal.assign(std::size_t(P.columns) * K * K, 0);
+  coarse.inverse.assign(std::size_t(P.columns) * K * K, 0);
+  return coarse;
+}
+
+template <int B, int K>
+void GalerkinProduct<B, K>::start_row(const Prolongation<B, K>& P) {
+  if (Index(place_.size()) < P.columns) place_.resize(P.columns, -1);
+  for (Index J : column_) place_[J] = -1;
+  column_.clear();
+  product_.clear();
+}
+
+/// The present row of A P += factor a P_j
+template <int B, int K>
+void GalerkinProduct<B, K>::multiply(float factor, const float* a, const Prolongation<B, K>& P,
+                                     Index j) {
+  for (Index q = P.row[j]; q < P.row[j + 1]; ++q) {
+    Index& place = place_[P.col[q]];
+    if (place < 0) {
+      place = static_cast<Index>(column_.size());
+      column_.push_back(P.col[q]);
+      product_.resize(product_.size() + B * K, 0);
+    }
+    add_block_product<B, B, K>(factor, a, P.at(q), product_.data() + std::size_t(place) * B * K);
+  }
+}
+
+/// coarse += P_i' T + T' P_i, T the present row of A P
+template <int B, int K>
+void GalerkinProduct<B, K>::scatter(const Prolongation<B, K>& P, Index i,
+                                    SymmetricBlocks<K>& coarse) {
+  for (Index q = P.row[i]; q < P.row[i + 1]; ++q) {
+    const Index I = P.col[q];
+    const float* p = P.at(q);
+    for (std::size_t c = 0; c < column_.size(); ++c) {
+      const Index J = column_[c];
+      const float* t = product_.data() + c * B * K;
+      if (I > J) {
+        add_transposed_block_product<K, B, K>(1, p, t, coarse.at(coarse.find(I, J)));
+      } else if (I < J) {
+        add_transposed_block_product<K, B, K>(1, t, p, coarse.at(coarse.find(J, I)));
+      } else {
+        add_transposed_block_product<K, B, K>(1, p, t, coarse.diagonal_at(I));
+        add_transposed_block_product<K, B, K>(1, t, p, coarse.diagonal_at(I));
+      }
+    }
+  }
+}
+
+template <int B, int K>
+void GalerkinProduct<B, K>::add(const SymmetricBlocks<B>& A, const Prolongation<B, K>& P, Rows rows,
+                                SymmetricBlocks<K>& coarse) {
+  for (Index i = rows.begin; i < rows.end; ++i) {
+    start_row(P);
+    multiply(0.5f, A.diagonal_at(i), P, i);
+    for (Index k = A.row[i]; k < A.row[i + 1]; ++k) multiply(1, A.at(k), P, A.col[k]);
+    scatter(P, i, coarse);
+  }
+}
+
+template <int B, int K>
+void GalerkinProduct<B, K>::add(const SymmetricBlocks<B>& A, const Prolongation<B, K>& P,
+                                const std::vector<Index>& rows, const std::vector<Index>& begin,
+                                const std::vector<Index>& lower, SymmetricBlocks<K>& coarse) {
+  for (std::size_t q = 0; q < rows.size(); ++q) {
+    start_row(P);
+    multiply(0.5f, A.diagonal_at(rows[q]), P, rows[q]);
+    for (Index k = begin[q]; k < begin[q + 1]; ++k) multiply(1, A.at(lower[k]), P, A.col[lower[k]]);
+    scatter(P, rows[q], coarse);
+  }
+}
+
+#define FRICTIONCG_INSTANTIATE(B, K)                                       \
+  template SymmetricBlocks<K> galerkin_pattern(const SymmetricBlocks<B>&,  \
+                                               const Prolongation<B, K>&); \
+  template class GalerkinProduct<B, K>;
+FRICTIONCG_INSTANTIATE(2, 3)
+FRICTIONCG_INSTANTIATE(3, 3)
+FRICTIONCG_INSTANTIATE(3, 6)
+FRICTIONCG_INSTANTIATE(6, 6)
+#undef FRICTIONCG_INSTANTIATE
+
+}  // namespace frictioncg

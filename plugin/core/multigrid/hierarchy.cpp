@@ -1,0 +1,352 @@
+#include "multigrid/hierarchy.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <numeric>
+
+#include "multigrid/dense.h"
+#include "multigrid/fine_matrix.h"
+#include "multigrid/galerkin.h"
+#include "multigrid/smoother.h"
+#include "multigrid/touched.h"
+
+namespace frictioncg {
+
+namespace {
+
+constexpr int power_steps = 8;
+constexpr Real stalled = 0.8;       ///< share of rows left by a coarsening that is not worth it
+constexpr Real shift = 1e-6;        ///< of the coarsest diagonal: the rounding of single precision
+constexpr std::size_t most = 4000;  ///< dofs beyond which no dense factorization is tried
+
+/// Thin layers of elements (aspect 10: couplings of 0.01 beside 1) are not to be aggregated across.
+/// Smoothed prolongations widen the graph of coarse levels: there, only the stronger half of the
+/// couplings counts.
+Coarsening coarsening(int dimension, bool fine) {
+  if (fine) return {0.08f, dimension == 2 ? 5.0f : 15.0f};
+  return {0.25f, dimension == 2 ? 4.0f : 8.0f};
+}
+
+template <int B, int K>
+struct Level {
+  SymmetricBlocks<B> A;
+  Prolongation<B, K> P;
+  Touched<B> touched;
+  std::vector<float> base;  ///< of the touched blocks
+  std::vector<float> r, z, work, residual;
+  std::vector<float> first_r, first_z;  ///< of the first of two cycles
+
+  void allocate() {
+    for (std::vector<float>* v : {&r, &z, &work, &residual, &first_r, &first_z})
+      v->assign(std::size_t(A.rows()) * B, 0);
+  }
+};
+
+template <class T>
+double bytes_of(const std::vector<T>& v) {
+  return double(v.capacity()) * sizeof(T);
+}
+
+template <int B>
+double bytes_of(const SymmetricBlocks<B>& A) {
+  return bytes_of(A.row) + bytes_of(A.col) + bytes_of(A.value) + bytes_of(A.diagonal) +
+         bytes_of(A.inverse);
+}
+
+/// D slots a node on the fine level, K modes a node on the coarse ones.
+template <int D, int K>
+class HierarchyOf final : public Hierarchy {
+ public:
+  HierarchyOf(const Matrix& A, const NodeBlocks& blocks, const Eigen::MatrixXd& modes,
+              const HierarchyOptions& options);
+  void truncate(const std::vector<char>& fixed, const std::vector<TangentialStiffness>& W,
+                const Vector& springs) override;
+  void apply(const Vector& r, Vector& z) override;
+  Index levels() const override { return static_cast<Index>(1 + coarse_.size()); }
+  Real operator_complexity() const override;
+  double bytes() const override;
+  Eigen::MatrixXd matrix(Index level) const override;
+  Eigen::MatrixXd prolongation(Index level) const override;
+
+ private:
+  using Fine = Level<D, K>;
+  using Coarse = Level<K, K>;
+  template <int B>
+  Modes<K> coarsen(Level<B, K>& level, const Modes<K>& modes);
+  template <int B>
+  void first_product(Level<B, K>& level, Coarse& next, std::vector<float>& contact);
+  void build_coarse(Modes<K> modes);
+  void set_contact_rows(const std::vector<char>& fixed, const std::vector<TangentialStiffness>& W,
+                        const Vector& springs);
+  void factor_coarsest();
+  template <int B>
+  void cycle(Level<B, K>& level, std::size_t next);
+  void correct(std::size_t next);
+  void solve_coarsest(Coarse& level);
+
+  NodeBlocks blocks_;
+  HierarchyOptions options_;
+  Real scale_;  ///< brings A near 1
+  Fine fine_;
+  std::vector<Coarse> coarse_;
+  std::vector<float> contact_diagonal_, contact_P_;  ///< of the rows of contact nodes, untruncated
+  GalerkinProduct<D, K> fine_product_;
+  GalerkinProduct<K, K> product_;
+  Eigen::MatrixXd dense_;
+  Eigen::LLT<Eigen::MatrixXd> llt_;
+  Vector coarsest_;
+};
+
+template <int D, int K>
+HierarchyOf<D, K>::HierarchyOf(const Matrix& A, const NodeBlocks& blocks,
+                               const Eigen::MatrixXd& modes, const HierarchyOptions& options)
+    : blocks_(blocks), options_(options) {
+  scale_ = 1 / A.diagonal().mean();
+  fine_.A = make_fine_matrix<D>(A, blocks, scale_);
+  for (Index i = 0; i < blocks.blocks; ++i) invert_diagonal(fine_.A, i);
+  Modes<K> B = Modes<K>::Zero(blocks.slots(), K);
+  for (std::size_t p = 0; p < blocks.slot.size(); ++p) B.row(blocks.slot[p]) = modes.row(p);
+  fine_.allocate();
+  build_coarse(coarsen(fine_, B));
+  contact_diagonal_.assign(fine_.A.diagonal.begin() + std::ptrdiff_t(blocks.interior) * D * D,
+                           fine_.A.diagonal.end());
+  contact_P_.assign(fine_.P.at(fine_.P.row[blocks.interior]),
+                    fine_.P.value.data() + fine_.P.value.size());
+  factor_coarsest();
+}
+
+/// P of the level; returns the modes of the next.
+template <int D, int K>
+template <int B>
+Modes<K> HierarchyOf<D, K>::coarsen(Level<B, K>& level, const Modes<K>& modes) {
+  const BlockGraph graph = make_graph(level.A);
+  const bool fine = static_cast<const void*>(&level) == &fine_;
+  const Aggregates aggregates = aggregate(graph, coupling_strength(level.A), coarsening(D, fine));
+  const Tentative<B, K> tentative = make_tentative<B, K>(aggregates, modes);
+  const float omega = 4.0f / 3 / spectral_radius(level.A, power_steps);
+  level.P = smooth<B, K>(level.A, graph, aggregates, tentative.value, omega);
+  return tentative.coarse;
+}
+
+/// next.A = P' A P, its base apart: level.A holds its own base in turn, and then, in the touched
+/// blocks, the contact part alone. contact: that part of level.A, replaced by that of next.A.
+template <int D, int K>
+template <int B>
+void HierarchyOf<D, K>::first_product(Level<B, K>& level, Coarse& next,
+                                      std::vector<float>& contact) {
+  next.A = galerkin_pattern(level.A, level.P);
+  next.touched = Touched<K>::reached(level.A, level.touched, level.P, next.A);
+  GalerkinProduct<B, K> product;
+  level.touched.add(0, level.base, level.A);
+  product.add(level.A, level.P, {0, level.A.rows()}, next.A);
+  next.base = next.touched.read(next.A);
+
+  level.touched.add(0, contact, level.A);
+  next.touched.clear(next.A);
+  product.add(level.A, level.P, level.touched.rows, level.touched.begin, level.touched.lower,
+              next.A);
+  level.touched.add(1, level.base, level.A);
+  contact = next.touched.read(next.A);
+  next.touched.add(1, next.base, next.A);
+  for (Index i = 0; i < next.A.rows(); ++i) invert_diagonal(next.A, i);
+  next.allocate();
+}
+
+template <int D, int K>
+void HierarchyOf<D, K>::build_coarse(Modes<K> modes) {
+  // on the fine level the contact part is all rows of contact nodes, and their base is 0
+  for (Index i = blocks_.interior; i < blocks_.blocks; ++i) {
+    fine_.touched.rows.push_back(i);
+    for (Index k = fine_.A.row[i]; k < fine_.A.row[i + 1]; ++k) fine_.touched.lower.push_back(k);
+    fine_.touched.begin.push_back(static_cast<Index>(fine_.touched.lower.size()));
+  }
+  std::vector<float> contact = fine_.touched.read(fine_.A);
+  fine_.base.assign(contact.size(), 0);
+  coarse_.emplace_back();
+  first_product(fine_, coarse_.back(), contact);
+  std::vector<float>().swap(fine_.base);
+  while (coarse_.back().A.rows() * K > options_.coarsest) {
+    Coarse& level = coarse_.back();
+    modes = coarsen(level, modes);
+    if (level.P.columns > stalled * level.A.rows()) break;
+    Coarse next;
+    first_product(level, next, contact);
+    coarse_.push_back(std::move(next));
+  }
+}
+
+/// Diagonal blocks, their inverses and the prolongation at the contact nodes.
+template <int D, int K>
+void HierarchyOf<D, K>::set_contact_rows(const std::vector<char>& fixed,
+                                         const std::vector<TangentialStiffness>& W,
+                                         const Vector& springs) {
+  const Index first_contact = static_cast<Index>(blocks_.slot.size() - fixed.size());
+  const Index first_slot = D * blocks_.interior;
+  std::vector<char> out(std::size_t(blocks_.slots() - first_slot), 0);
+  for (std::size_t c = 0; c < fixed.size(); ++c)
+    out[blocks_.slot[first_contact + c] - first_slot] = fixed[c];
+
+  float* diagonal = fine_.A.diagonal.data() + std::size_t(blocks_.interior) * D * D;
+  std::copy(contact_diagonal_.begin(), contact_diagonal_.end(), diagonal);
+  for (Eigen::Index c = 0; c < springs.size(); ++c) {
+    const Index p = blocks_.slot[first_contact + c];
+    diagonal[std::size_t(p - first_slot) * D + p % D] += static_cast<float>(scale_ * springs[c]);
+  }
+  for (const TangentialStiffness& w : W)
+    for (int k = 0; k < 2; ++k)
+      for (int l = 0; l < 2; ++l) {
+        const Index p = blocks_.slot[w.first + k], q = blocks_.slot[w.first + l];
+        diagonal[std::size_t(p - first_slot) * D + q % D] += static_cast<float>(scale_ * w.M(k, l));
+      }
+  std::copy(contact_P_.begin(), contact_P_.end(), fine_.P.at(fine_.P.row[blocks_.interior]));
+  for (std::size_t s = 0; s < out.size(); ++s) {
+    if (!out[s]) continue;
+    const Index i = blocks_.interior + static_cast<Index>(s / D);
+    const int place = static_cast<int>(s % D);
+    for (int k = 0; k < D; ++k)
+      fine_.A.diagonal_at(i)[place * D + k] = fine_.A.diagonal_at(i)[k * D + place] = 0;
+    for (Index q = fine_.P.row[i]; q < fine_.P.row[i + 1]; ++q)
+      std::fill(fine_.P.at(q) + place * K, fine_.P.at(q) + (place + 1) * K, 0.0f);
+  }
+  for (Index i = blocks_.interior; i < blocks_.blocks; ++i) invert_diagonal(fine_.A, i);
+}
+
+template <int D, int K>
+void HierarchyOf<D, K>::truncate(const std::vector<char>& fixed,
+                                 const std::vector<TangentialStiffness>& W, const Vector& springs) {
+  set_contact_rows(fixed, W, springs);
+  coarse_.front().touched.clear(coarse_.front().A);
+  fine_product_.add(fine_.A, fine_.P, {blocks_.interior, blocks_.blocks}, coarse_.front().A);
+  for (std::size_t l = 0; l < coarse_.size(); ++l) {
+    Coarse& level = coarse_[l];
+    if (l + 1 < coarse_.size()) {
+      Coarse& next = coarse_[l + 1];
+      next.touched.clear(next.A);
+      product_.add(level.A, level.P, level.touched.rows, level.touched.begin, level.touched.lower,
+                   next.A);
+    }
+    level.touched.add(1, level.base, level.A);
+    for (const Index i : level.touched.rows) invert_diagonal(level.A, i);
+  }
+  factor_coarsest();
+}
+
+template <int D, int K>
+void HierarchyOf<D, K>::factor_coarsest() {
+  const Coarse& level = coarse_.back();
+  if (std::size_t(level.A.rows()) * K > most) return;
+  dense_ = matrix(levels() - 1);
+  coarsest_.resize(dense_.rows());
+  const Vector diagonal = dense_.diagonal();
+  for (Real s = shift; s < 1; s *= 10) {
+    for (Eigen::Index k = 0; k < diagonal.size(); ++k)
+      dense_(k, k) = diagonal[k] > 0 ? (1 + s) * diagonal[k] : 1;
+    llt_.compute(dense_);
+    if (llt_.info() == Eigen::Success) break;
+  }
+}
+
+template <int D, int K>
+void HierarchyOf<D, K>::solve_coarsest(Coarse& level) {
+  if (dense_.size() == 0) {
+    level.work = level.r;
+    sweep_forward(level.A, level.work.data(), level.z.data());
+    level.work = level.r;
+    sweep_backward(level.A, level.work.data(), level.z.data());
+    return;
+  }
+  for (Eigen::Index k = 0; k < coarsest_.size(); ++k) coarsest_[k] = level.r[k];
+  llt_.solveInPlace(coarsest_);
+  for (Eigen::Index k = 0; k < coarsest_.size(); ++k) level.z[k] = static_cast<float>(coarsest_[k]);
+}
+
+/// coarse.z from coarse.r: exact on the coarsest level, elsewhere by two cycles.
+template <int D, int K>
+void HierarchyOf<D, K>::correct(std::size_t next) {
+  Coarse& coarse = coarse_[next];
+  if (next + 1 == coarse_.size()) {
+    solve_coarsest(coarse);
+    return;
+  }
+  cycle(coarse, next + 1);
+  coarse.r.swap(coarse.first_r);
+  coarse.z.swap(coarse.first_z);
+  subtract_product(coarse.A, coarse.first_r.data(), coarse.first_z.data(), coarse.r.data());
+  cycle(coarse, next + 1);
+  for (std::size_t k = 0; k < coarse.z.size(); ++k) coarse.z[k] += coarse.first_z[k];
+}
+
+/// level.z from level.r: two sweeps, correction from the level next, two sweeps.
+template <int D, int K>
+template <int B>
+void HierarchyOf<D, K>::cycle(Level<B, K>& level, std::size_t next) {
+  level.residual = level.r;
+  sweep_forward(level.A, level.residual.data(), level.z.data());
+  sweep_forward(level.A, level.residual.data(), level.work.data());
+  for (std::size_t k = 0; k < level.z.size(); ++k) level.z[k] += level.work[k];
+  restrict_to(level.P, level.residual.data(), coarse_[next].r);
+  correct(next);
+  prolong(level.P, coarse_[next].z.data(), level.z.data());
+  for (int sweep = 0; sweep < 2; ++sweep) {
+    level.work = level.r;
+    sweep_backward(level.A, level.work.data(), level.z.data());
+  }
+}
+
+template <int D, int K>
+void HierarchyOf<D, K>::apply(const Vector& r, Vector& z) {
+  const Real size = r.lpNorm<Eigen::Infinity>();
+  z.resize(r.size());
+  if (!(size > 0)) {
+    z.setZero();
+    return;
+  }
+  // to order 1 and back: single precision keeps its range
+  for (Eigen::Index p = 0; p < r.size(); ++p)
+    fine_.r[blocks_.slot[p]] = static_cast<float>(r[p] / size);
+  cycle(fine_, 0);
+  for (Eigen::Index p = 0; p < r.size(); ++p) z[p] = size * scale_ * fine_.z[blocks_.slot[p]];
+}
+
+template <int D, int K>
+Real HierarchyOf<D, K>::operator_complexity() const {
+  const auto entries = [](const auto& A) {
+    return 2.0 * double(A.value.size()) + double(A.diagonal.size());
+  };
+  Real sum = entries(fine_.A);
+  for (const Coarse& level : coarse_) sum += entries(level.A);
+  return sum / entries(fine_.A);
+}
+
+template <int D, int K>
+double HierarchyOf<D, K>::bytes() const {
+  const auto of = [](const auto& level) {
+    return bytes_of(level.A) + bytes_of(level.P.row) + bytes_of(level.P.col) +
+           bytes_of(level.P.value) + bytes_of(level.touched.lower) + bytes_of(level.base) +
+           bytes_of(level.r) + 5 * bytes_of(level.r);
+  };
+  double sum = of(fine_) + bytes_of(blocks_.slot) + bytes_of(blocks_.dof);
+  for (const Coarse& level : coarse_) sum += of(level);
+  return sum + 16.0 * double(dense_.size());
+}
+
+template <int D, int K>
+Eigen::MatrixXd HierarchyOf<D, K>::matrix(Index level) const {
+  return level == 0 ? dense(fine_.A) : dense(coarse_[level - 1].A);
+}
+
+template <int D, int K>
+Eigen::MatrixXd HierarchyOf<D, K>::prolongation(Index level) const {
+  return level == 0 ? dense(fine_.P) : dense(coarse_[level - 1].P);
+}
+
+}  // namespace
+
+std::unique_ptr<Hierarchy> make_hierarchy(const Matrix& A, const NodeBlocks& blocks,
+                                          const Eigen::MatrixXd& modes,
+                                          const HierarchyOptions& options) {
+  if (blocks.size == 2) return std::make_unique<HierarchyOf<2, 3>>(A, blocks, modes, options);
+  return std::make_unique<HierarchyOf<3, 6>>(A, blocks, modes, options);
+}
+
+}  // namespace frictioncg

@@ -1,0 +1,57 @@
+#pragma once
+#include <Eigen/Core>
+#include <memory>
+
+#include "multigrid/node_blocks.h"
+
+namespace frictioncg {
+
+/// A stiffness that a law adds to the tangents of a contact node: M on the dofs first, first + 1.
+struct TangentialStiffness {
+  Index first;
+  Eigen::Matrix2d M;  ///< symmetric positive semi-definite [force/length]
+};
+
+/// Smoothed aggregation with rigid-body modes for A, in single precision: a symmetric positive
+/// definite approximate inverse, one cycle. Structure and prolongations come from A once; contact
+/// dofs are then cut out or put back on every level at the price of their own rows:
+///
+///   fine level     rows of P of fixed dofs are 0, the smoother skips them
+///   coarse levels  A_c = P' A_interior P  +  P' (M B M + W) P
+///
+/// B being the entries of A in rows or columns of nodes with contact dofs, M the projection that
+/// drops the fixed dofs, W what the laws add to tangents. Nothing cancels: what is fixed leaves
+/// exact zeros.
+class Hierarchy {
+ public:
+  virtual ~Hierarchy() = default;
+
+  /// Of each contact dof, those from the first contact dof on: fixed, whether it is cut out;
+  /// springs (or empty), what is added to its diagonal [force/length].
+  virtual void truncate(const std::vector<char>& fixed, const std::vector<TangentialStiffness>& W,
+                        const Vector& springs = {}) = 0;
+
+  /// z = one cycle on r (n): two forward Gauss-Seidel sweeps, coarse correction (by two cycles
+  /// where that level has coarser ones), two backward sweeps. 0 on fixed dofs, whatever r is there.
+  /// Allocates nothing.
+  virtual void apply(const Vector& r, Vector& z) = 0;
+
+  virtual Index levels() const = 0;
+  virtual Real operator_complexity() const = 0;  ///< entries of all levels over those of the fine
+  virtual double bytes() const = 0;              ///< kept in memory
+
+  /// For tests: level 0 is the fine one, dense, by slots; prolongation(l) from level l+1 to l.
+  virtual Eigen::MatrixXd matrix(Index level) const = 0;
+  virtual Eigen::MatrixXd prolongation(Index level) const = 0;
+};
+
+struct HierarchyOptions {
+  Index coarsest = 600;  ///< dofs from which on a dense factorization takes over
+};
+
+/// modes (n x 3 in 2D, n x 6 in 3D): rigid motions, see rigid_modes. A is not kept.
+std::unique_ptr<Hierarchy> make_hierarchy(const Matrix& A, const NodeBlocks& blocks,
+                                          const Eigen::MatrixXd& modes,
+                                          const HierarchyOptions& options = {});
+
+}  // namespace frictioncg

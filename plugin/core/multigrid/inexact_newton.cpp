@@ -1,0 +1,227 @@
+#include "multigrid/inexact_newton.h"
+
+#include <cmath>
+#include <limits>
+
+#include "model/certificate.h"
+
+namespace frictioncg {
+
+namespace {
+
+constexpr std::size_t most_directions = 20;
+constexpr Index patience = 40;  ///< inner iterations in which the residual must fall tenfold
+constexpr Real share = 0.5;     ///< of tol that the linear residual may take
+constexpr int most_retreats = 10, most_drifts = 4;
+constexpr Real least_Gamma = 1e-3, most_Gamma = 0.3;
+constexpr Real first_spring = 1e-2;  ///< over D
+constexpr Real out_of_bounds = 1e3;  ///< violation over the first with the present springs
+
+}  // namespace
+
+// ---------------------------------------------------------------------------- inner iteration
+
+ConjugateResiduals::ConjugateResiduals(const System& system)
+    : system_(system), inverse_D_(system.D.cwiseInverse()) {}
+
+/// In the norm of D^{-1/2}.
+Real ConjugateResiduals::dot(const Vector& a, const Vector& b) const {
+  return (a.array() * inverse_D_.array() * b.array()).sum();
+}
+
+void ConjugateResiduals::start(const Vector& s) {
+  s_ = s;
+  norm_ = std::sqrt(dot(s_, s_));
+  used_ = next_ = 0;
+}
+
+bool ConjugateResiduals::step(Hierarchy& hierarchy, const Faces& faces, const Vector& springs,
+                              Vector& x, Vector& b_C) {
+  if (kept_.size() < most_directions && next_ == kept_.size()) kept_.emplace_back();
+  Direction& now = kept_[next_];
+  hierarchy.apply(s_, now.z);
+  now.Jz.noalias() = system_.A * now.z;
+  now.Az_C = now.Jz.tail(springs.size()) + springs.cwiseProduct(now.z.tail(springs.size()));
+  faces.jacobian(now.z, now.Az_C, now.Jz.tail(system_.contact_dofs()));
+  const Real before = dot(now.Jz, now.Jz);
+  for (std::size_t k = 0; k < used_; ++k) {
+    const Direction& old = kept_[k];
+    if (&old == &now) continue;
+    const Real along = dot(now.Jz, old.Jz) / old.size;
+    now.z -= along * old.z;
+    now.Jz -= along * old.Jz;
+    now.Az_C -= along * old.Az_C;
+  }
+  now.size = dot(now.Jz, now.Jz);
+  if (!(now.size > 1e-20 * before)) return false;
+  const Real alpha = dot(s_, now.Jz) / now.size;
+  x += alpha * now.z;
+  s_ -= alpha * now.Jz;
+  b_C -= alpha * now.Az_C;
+  norm_ = std::sqrt(dot(s_, s_));
+  used_ = std::max(used_, next_ + 1);
+  next_ = (next_ + 1) % most_directions;
+  return alpha != 0;
+}
+
+// ---------------------------------------------------------------------------- outer iteration
+
+InexactNewton::InexactNewton(const ContactProblem& problem, Hierarchy& hierarchy)
+    : problem_(problem),
+      system_(*problem.system),
+      hierarchy_(hierarchy),
+      faces_(problem),
+      inner_(system_),
+      springs_(Vector::Zero(system_.contact_dofs())) {}
+
+Status InexactNewton::solve(Real tol, Index max_iterations, const Vector& x0,
+                            const std::vector<Face>& start) {
+  goal_ = tol * problem_.increment.force_scale;
+  max_iterations_ = max_iterations;
+  x_ = x0.size() > 0 ? x0 : Vector(Vector::Zero(system_.dofs()));
+  rest_ = x_;
+  recompute_forces();
+  if (x0.size() > 0)
+    faces_.start_from(x_, b_C_);
+  else if (!start.empty())
+    faces_.start_from(start);
+  else
+    faces_.start_from_stick();
+  while (iterations_ < max_iterations_) {
+    move_onto_faces();
+    hierarchy_.truncate(faces_.fixed(), faces_.stiffness(), springs_);
+    const bool solved = solve_faces();
+    ++updates_;
+    const Real violation = faces_.violation(x_, b_C_);
+    if (std::hypot(inner_.norm(), violation) <= std::max(goal_, 0.1 * spring_force())) {
+      const bool goes_on = release_springs();
+      if (certify(problem_, x_).residual <= tol) return Status::converged;
+      if (!goes_on) return Status::stagnated;
+    } else if (!progress(solved, violation)) {
+      if (!retreat(solved)) return Status::stagnated;
+      continue;
+    }
+    faces_.lag(!solved);
+    faces_.choose(x_, b_C_);
+  }
+  return Status::max_iterations;
+}
+
+void InexactNewton::recompute_forces() {
+  b_ = problem_.increment.F;
+  b_.noalias() -= system_.A * x_;
+  b_C_ = b_.tail(springs_.size()) + springs_.cwiseProduct((rest_ - x_).tail(springs_.size()));
+}
+
+/// x onto the faces, and b with it: by the columns of the dofs that moved, which are rows of A.
+void InexactNewton::move_onto_faces() {
+  const Vector before = x_.tail(springs_.size());
+  faces_.place(x_);
+  b_.tail(springs_.size()) = b_C_;
+  for (Index c = 0; c < springs_.size(); ++c) {
+    const Index p = system_.interior() + c;
+    const Real moved = x_[p] - before[c];
+    if (moved == 0) continue;
+    b_[p] -= springs_[c] * moved;
+    for (Matrix::InnerIterator a(system_.A, p); a; ++a) b_[a.col()] -= a.value() * moved;
+  }
+  b_C_ = b_.tail(springs_.size());
+}
+
+/// The linear system of the present faces, to Gamma times what they violate. False where the
+/// residual does not fall.
+bool InexactNewton::solve_faces() {
+  s_ = b_;
+  faces_.residual(x_, b_C_, s_.tail(springs_.size()));
+  inner_.start(s_);
+  Real mark = inner_.norm();
+  Index since = 0;
+  bool falls = mark > share * goal_;
+  while (falls && iterations_ < max_iterations_) {
+    falls = inner_.step(hierarchy_, faces_, springs_, x_, b_C_);
+    ++iterations_;
+    const Real aim = std::max(Gamma_ * faces_.violation(x_, b_C_), share * goal_);
+    if (inner_.norm() <= aim) break;
+    ++since;
+    if (inner_.norm() <= 0.1 * mark) {
+      mark = inner_.norm();
+      since = 0;
+    }
+    falls = falls && since < patience;
+  }
+  b_ = inner_.residual();
+  return falls || inner_.norm() <= share * goal_;
+}
+
+/// What the springs do to equilibrium, in norm_D.
+Real InexactNewton::spring_force() const {
+  const auto D = system_.D.tail(springs_.size()).array();
+  const auto stretch = (x_ - rest_).tail(springs_.size()).array();
+  return std::sqrt((springs_.array() * stretch).square().cwiseQuotient(D).sum());
+}
+
+void InexactNewton::set_springs(Real over_D) {
+  spring_ = over_D;
+  springs_ = over_D * system_.D.tail(springs_.size());
+  rest_ = x_;
+  faces_at_rest_ = faces_.all();
+  recompute_forces();
+  first_ = best_ = drop_from_ = std::numeric_limits<Real>::infinity();
+  without_progress_ = without_drop_ = 0;
+}
+
+/// A step of the proximal point iteration is done: the springs are at rest where the body is now,
+/// and weaker. False where it goes on for ever: nothing holds the body.
+bool InexactNewton::release_springs() {
+  const Real force = spring_force();
+  drifts_ = spring_ <= least_spring_ && force > 0.9 * last_force_ ? drifts_ + 1 : 0;
+  last_force_ = force;
+  set_springs(std::max((retreats_ > 0 ? 0.3 : 0.1) * spring_, std::min(spring_, least_spring_)));
+  return drifts_ < most_drifts;
+}
+
+/// Where faces leave a motion of the body free, or keep changing, springs on the contact dofs
+/// hold it: first from stick at x = 0, then from where the last of them were at rest, stiffer.
+/// False where that was tried often enough.
+bool InexactNewton::retreat(bool solved) {
+  if (++retreats_ > most_retreats) return false;
+  if (!solved) least_spring_ = std::max(least_spring_, 3 * spring_);  // too weak for the hierarchy
+  faces_.lag(false);
+  Gamma_ = 0.1;
+  if (spring_ == 0) {
+    x_.setZero();
+    faces_.start_from_stick();
+    set_springs(first_spring);
+    retreats_ = 0;
+  } else {
+    x_ = rest_;
+    faces_.start_from(faces_at_rest_);
+    set_springs(10 * spring_);
+  }
+  return true;
+}
+
+/// Gamma after an update; false where the violation does not fall any more, or grows out of bounds.
+bool InexactNewton::progress(bool solved, Real violation) {
+  if (!solved) return false;
+  if (!std::isfinite(first_)) first_ = violation;
+  if (!(violation <= out_of_bounds * first_)) return false;
+  if (violation < 0.9 * best_) {
+    best_ = violation;
+    without_progress_ = 0;
+  } else if (++without_progress_ >= 12) {
+    return false;
+  }
+  if (violation <= 0.7 * drop_from_) {
+    drop_from_ = violation;
+    without_drop_ = 0;
+    Gamma_ = std::min(2 * Gamma_, most_Gamma);
+  } else if (++without_drop_ >= 3) {
+    Gamma_ = std::max(0.3 * Gamma_, least_Gamma);
+    without_drop_ = 0;
+    drop_from_ = violation;
+  }
+  return true;
+}
+
+}  // namespace frictioncg

@@ -1,0 +1,85 @@
+#pragma once
+#include <limits>
+
+#include "multigrid/faces.h"
+#include "settings.h"
+
+namespace frictioncg {
+
+/// Generalized conjugate residuals, preconditioned from the right by a hierarchy: minimizes the
+/// residual over the directions it keeps, whatever the symmetry of the Jacobian.
+class ConjugateResiduals {
+ public:
+  explicit ConjugateResiduals(const System& system);
+
+  /// A new linear system, residual s (n).
+  void start(const Vector& s);
+  /// One iteration; x and b_C follow. False where no direction reduces the residual.
+  bool step(Hierarchy& hierarchy, const Faces& faces, const Vector& springs, Vector& x,
+            Vector& b_C);
+  Real norm() const { return norm_; }  ///< of the residual, norm_D
+  const Vector& residual() const { return s_; }
+
+ private:
+  struct Direction {
+    Vector z, Jz, Az_C;
+    Real size = 0;  ///< <Jz, Jz>
+  };
+  Real dot(const Vector& a, const Vector& b) const;
+
+  const System& system_;
+  Vector inverse_D_, s_;
+  std::vector<Direction> kept_;
+  std::size_t used_ = 0, next_ = 0;
+  Real norm_ = 0;
+};
+
+/// Inexact semismooth Newton on the unregularized laws: the linear system of the present faces,
+/// solved until its residual falls below a share Gamma of what the faces violate; then all faces
+/// are chosen anew.
+class InexactNewton {
+ public:
+  InexactNewton(const ContactProblem& problem, Hierarchy& hierarchy);
+
+  /// From the branches of x0 (n), or where it is empty from the given ones, or where these are,
+  /// too, from stick. converged: by the certificate; max_iterations; stagnated: neither a tighter
+  /// Gamma nor a new start reduces the violation.
+  Status solve(Real tol, Index max_iterations, const Vector& x0,
+               const std::vector<Face>& start = {});
+
+  const Vector& x() const { return x_; }
+  const std::vector<Face>& faces() const { return faces_.all(); }
+  Index iterations() const { return iterations_; }  ///< cycles
+  Index updates() const { return updates_; }        ///< of the faces
+
+ private:
+  void move_onto_faces();
+  void recompute_forces();
+  bool solve_faces();
+  bool progress(bool solved, Real violation);
+  Real spring_force() const;
+  void set_springs(Real over_D);
+  bool release_springs();
+  bool retreat(bool solved);
+
+  const ContactProblem& problem_;
+  const System& system_;
+  Hierarchy& hierarchy_;
+  Faces faces_;
+  ConjugateResiduals inner_;
+  Vector x_, b_;                           ///< n; b = F - Ax, and the springs' force
+  Vector b_C_, s_;                         ///< contact dofs of b; n, residual of the linear system
+  Real spring_ = 0, least_spring_ = 1e-8;  ///< over D
+  Vector springs_;  ///< contact_dofs [force/length]: proximal, 0 until faces left a motion free
+  Vector rest_;     ///< n, x where they are at rest
+  std::vector<Face> faces_at_rest_;
+  Real last_force_ = 0;  ///< of the springs, when they were released last
+  Real Gamma_ = 0.3;     ///< residual over violation at which faces are chosen anew
+  Real goal_ = 0;        ///< [norm_D]
+  Real first_ = std::numeric_limits<Real>::infinity(), best_ = first_,
+       drop_from_ = first_;  ///< violations
+  int without_progress_ = 0, without_drop_ = 0, retreats_ = 0, drifts_ = 0;
+  Index iterations_ = 0, updates_ = 0, max_iterations_ = 0;
+};
+
+}  // namespace frictioncg

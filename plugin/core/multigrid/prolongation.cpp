@@ -1,0 +1,199 @@
+#include "multigrid/prolongation.h"
+
+#include <array>
+#include <cmath>
+
+namespace frictioncg {
+
+namespace {
+
+constexpr Real dependent = 1e-7;  ///< share of a mode left after projection below which it depends
+constexpr float lost = 1e-5f;     ///< share of a pivot left below which it is rounding
+
+/// The rows of each aggregate, one aggregate after the other.
+struct Members {
+  std::vector<Index> begin, row;
+  explicit Members(const Aggregates& a) : begin(a.count + 1, 0), row(a.of.size()) {
+    for (Index c : a.of) ++begin[c + 1];
+    for (Index c = 0; c < a.count; ++c) begin[c + 1] += begin[c];
+    std::vector<Index> next(begin.begin(), begin.end() - 1);
+    for (std::size_t i = 0; i < a.of.size(); ++i) row[next[a.of[i]]++] = static_cast<Index>(i);
+  }
+};
+
+/// Modified Gram-Schmidt, twice, on the columns of Q; R of Q R. Dependent columns become 0.
+template <int K>
+Eigen::Matrix<Real, K, K> orthonormalize(Eigen::Matrix<Real, Eigen::Dynamic, K>& Q) {
+  Eigen::Matrix<Real, K, K> R = Eigen::Matrix<Real, K, K>::Zero();
+  for (int k = 0; k < K; ++k) {
+    const Real before = Q.col(k).norm();
+    for (int pass = 0; pass < 2; ++pass)
+      for (int l = 0; l < k; ++l) {
+        const Real along = Q.col(l).dot(Q.col(k));
+        R(l, k) += along;
+        Q.col(k) -= along * Q.col(l);
+      }
+    const Real after = Q.col(k).norm();
+    if (!(after > dependent * before)) {
+      Q.col(k).setZero();
+      continue;
+    }
+    R(k, k) = after;
+    Q.col(k) /= after;
+  }
+  return R;
+}
+
+}  // namespace
+
+template <int B, int K>
+Tentative<B, K> make_tentative(const Aggregates& aggregates, const Modes<K>& modes) {
+  const Members members(aggregates);
+  Tentative<B, K> t;
+  t.value.assign(aggregates.of.size() * B * K, 0);
+  t.coarse.setZero(Eigen::Index(aggregates.count) * K, K);
+  for (Index c = 0; c < aggregates.count; ++c) {
+    const Index begin = members.begin[c], size = members.begin[c + 1] - begin;
+    Eigen::Matrix<Real, Eigen::Dynamic, K> Q(size * B, K);
+    for (Index q = 0; q < size; ++q)
+      Q.template middleRows<B>(q * B) =
+          modes.template middleRows<B>(Eigen::Index(members.row[begin + q]) * B);
+    t.coarse.template middleRows<K>(Eigen::Index(c) * K) = orthonormalize<K>(Q);
+    for (Index q = 0; q < size; ++q) {
+      float* block = t.value.data() + std::size_t(members.row[begin + q]) * B * K;
+      for (int r = 0; r < B; ++r)
+        for (int k = 0; k < K; ++k) block[r * K + k] = static_cast<float>(Q(q * B + r, k));
+    }
+  }
+  return t;
+}
+
+/// y = A x, and x := D^{-1} y; returns <y, x_new> / <y, x_old>, a Rayleigh quotient.
+template <int B>
+float spectral_radius(const SymmetricBlocks<B>& A, int steps) {
+  const std::size_t n = std::size_t(A.rows()) * B;
+  std::vector<float> x(n), y(n);
+  unsigned random = 12345;
+  for (float& value : x) {
+    random = random * 1664525u + 1013904223u;
+    value = static_cast<float>(random >> 8) / (1 << 24) - 0.5f;
+  }
+  Real lambda = 1;
+  for (int step = 0; step < steps; ++step) {
+    std::fill(y.begin(), y.end(), 0.0f);
+    for (Index i = 0; i < A.rows(); ++i) {
+      add_product<B, B>(A.diagonal_at(i), &x[i * std::size_t(B)], &y[i * std::size_t(B)]);
+      for (Index k = A.row[i]; k < A.row[i + 1]; ++k) {
+        const std::size_t j = A.col[k];
+        add_product<B, B>(A.at(k), &x[j * B], &y[i * std::size_t(B)]);
+        add_transposed_product<B, B>(A.at(k), &x[i * std::size_t(B)], &y[j * B]);
+      }
+    }
+    Real y_x = 0, y_z = 0;
+    for (Index i = 0; i < A.rows(); ++i) {
+      const std::size_t at = i * std::size_t(B);
+      std::array<float, B> z{};
+      add_product<B, B>(A.inverse_at(i), &y[at], z.data());
+      for (int k = 0; k < B; ++k) {
+        y_x += Real(y[at + k]) * x[at + k];
+        y_z += Real(y[at + k]) * z[k];
+        x[at + k] = z[k];
+      }
+    }
+    if (!(y_x > 0)) break;
+    lambda = y_z / y_x;
+    const float norm = static_cast<float>(std::sqrt(y_z));
+    for (float& value : x) value /= norm;
+  }
+  return static_cast<float>(lambda);
+}
+
+template <int B, int K>
+Prolongation<B, K> smooth(const SymmetricBlocks<B>& A, const BlockGraph& graph,
+                          const Aggregates& aggregates, const std::vector<float>& tentative,
+                          float omega) {
+  Prolongation<B, K> P;
+  P.columns = aggregates.count;
+  P.row.reserve(A.rows() + 1);
+  std::vector<Index> place(aggregates.count, -1);  // of an aggregate in the present row
+  std::vector<Index> columns;
+  std::vector<float> sum;
+  const auto tentative_at = [&](Index j) { return tentative.data() + std::size_t(j) * B * K; };
+  for (Index i = 0; i < A.rows(); ++i) {
+    columns.assign(1, aggregates.of[i]);
+    for (Index e = graph.begin[i]; e < graph.begin[i + 1]; ++e)
+      columns.push_back(aggregates.of[graph.neighbour[e]]);
+    std::sort(columns.begin(), columns.end());
+    columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
+    for (std::size_t c = 0; c < columns.size(); ++c) place[columns[c]] = Index(c);
+
+    sum.assign(columns.size() * B * K, 0);
+    const auto sum_at = [&](Index j) {
+      return sum.data() + std::size_t(place[aggregates.of[j]]) * B * K;
+    };
+    add_block_product<B, B, K>(1, A.diagonal_at(i), tentative_at(i), sum_at(i));
+    for (Index e = graph.begin[i]; e < graph.begin[i + 1]; ++e) {
+      const Index j = graph.neighbour[e];
+      const float* a = A.at(graph.stored[e]);
+      if (j < i)
+        add_block_product<B, B, K>(1, a, tentative_at(j), sum_at(j));
+      else
+        add_transposed_block_product<B, B, K>(1, a, tentative_at(j), sum_at(j));
+    }
+    const std::size_t begin = P.col.size();
+    P.col.insert(P.col.end(), columns.begin(), columns.end());
+    P.row.push_back(static_cast<Index>(P.col.size()));
+    P.value.resize(P.col.size() * B * K, 0);
+    for (std::size_t c = 0; c < columns.size(); ++c)
+      add_block_product<B, B, K>(-omega, A.inverse_at(i), sum.data() + c * B * K, P.at(begin + c));
+    float* own = P.at(begin + place[aggregates.of[i]]);
+    for (int e = 0; e < B * K; ++e) own[e] += tentative_at(i)[e];
+  }
+  return P;
+}
+
+/// By Gauss-Jordan without pivoting on a symmetric positive semi-definite block.
+template <int B>
+void invert_diagonal(SymmetricBlocks<B>& A, Index row) {
+  std::array<std::array<double, B>, B> M{};
+  std::array<double, B> original{};
+  const float* a = A.diagonal_at(row);
+  for (int r = 0; r < B; ++r)
+    for (int c = 0; c < B; ++c) M[r][c] = a[r * B + c];
+  for (int k = 0; k < B; ++k) original[k] = M[k][k];
+  for (int k = 0; k < B; ++k) {
+    if (!(M[k][k] > lost * original[k])) {
+      for (int j = 0; j < B; ++j) M[k][j] = M[j][k] = 0;
+      continue;
+    }
+    // sweep k: M becomes minus the inverse on the swept slots
+    const double pivot = 1 / M[k][k];
+    for (int r = 0; r < B; ++r)
+      for (int c = 0; c < B; ++c)
+        if (r != k && c != k) M[r][c] -= M[r][k] * M[k][c] * pivot;
+    for (int j = 0; j < B; ++j)
+      if (j != k) M[k][j] = M[j][k] = M[j][k] * pivot;
+    M[k][k] = -pivot;
+  }
+  float* inverse = A.inverse.data() + std::size_t(row) * B * B;
+  for (int r = 0; r < B; ++r)
+    for (int c = 0; c < B; ++c) inverse[r * B + c] = static_cast<float>(-M[r][c]);
+}
+
+#define FRICTIONCG_INSTANTIATE(B, K)                                                     \
+  template Tentative<B, K> make_tentative<B, K>(const Aggregates&, const Modes<K>&);     \
+  template Prolongation<B, K> smooth<B, K>(const SymmetricBlocks<B>&, const BlockGraph&, \
+                                           const Aggregates&, const std::vector<float>&, float);
+FRICTIONCG_INSTANTIATE(2, 3)
+FRICTIONCG_INSTANTIATE(3, 3)
+FRICTIONCG_INSTANTIATE(3, 6)
+FRICTIONCG_INSTANTIATE(6, 6)
+#undef FRICTIONCG_INSTANTIATE
+template float spectral_radius(const SymmetricBlocks<2>&, int);
+template float spectral_radius(const SymmetricBlocks<3>&, int);
+template float spectral_radius(const SymmetricBlocks<6>&, int);
+template void invert_diagonal(SymmetricBlocks<2>&, Index);
+template void invert_diagonal(SymmetricBlocks<3>&, Index);
+template void invert_diagonal(SymmetricBlocks<6>&, Index);
+
+}  // namespace frictioncg
