@@ -185,6 +185,7 @@ TEST(LocalSystem, VectorsOfAnotherSizeAreRefused) {
   EXPECT_NE(refused(s.b, {}, {Law::tresca, false, s.gap, {}}).find("friction has 0"),
             std::string::npos);
   EXPECT_EQ(refused(s.b, {}, {Law::frictionless, false, s.gap, {}}), "");
+}
 
 TEST(LocalSystem, AnEntryWithoutItsMirrorImageIsRefusedWhereverItStands) {
   const Scene good = small(false);
