@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/solver.h"
-#include "unit/scene.h"
+#include "unit/driven.h"
 
 using namespace frictioncg;
 using namespace frictioncg::test;
@@ -185,4 +185,44 @@ TEST(LocalSystem, VectorsOfAnotherSizeAreRefused) {
   EXPECT_NE(refused(s.b, {}, {Law::tresca, false, s.gap, {}}).find("friction has 0"),
             std::string::npos);
   EXPECT_EQ(refused(s.b, {}, {Law::frictionless, false, s.gap, {}}), "");
+}
+
+TEST(LocalSystem, AnEntryWithoutItsMirrorImageIsRefusedWhereverItStands) {
+  const Scene good = small(false);
+  for (std::size_t k = 0; k < good.a.size(); ++k) {
+    if (good.i[k] == good.j[k] || std::abs(good.a[k]) < 1e-6) continue;
+    Scene s = good;
+    s.i.erase(s.i.begin() + Index(k));
+    s.j.erase(s.j.begin() + Index(k));
+    s.a.erase(s.a.begin() + Index(k));
+    EXPECT_NE(refusal(s).find("must be symmetric"), std::string::npos)
+        << good.i[k] << " " << good.j[k];
+  }
+}
+
+TEST(LocalSystem, TheRoundingOfALoadIsThatOfTheTermsItIsSummedOf) {
+  BlockOptions o;
+  const auto rounding = [&](Real far) {
+    return brought_from_far(o, far).system().problem().increment.rounding;
+  };
+  EXPECT_GT(rounding(1), 0);
+  EXPECT_NEAR(rounding(1000) / rounding(1), 1000, 10);
+  Scene s = small(true);
+  const LocalSystem local(s.triplets(), 2, s.points);
+  const Real at_rest = local.increment(s.b, {}, s.laws()).increment.rounding;
+  const Vector far = Vector::Constant(s.n, 1e3);  // A uold nearly cancels
+  EXPECT_GT(local.increment(s.b, far, s.laws()).increment.rounding, 1e3 * at_rest);
+}
+
+TEST(LocalSystem, ALoadThatAlreadyActsKeepsItsScaleInTheNextIncrement) {
+  const Scene s = small(true);
+  const LocalSystem local(s.triplets(), 2, s.points);
+  const LocalIncrement first = local.increment(s.b, {}, s.laws());
+  const Solution a = solve({local.system(), first.increment}, Settings());
+  const Increment again = local.increment(s.b, local.to_global(a.x, first.u0), s.laws()).increment;
+  EXPECT_LT(norm_D(*local.system(), again.F), first.increment.force_scale);
+  EXPECT_NEAR(again.force_scale, first.increment.force_scale, 1e-12 * first.increment.force_scale);
+  const Vector w = local.to_local(local.to_global(a.x, first.u0));
+  for (Index k = 0; k < local.nodes(); ++k)
+    EXPECT_NEAR(again.gap[k], s.gap[k] - w[local.system()->first[k]], 1e-15);
 }

@@ -1,0 +1,85 @@
+// Which dofs of a matrix Dirichlet conditions hold.
+#include <gtest/gtest.h>
+
+#include "core/assembly/dirichlet.h"
+
+using namespace frictioncg;
+
+namespace {
+
+struct Entry {
+  Index i, j;
+  Real a;
+};
+
+struct Assembled {
+  Assembled(Index n, const std::vector<Entry>& entries, bool half_stored = false)
+      : size(n), half(half_stored) {
+    for (const Entry& e : entries) i.push_back(e.i), j.push_back(e.j), a.push_back(e.a);
+  }
+  Triplets triplets() const { return {size, a.size(), i.data(), j.data(), a.data(), 0, half}; }
+  std::vector<Index> held(const std::vector<ContactPoint>& points = {}) const {
+    const Dirichlet dirichlet(triplets(), points);
+    std::vector<Index> dofs;
+    for (Index k = 0; k < dirichlet.size(); ++k) dofs.push_back(dirichlet.dof(k));
+    return dofs;
+  }
+  Index size;
+  bool half;
+  std::vector<Index> i, j;
+  std::vector<Real> a;
+};
+
+/// A chain of two dofs of stiffness 100 with a third that the last column and row couple.
+Assembled chain(Real diagonal) {
+  return {3,
+          {{0, 0, 200},
+           {0, 1, -100},
+           {1, 0, -100},
+           {1, 1, 200},
+           {1, 2, -100},
+           {2, 1, -100},
+           {2, 2, diagonal}}};
+}
+
+using Dofs = std::vector<Index>;
+
+}  // namespace
+
+TEST(Dirichlet, ADiagonalBeyondEveryContrastOfStiffnessIsHeld) {
+  EXPECT_EQ(chain(100).held(), Dofs());
+  EXPECT_EQ(chain(1e10).held(), Dofs());
+  EXPECT_EQ(chain(2e12).held(), Dofs{2});
+  EXPECT_EQ(chain(1e30).held(), Dofs{2});
+}
+
+TEST(Dirichlet, ALargeDiagonalIsJudgedByItsColumnAsWellAsByItsRow) {
+  // an elimination of the row alone leaves the column
+  const Assembled A(2, {{0, 0, 2}, {0, 1, -1}, {1, 1, 1}});
+  EXPECT_EQ(A.held(), Dofs{1});
+  // of a half-stored matrix the row is the column
+  EXPECT_EQ(Assembled(2, {{0, 0, 1.5}, {1, 0, -1}, {1, 1, 2}}, true).held(), Dofs());
+}
+
+TEST(Dirichlet, AHalfStoredRowOfTheIdentityIsHeldWhereItsZerosAreStored) {
+  const std::vector<Entry> eliminated = {{0, 0, 2}, {1, 0, 0}, {1, 1, 1}, {2, 1, -1}, {2, 2, 3}};
+  EXPECT_EQ(Assembled(3, eliminated, true).held(), Dofs{1});
+  // a diagonal that happens to be 1, above which nothing is stored, is a stiffness
+  const std::vector<Entry> free = {{0, 0, 1}, {1, 0, 0.3}, {1, 1, 2}};
+  EXPECT_EQ(Assembled(2, free, true).held(), Dofs());
+}
+
+TEST(Dirichlet, ASupportAtAContactPointIsNoSpring) {
+  ContactPoint p;
+  p.dof = {2, 3, -1};
+  p.normal = {0, -1, 0};
+  const Assembled A(4, {{0, 0, 2}, {0, 1, -1}, {1, 0, -1}, {1, 1, 2}, {2, 2, 50}, {3, 3, 1e30}});
+  EXPECT_EQ(A.held({p}), Dofs{3});
+  EXPECT_EQ(A.held(), (Dofs{2, 3}));
+}
+
+TEST(Dirichlet, PrescribedDisplacementsAreTheLoadOverTheDiagonal) {
+  const Assembled A = chain(1e30);
+  const Dirichlet dirichlet(A.triplets(), {});
+  EXPECT_EQ(dirichlet.data((Vector(3) << 5, 6, 2e29).finished())[0], 0.2);
+}
