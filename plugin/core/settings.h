@@ -42,6 +42,22 @@ struct Settings {
   Real stop_on_step = 0;
 };
 
+/// Contact and friction on the condensed system, as far as its factor fits.
+inline bool condenses(const Settings& s) {
+  return s.method == Method::automatic || s.method == Method::condensed;
+}
+
+/// Friction by a conjugate gradient, regularized: GC1 to GC3, or on the condensed system.
+inline bool smooths_friction(const Settings& s) {
+  if (condenses(s)) return !s.newton;
+  return s.method != Method::gcx && s.method != Method::sorp;
+}
+
+/// The preconditioner, or SORP, has an omega.
+inline bool relaxes(const Settings& s) {
+  return s.method == Method::sorp || s.precon == Precon::ssor || s.precon == Precon::hessian_ssor;
+}
+
 /// Hears of the iterations; the core never prints.
 class Observer {
  public:

@@ -106,15 +106,13 @@ Status concluded(Status status, const Certificate& certificate, const Settings& 
 /// are then exact and cheap: the route unless the settings name another method.
 Plan make_plan(const ContactProblem& problem, const Settings& settings) {
   Plan plan;
-  const bool direct = settings.method == Method::automatic || settings.method == Method::condensed;
-  plan.route = direct ? Route::condensed : Route::iterative;
+  plan.route = condenses(settings) ? Route::condensed : Route::iterative;
   plan.dofs = problem.dofs();
   plan.nodes = problem.nodes();
   plan.tangents = problem.contact_dofs() - problem.nodes();
   plan.law = problem.nodes() > 0 ? problem.increment.law : Law::frictionless;
   plan.fixed_point = plan.law == Law::coulomb;
-  const bool smooths = settings.method != Method::sorp && settings.method != Method::gcx;
-  plan.regularization = plan.law != Law::frictionless && (direct ? !settings.newton : smooths);
+  plan.regularization = plan.law != Law::frictionless && smooths_friction(settings);
   return plan;
 }
 

@@ -26,22 +26,10 @@ inline Index bound_on_iterations(double nbiter) {
       std::min<double>(nbiter, std::numeric_limits<Index>::max() / 2));  // sums of bounds fit
 }
 
-inline bool by_condensation(const Settings& s) {
-  return s.method == Method::automatic || s.method == Method::condensed;
-}
-/// GC1 to GC3, or the conjugate gradient on the condensed system: friction is regularized.
-inline bool smooths_friction(const Settings& s) {
-  if (by_condensation(s)) return !s.newton;
-  return s.method != Method::gcx && s.method != Method::sorp;
-}
-inline bool has_relaxation(const Settings& s) {
-  return s.method == Method::sorp || s.precon == Precon::ssor || s.precon == Precon::hessian_ssor;
-}
-
 /// An option without effect is refused: it would let the user believe in what does not happen. The
 /// core sees values alone; here what is given counts, be it the default.
 inline void refuse_without_effect(const Arguments& args, const Settings& s) {
-  const bool newton = by_condensation(s) && s.newton, smooth = smooths_friction(s);
+  const bool newton = condenses(s) && s.newton, smooth = smooths_friction(s);
   const auto rule = [&](Parameter p, bool has_effect, const char* because) {
     if (!args.has(p) || has_effect) return;
     const std::string name = parameters[p].name, method = name_of(s.method, methods);
@@ -55,8 +43,8 @@ inline void refuse_without_effect(const Arguments& args, const Settings& s) {
   rule(p_precon, s.method != Method::sorp,
        ", which neither regularizes nor preconditions; leave it out");
   for (Parameter p : {p_newton, p_polish, p_memory})
-    rule(p, by_condensation(s), "; leave it out, or the method");
-  if (args.has(p_omega) && !has_relaxation(s))
+    rule(p, condenses(s), "; leave it out, or the method");
+  if (args.has(p_omega) && !relaxes(s))
     throw IllegalInput(std::string("omega has no meaning with precon=\"") +
                        name_of(s.precon, preconditioners) +
                        "\", which does not relax; leave it out, or take an SSOR");

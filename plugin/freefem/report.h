@@ -53,9 +53,9 @@ inline std::string remedy(const Solution& solution, const Settings& s) {
     case Status::not_positive_definite:
       return "A must be positive semi-definite; check its coefficients";
     case Status::fixed_point_diverged:
-      return by_condensation(s) ? "mu is large for this scene; apply the load in increments"
-                                : "mu is large for this method; leave method out, or apply the "
-                                  "load in increments";
+      return condenses(s) ? "mu is large for this scene; apply the load in increments"
+                          : "mu is large for this method; leave method out, or apply the "
+                            "load in increments";
     case Status::regularized:
       return "regeps limits the accuracy; lower it, leave it out, or raise tol";
   }

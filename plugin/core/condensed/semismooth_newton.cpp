@@ -16,6 +16,19 @@ constexpr Real solved = 1e-12;         ///< residual at which a node that grazes
 constexpr Real settled = 1e-9;         ///< residual that may be rounding, once the branches stay
 constexpr int patience = 8;            ///< 3D: directions of slip may need some steps to settle
 constexpr Index large = 500;           ///< unknowns from which the factorization dominates a step
+constexpr Real half_wave = 3;          ///< of c, about pi: see tangential_scale
+constexpr Real least_stiffness = 1e-6;  ///< of diag(S) over D: a body on one node has S = 0
+constexpr Real progress = 0.5;          ///< of the residual from step to step, on the same branches
+/// Refinement in single precision gains a digit a step, or has come to its end, which is rounding.
+constexpr Real digit = 0.1, refined = 1e-13;
+
+/// c over S_TT. One node alone meets S_TT, about E; a wave of wave number k meets S = E k h, h the
+/// distance of the nodes. Sliding zones are as wide as the contact, L = m^{1/(d-1)} h, whose half
+/// wave, k = pi/L, meets pi S_TT/m^{1/(d-1)}: with a c of that size r_T + c x_T weighs force and
+/// slip of such a motion alike, and tells the branches that it leads to.
+Real tangential_scale(Index m, int dimension) {
+  return half_wave / (dimension == 2 ? Real(m) : std::sqrt(Real(m)));
+}
 }  // namespace
 
 SemismoothNewton::SemismoothNewton(const CondensedProblem& problem)
@@ -24,13 +37,12 @@ SemismoothNewton::SemismoothNewton(const CondensedProblem& problem)
       branch_(problem.laws.nodes()),
       x_(Vector::Zero(problem.f.size())) {
   const Index m = problem.laws.nodes();
-  // c near the stiffness that S has for one wave along the contact, not for one node
-  const Real spread = 3 / (problem.laws.system->dimension == 2 ? Real(m) : std::sqrt(Real(m)));
+  const Real scale = tangential_scale(m, problem.laws.system->dimension);
   for (Index i = 0; i < m; ++i) {
     const Index T = problem.normal(i) + 1, t = problem.laws.tangents(i);
     if (t == 0) continue;
-    const Real least = 1e-6 * problem.D.segment(T, t).mean();  // a body on one node has S = 0
-    c_[i] = spread * std::max(problem.S.diagonal().segment(T, t).mean(), least);
+    const Real least = least_stiffness * problem.D.segment(T, t).mean();
+    c_[i] = scale * std::max(problem.S.diagonal().segment(T, t).mean(), least);
   }
 }
 
@@ -58,7 +70,7 @@ SemismoothNewton::Outcome SemismoothNewton::solve(Index max_steps) {
     choose_branches(x_, r_);
     const std::size_t after = fingerprint();
     if (residual_ <= solved) return Outcome::converged;
-    if (after == before && residual_ > 0.5 * best) {
+    if (after == before && residual_ > progress * best) {
       if (residual_ < std::max(settled, rounding())) return Outcome::converged;
       if (problem_.laws.system->dimension == 2 || ++stalled > patience) return Outcome::stalled;
     }
@@ -177,8 +189,8 @@ Vector SemismoothNewton::solve_in_single_precision() const {
     r = b_;
     r.noalias() -= M_ * y;
     const Real after = r.norm();
-    if (!(after <= 0.1 * before)) {
-      if (!(after <= 1e-13 * (b_.norm() + M_.norm() * y.norm()))) return {};
+    if (!(after <= digit * before)) {
+      if (!(after <= refined * (b_.norm() + M_.norm() * y.norm()))) return {};
       break;
     }
     before = after;

@@ -10,7 +10,13 @@ namespace frictioncg {
 ///   normal:    r_N = max(0, r_N + A_NN (x_N - gap)); bilateral: x_N = gap, and g = mu |r_N|
 ///   friction:  r_T - g y / max(g, |y|) = 0
 /// One step solves the linear system of the present branches: open r_N = 0; closed x_N = gap; stick
-/// x_T = 0; slip r_T = g d + w (I - dd') x_T with d = y/|y|, w = g c/(|y| - g), g depending on x.
+/// x_T = 0; slip r_T = g d + w P x_T, d = y/|y|, P = I - dd', w = g c/(|y| - g), g depending on x.
+///
+/// The row of slip: the derivative of r_T - g y/|y| = 0, with q = g/|y| and Py = 0, makes
+///   (r_T - g d) + dr_T - d dg - q P (dr_T + c dx_T) = 0
+///   along d:   d'(r_T + dr_T) = g + dg
+///   across d:  P r_T + (1 - q) P dr_T - q c P dx_T = 0, where P r_T = -c P x_T as Py = 0, so that
+///              P (r_T + dr_T) = w P (x_T + dx_T),  w = q c/(1 - q)
 class SemismoothNewton {
  public:
   enum class Outcome { converged, cycled, stalled, singular, exhausted };

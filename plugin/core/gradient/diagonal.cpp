@@ -9,8 +9,7 @@ DiagonalPreconditioner::DiagonalPreconditioner(const System& system, Precon kind
       on_hessian_(kind == Precon::hessian_diagonal),
       C_(kind == Precon::none ? Vector::Ones(system.dofs()) : Vector(D_)),
       r_(Vector::Zero(system.dofs())),
-      Av_(Vector::Zero(system.dofs())),
-      dr_C_(system.contact_dofs()) {}
+      Av_(Vector::Zero(system.dofs())) {}
 
 void DiagonalPreconditioner::start(const Vector& r) {
   r_ = r;

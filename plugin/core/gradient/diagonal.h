@@ -18,10 +18,9 @@ class DiagonalPreconditioner final : public Preconditioner {
 
  private:
   const bool on_hessian_;
-  Vector C_;     ///< the diagonal
-  Vector r_;     ///< zero where masked
-  Vector Av_;    ///< of the last direction
-  Vector dr_C_;  ///< change of r on the contact dofs
+  Vector C_;   ///< the diagonal
+  Vector r_;   ///< zero where masked
+  Vector Av_;  ///< of the last direction
   Real interior_r_z_ = 0, interior_dr_z_ = 0;
 };
 

@@ -17,6 +17,10 @@ constexpr Real first_precision = 0.1;   ///< contraction of the fixed point is 0
 constexpr Real least_precision = 1e-4;  ///< forces are less precise than the residual, at most so
 constexpr Real largest_cut = 1e-3;      ///< of the inner tolerance in one pass: g may be far yet
 constexpr Index patience = 15;          ///< passes without halving the mismatch
+constexpr Real better = 0.5;            ///< of a mismatch or certificate: what counts as progress
+constexpr Real met = 0.9;    ///< of the tolerance on g: the rest is left to the certificate's own
+constexpr Real slid_on = 2;  ///< growth of the displacement from which eps follows it
+constexpr Real eps_margin = 0.3;  ///< the error is about proportional to eps: that much below tol
 constexpr Real infinity = std::numeric_limits<Real>::infinity();
 
 }  // namespace
@@ -86,7 +90,7 @@ bool FixedPoint::improve(Real& last) {
     inner_ = finest();
     return true;
   }
-  if (solution_.certificate.residual < 0.5 * last) {
+  if (solution_.certificate.residual < better * last) {
     last = solution_.certificate.residual;
     return true;
   }
@@ -96,7 +100,7 @@ bool FixedPoint::improve(Real& last) {
 /// g := G(g), accelerated. False where g is settled to the tolerance.
 bool FixedPoint::update_sliding_limit() {
   const Real mismatch = measure_image();
-  if (mismatch <= 0.9 * finest() && inner_ <= finest()) return false;
+  if (mismatch <= met * finest() && inner_ <= finest()) return false;
   const bool learnt = mismatch >= inner_;
   judge_progress(std::max(mismatch, inner_));  // a pass tells g no better than it was solved
   sharpen_pass(mismatch);
@@ -104,7 +108,8 @@ bool FixedPoint::update_sliding_limit() {
   step_towards_image(learnt);
   if (settings_.regeps == 0 && solution_.eps > 0) {
     const Real eps = relative_eps_ * displacement_scale();
-    if (eps > 2 * solution_.eps) solution_.eps = eps;  // the body slides farther than it seemed
+    if (eps > slid_on * solution_.eps)
+      solution_.eps = eps;  // the body slides farther than it seemed
   }
   return true;
 }
@@ -123,7 +128,7 @@ Real FixedPoint::measure_image() {
 
 /// Damping where acceleration has not helped for long; diverged where damping has not either.
 void FixedPoint::judge_progress(Real mismatch) {
-  if (mismatch < 0.5 * best_) {
+  if (mismatch < better * best_) {
     best_ = mismatch;
     since_best_ = 0;
     return;
@@ -164,7 +169,7 @@ bool FixedPoint::sharpen_regularization() {
     return false;
   }
   const Certificate& c = solution_.certificate;
-  const Real factor = std::min(0.3, 0.3 * std::max(settings_.tol, c.attainable) / c.residual);
+  const Real factor = eps_margin * std::min(1.0, std::max(settings_.tol, c.attainable) / c.residual);
   const Real least = std::numeric_limits<Real>::epsilon() * displacement_scale();
   if (settings_.regeps > 0 || factor * solution_.eps < least) {
     solution_.status = Status::regularized;

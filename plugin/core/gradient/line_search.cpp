@@ -7,8 +7,15 @@ namespace frictioncg {
 
 namespace {
 constexpr Real infinity = std::numeric_limits<Real>::infinity();
-constexpr Real overshoot = 0.5;  ///< J'(rho) over |J'(0)| from which (14) has overshot
-constexpr Real rigid = 1e-13;    ///< <Av,v>/<Dv,v> at which v counts as a rigid motion
+constexpr Real overshoot = 0.5;   ///< J'(rho) over |J'(0)| from which (14) has overshot
+constexpr Real rigid = 1e-13;     ///< <Av,v>/<Dv,v> at which v counts as a rigid motion
+constexpr Real balanced = 1e-12;  ///< of the load along v: what friction misses of it by rounding
+constexpr Real further = 4;       ///< from step to step in search of a J' > 0
+/// Bracketed Newton goes on to rounding: of J'(0), and of the bracket.
+constexpr Real flat = 1e-14, narrow = 1e-15;
+constexpr int most_newton_steps = 100;
+constexpr Real false_position_precision = 1e-4;  ///< of rho: the paper's choice
+constexpr int most_false_positions = 60;
 }  // namespace
 
 LineSearch::LineSearch(const System& system, Step step, bool safeguarded)
@@ -71,8 +78,8 @@ Real LineSearch::operator()(const Phi& phi, const Vector& g, const Vector& x, co
   if (high == infinity) {
     Real limit = 0;  // friction's share of J' at infinity
     for (const Node& n : nodes_) limit += n.g * std::sqrt(n.vv);
-    if (limit <= a_ * (1 + 1e-12)) return infinity;
-    for (high = 1; slope(phi, high) < 0;) high *= 4;
+    if (limit <= a_ * (1 + balanced)) return infinity;
+    for (high = 1; slope(phi, high) < 0;) high *= further;
   }
   if (step_ == Step::exact && phi.kind == Regularization::polynomial && single_tangent_)
     return walk(phi, high);
@@ -144,10 +151,10 @@ Real LineSearch::walk(const Phi& phi, Real rho_max) {
 /// J'(0) < 0 < J'(high): Newton steps, kept inside the bracket by bisection, to rounding.
 Real LineSearch::bracketed_newton(const Phi& phi, Real high) const {
   Real low = 0, rho = high;
-  const Real small = 1e-14 * std::abs(slope(phi, 0));
-  for (int k = 0; k < 100; ++k) {
+  const Real small = flat * std::abs(slope(phi, 0));
+  for (int k = 0; k < most_newton_steps; ++k) {
     const Real s = slope(phi, rho);
-    if (std::abs(s) <= small || high - low <= 1e-15 * high) break;
+    if (std::abs(s) <= small || high - low <= narrow * high) break;
     (s < 0 ? low : high) = rho;
     const Real curvature = vAv_ + friction_curvature(phi, rho);
     const Real next = curvature > 0 ? rho - s / curvature : infinity;
@@ -160,9 +167,10 @@ Real LineSearch::bracketed_newton(const Phi& phi, Real high) const {
 Real LineSearch::false_position(const Phi& phi, Real high) const {
   Real low = 0, slope_low = slope(phi, 0), slope_high = slope(phi, high), rho = high;
   int side = 0;
-  for (int k = 0; k < 60 && high - low > 1e-4 * high; ++k) {
+  constexpr Real precision = false_position_precision;
+  for (int k = 0; k < most_false_positions && high - low > precision * high; ++k) {
     const Real next = (low * slope_high - high * slope_low) / (slope_high - slope_low);
-    const bool settled = std::abs(next - rho) <= 1e-4 * std::abs(next);
+    const bool settled = std::abs(next - rho) <= precision * std::abs(next);
     rho = next;
     if (settled) break;
     const Real s = slope(phi, rho);

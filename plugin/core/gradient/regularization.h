@@ -11,6 +11,9 @@ namespace frictioncg {
 /// All three stay finite at t = 0 and far out. The polynomial with eps = 0 is |x| itself, away from
 /// 0.
 struct Phi {
+  /// t/eps below which tanh(t/eps)/t is 1/eps: the next term, (t/eps)^2/3, is 3e-9 of it.
+  static constexpr Real straight = 1e-4;
+
   Regularization kind = Regularization::polynomial;
   Real eps = 0;
 
@@ -31,7 +34,7 @@ struct Phi {
       case Regularization::square_root:
         return 1 / std::hypot(t, eps);
       case Regularization::log_cosh:
-        return t < 1e-4 * eps ? 1 / eps : std::tanh(t / eps) / t;
+        return t < straight * eps ? 1 / eps : std::tanh(t / eps) / t;
       case Regularization::polynomial:
         return t > 0 || eps > 0 ? 1 / std::max(t, eps) : 0;
     }

@@ -19,8 +19,10 @@ SsorPreconditioner::SsorPreconditioner(const System& system, bool on_hessian, Re
       e_(Vector::Zero(system.dofs())),
       r_C_(Vector::Zero(system.contact_dofs())),
       E_y_(Vector::Zero(system.contact_dofs())),
+      dr_C_(Vector::Zero(system.contact_dofs())),
+      dE_y_(Vector::Zero(system.contact_dofs())),
       dy_C_(Vector::Zero(system.contact_dofs())),
-      work_(Vector::Zero(system.contact_dofs())) {
+      dy_I_(Vector::Zero(system.interior())) {
   const Index* row = system.A.outerIndexPtr();
   const Index* col = system.A.innerIndexPtr();
   for (Index i = 0; i < system.dofs(); ++i)
@@ -73,19 +75,17 @@ void SsorPreconditioner::set_contact(const Vector& r_C, const ContactPart& part)
 
   // E_CI y_I and, for Polak-Ribiere, the image of the change of r under the present (C/omega +
   // E)^{-1}
-  Vector& lower = work_;
   for (Index c = 0; c < r_C.size(); ++c) {
     Real sum = 0;
     const Index i = interior_ + c;
     for (Index k = row[i]; k < diagonal_[i] && col[k] < interior_; ++k) sum += a[k] * y_[col[k]];
-    lower[c] = sum;
-    E_y_[c] = sum - E_y_[c];
-    r_C_[c] = r_C[c] - r_C_[c];
+    dE_y_[c] = sum - E_y_[c];
+    dr_C_[c] = r_C[c] - r_C_[c];
+    E_y_[c] = sum;
+    r_C_[c] = r_C[c];
   }
-  forward_contact(E_y_, r_C_, dy_C_);
-  forward_contact(lower, r_C, y_);
-  E_y_ = lower;
-  r_C_ = r_C;
+  forward_contact(dE_y_, dr_C_, dy_C_);
+  forward_contact(E_y_, r_C_, y_);
 
   r_z_ = interior_r_z_;
   dr_z_ = interior_dr_z_;
@@ -179,7 +179,7 @@ void SsorPreconditioner::advance(Real rho, const Vector& v_in, Vector& x_out) {
   interior_dr_z_ = kappa_ * dr_z;
 }
 
-/// y_I -= (C/omega + E)_II^{-1} A_IC dx_C, e_I holding the correction.
+/// y_I -= dy_I = (C/omega + E)_II^{-1} A_IC dx_C.
 void SsorPreconditioner::move_contact(const Vector& dx_C) {
   const Index* row = system_.A.outerIndexPtr();
   const Index* col = system_.A.innerIndexPtr();
@@ -189,9 +189,9 @@ void SsorPreconditioner::move_contact(const Vector& dx_C) {
     Real sum = 0;
     for (Index k = row[i + 1] - 1; k > diagonal_[i] && col[k] >= interior_; --k)
       sum += a[k] * dx_C[col[k] - interior_];
-    for (Index k = row[i]; k < diagonal_[i]; ++k) sum -= a[k] * e_[col[k]];
-    e_[i] = sum * inverse_[i];
-    y_[i] -= e_[i];
+    for (Index k = row[i]; k < diagonal_[i]; ++k) sum -= a[k] * dy_I_[col[k]];
+    dy_I_[i] = sum * inverse_[i];
+    y_[i] -= dy_I_[i];
     interior_r_z_ += kappa_ * C_[i] * y_[i] * y_[i];
   }
 }

@@ -20,16 +20,18 @@ class SsorPreconditioner final : public Preconditioner {
   void forward_contact(const Vector& lower_interior, const Vector& rhs, Vector& y) const;
 
   const bool on_hessian_;
-  const Real omega_, kappa_;        ///< kappa = (2 - omega)/omega
-  std::vector<Index> diagonal_;     ///< n, position of a_ii in the row
-  Vector C_;                        ///< n, D of A or of J''
-  Vector inverse_;                  ///< n, omega/C
-  std::vector<char> free_;          ///< contact dofs
-  Vector y_;                        ///< (C/omega + E)^{-1} r, zero where masked
-  Vector s_;                        ///< (C/omega + E') v
-  Vector e_;                        ///< A v = (C/omega + E)(v + e)
-  Vector r_C_, E_y_, dy_C_, work_;  ///< contact dofs: r; E_CI y_I; change of y; right-hand side
-  bool C_changed_ = false;          ///< since s was formed
+  const Real omega_, kappa_;     ///< kappa = (2 - omega)/omega
+  std::vector<Index> diagonal_;  ///< n, position of a_ii in the row
+  Vector C_;                     ///< n, D of A or of J''
+  Vector inverse_;               ///< n, omega/C
+  std::vector<char> free_;       ///< contact dofs
+  Vector y_;                     ///< (C/omega + E)^{-1} r, zero where masked
+  Vector s_;                     ///< (C/omega + E') v
+  Vector e_;                     ///< A v = (C/omega + E)(v + e)
+  Vector r_C_, E_y_;             ///< contact dofs: r; E_CI y_I
+  Vector dr_C_, dE_y_, dy_C_;    ///< what set_contact has changed of r, E_CI y_I and y
+  Vector dy_I_;                  ///< interior dofs: what move_contact has changed of y
+  bool C_changed_ = false;       ///< since s was formed
   Real interior_r_z_ = 0, interior_dr_z_ = 0;
 };
 

@@ -69,18 +69,10 @@ void validate_load(const Increment& increment, const System& system) {
          smallest, " and ", largest, " are lost to the range of numbers: choose other units");
 }
 
-bool condenses(const Settings& s) {
-  return s.method == Method::automatic || s.method == Method::condensed;
-}
-
 /// The options that differ from their defaults, each with whether the method heeds it.
 void refuse_without_effect(const Settings& s) {
   const Settings standard;
-  const bool newton = condenses(s) && s.newton;
-  const bool smooths =
-      condenses(s) ? !s.newton : s.method != Method::gcx && s.method != Method::sorp;
-  const bool relaxes =
-      s.method == Method::sorp || s.precon == Precon::ssor || s.precon == Precon::hessian_ssor;
+  const bool newton = condenses(s) && s.newton, smooths = smooths_friction(s);
   const auto rule = [](bool differs, bool has_effect, const char* name, const char* remedy) {
     if (differs && !has_effect) refuse(name, " has no effect with this method; ", remedy);
   };
@@ -91,7 +83,7 @@ void refuse_without_effect(const Settings& s) {
   rule(s.step != standard.step, smooths, "step", "it has no such line search: leave it out");
   rule(s.precon != standard.precon, !newton && s.method != Method::sorp, "precon",
        "it does not precondition: leave it out");
-  rule(s.omega != standard.omega, !newton && relaxes, "omega",
+  rule(s.omega != standard.omega, !newton && relaxes(s), "omega",
        "it does not relax: leave it out, or take an SSOR");
   rule(s.newton != standard.newton, condenses(s), "newton",
        "it does not condense: leave it out, or the method");
