@@ -134,10 +134,11 @@ class RigidStatics {
   Eigen::VectorXd load_;
 };
 
-/// A ladder of length 4 and thickness 0.2 leaning on a wall at `degrees`, under its own weight (1 a
+/// A ladder of length 4 and thickness t leaning on a wall at `degrees`, under its own weight (1 a
 /// unit of area): P1 elasticity on 2 n x m triangles; both end faces may touch floor or wall.
-inline Scene ladder(double degrees, double mu_floor, double mu_wall, int n = 20, int m = 2) {
-  const double th = degrees * M_PI / 180, c = std::cos(th), s = std::sin(th), l = 4, t = 0.2;
+inline Scene ladder(double degrees, double mu_floor, double mu_wall, int n = 20, int m = 2,
+                    double t = 0.2) {
+  const double th = degrees * M_PI / 180, c = std::cos(th), s = std::sin(th), l = 4;
   const double E = 1e5, nu = 0.3, lambda = E * nu / ((1 + nu) * (1 - 2 * nu)),
                G = E / (2 * (1 + nu));
   const auto id = [&](int i, int j) { return i + (n + 1) * j; };

@@ -14,7 +14,7 @@ DenseMatrix left_free(const DenseMatrix& W, const ContactProblem& problem,
                       const std::vector<SemismoothNewton::Branch>& branches) {
   if (W.cols() == 0) return W;
   const DenseMatrix W_C = W.bottomRows(problem.contact_dofs());
-  DenseMatrix barred = DenseMatrix::Zero(W_C.rows(), W_C.cols());
+  DenseMatrix barred = DenseMatrix::Zero(std::max(W_C.rows(), W_C.cols()), W_C.cols());
   for (Index i = 0; i < problem.nodes(); ++i) {
     const SemismoothNewton::Branch& b = branches[i];
     const Index N = problem.system->first[i] - problem.interior(), t = problem.tangents(i);
@@ -25,7 +25,10 @@ DenseMatrix left_free(const DenseMatrix& W, const ContactProblem& problem,
     if (!b.stick && b.g > 0 && t == 2)
       barred.row(N + 1) = unit * (b.d[1] * slide.row(0) - b.d[0] * slide.row(1));
   }
-  const Eigen::JacobiSVD<DenseMatrix> svd(barred, Eigen::ComputeFullV);
+  // of the square R: what JacobiSVD does to tall matrices does not survive a failing allocation
+  const Eigen::HouseholderQR<DenseMatrix> qr(barred);
+  const DenseMatrix R = qr.matrixQR().topRows(W.cols()).triangularView<Eigen::Upper>();
+  const Eigen::JacobiSVD<DenseMatrix> svd(R, Eigen::ComputeFullV);
   Index held = 0;
   while (held < svd.singularValues().size() && svd.singularValues()[held] > forbidden) ++held;
   return W * svd.matrixV().rightCols(W.cols() - held);
