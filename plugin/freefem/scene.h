@@ -55,7 +55,11 @@ inline void Scene::assemble(const Triplets& A) {
   const double start = cpu_seconds();
   std::vector<ContactPoint> points;
   for (const BoundaryNode& n : nodes) points.push_back(n.point);
-  system = std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node);
+  try {
+    system = std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node);
+  } catch (const DependentNormals& e) {
+    throw DependentNormals(e.point, "the obstacles at " + place(nodes[e.point], d));
+  }
   solver = std::make_unique<Solver>(system->system());
   held = held_dofs(system->basis());
   copy_seconds = cpu_seconds() - start;
