@@ -55,8 +55,11 @@ inline void Scene::assemble(const Triplets& A) {
   const double start = cpu_seconds();
   std::vector<ContactPoint> points;
   for (const BoundaryNode& n : nodes) points.push_back(n.point);
+  const auto modes = [places = places, d = d, n = static_cast<Index>(ndof)] {
+    return rigid_modes(places(), d, n);
+  };
   try {
-    system = std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node);
+    system = std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, modes);
   } catch (const DependentNormals& e) {
     throw DependentNormals(e.point, "the obstacles at " + place(nodes[e.point], d));
   }

@@ -9,20 +9,20 @@
 namespace frictioncg {
 
 LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
-                         const std::vector<Index>& mesh_node)
+                         const std::vector<Index>& mesh_node, RigidModes modes)
     : points_(std::move(points)), dirichlet_(A, points_) {
-  assemble(A, dimension, mesh_node, nullptr);
+  assemble(A, dimension, mesh_node, nullptr, std::move(modes));
 }
 
 LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
                          const std::vector<Index>& mesh_node, Dirichlet dirichlet,
-                         const Coupling& coupling)
+                         const Coupling& coupling, RigidModes modes)
     : points_(std::move(points)), dirichlet_(std::move(dirichlet)) {
-  assemble(A, dimension, mesh_node, &coupling);
+  assemble(A, dimension, mesh_node, &coupling, std::move(modes));
 }
 
 void LocalSystem::assemble(const Triplets& A, int dimension, const std::vector<Index>& mesh_node,
-                           const Coupling* coupling) {
+                           const Coupling* coupling, RigidModes modes) {
   const Frames frames(dimension, A.n, points_, dirichlet_);
   nodes_ = frames.nodes();
   basis_ = frames.basis();
@@ -37,6 +37,10 @@ void LocalSystem::assemble(const Triplets& A, int dimension, const std::vector<I
   if (!mesh_node.empty())
     for (Index dof : basis_->origin) system->mesh_node.push_back(mesh_node[dof]);
   system->weight = node_weights(*system);
+  if (modes)
+    system->rigid_modes = [basis = basis_, modes = std::move(modes)] {
+      return Eigen::MatrixXd(basis->W * modes());
+    };
   system_ = system;
 }
 

@@ -41,6 +41,28 @@ TEST(LocalSystem, EnergyIsTheSameInLocalAndGlobalComponents) {
   }
 }
 
+TEST(LocalSystem, RigidMotionsOfTheScriptDoNoWorkInLocalDofs) {
+  for (int d : {2, 3}) {
+    BlockOptions o;
+    o.d = d;
+    o.cells = 2;
+    o.angle = 0.4;
+    o.axis = {1, 2, 3};
+    if (d == 2) o.axis = Eigen::Vector3d::UnitZ();
+    const Posed posed = block(o).system();
+    const System& system = *posed.problem().system;
+    ASSERT_TRUE(system.rigid_modes);
+    const Eigen::MatrixXd W = system.rigid_modes();
+    ASSERT_EQ(W.rows(), system.dofs());
+    ASSERT_EQ(W.cols(), d == 2 ? 3 : 6);
+    EXPECT_EQ(W.colPivHouseholderQr().rank(), W.cols());
+    EXPECT_LT((system.A * W).norm(), 1e-12 * system.A.norm() * W.norm());
+  }
+  Scene unknown = small(false);
+  unknown.modes.resize(0, 0);
+  EXPECT_FALSE(unknown.system().problem().system->rigid_modes);
+}
+
 TEST(LocalSystem, RotatesOnlyWhereNormalsLeaveTheAxes) {
   EXPECT_FALSE(small(false).system().rotated());
   EXPECT_TRUE(small(false, 0.3).system().rotated());
