@@ -40,10 +40,11 @@ Layer layer_of(Method method) {
   return method == Method::gcx ? Layer::gcx : Layer::gc;
 }
 
-/// The rigid motions of A: from the candidates of the system, or, where it knows none, by conjugate
-/// gradients.
-DenseMatrix motions_of_A(const ContactProblem& problem) {
-  if (problem.system->rigid_modes) return floating_motions(*problem.system);
+/// The rigid motions of A: from the candidates of the system, or, where none of them floats, by
+/// conjugate gradients; not after a call that was to be short.
+DenseMatrix motions_of_A(const ContactProblem& problem, Status status) {
+  DenseMatrix known = floating_motions(*problem.system);
+  if (known.cols() > 0 || status == Status::max_iterations) return known;
   return rigid_motions(*problem.system, default_iterations(problem));
 }
 
@@ -52,10 +53,9 @@ DenseMatrix motions_of_A(const ContactProblem& problem) {
 /// nowhere else.
 void decide_on_equilibrium(const ContactProblem& problem, Solution& s) {
   const bool open = s.status == Status::no_equilibrium || s.status == Status::stagnated ||
-                    s.status == Status::fixed_point_diverged ||
-                    (s.status == Status::max_iterations && problem.system->rigid_modes);
+                    s.status == Status::fixed_point_diverged || s.status == Status::max_iterations;
   if (!open) return;
-  const Statics statics = balance(motions_of_A(problem), problem);
+  const Statics statics = balance(motions_of_A(problem, s.status), problem);
   s.unheld_motion = statics.motion;
   if (statics.balance == Balance::unheld)
     s.status = Status::no_equilibrium;

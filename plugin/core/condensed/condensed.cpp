@@ -22,6 +22,7 @@ constexpr Real worth = 0.3;  ///< a pass that reduces the residual less is the l
 constexpr Real smooth_enough =
     1e-6;                      ///< tolerance of the regularized answer that Newton starts from
 constexpr Real rigid = 1e-12;  ///< <Aw,w>/<Dw,w> up to which w is used as a proof
+constexpr Real surely_rigid = 1e-14;  ///< the same, not to be mistaken for a slender body
 
 /// Adds the time it lives to one of the phases.
 struct Stopwatch {
@@ -219,21 +220,25 @@ bool CondensedSolver::unheld_by_anything(Run& run, const CondensedProblem& conde
          unheld(run, balance_at_bounded_pressure(W, condensed));
 }
 
-/// The kernel of A: of its bodies, where the system knows their motions; else what floats, and what
-/// S leaves free, as far as A confirms it.
+/// The kernel of A: of its bodies, where the system knows their motions, which tells soft from
+/// free; else, or where a mortar couples bodies that move on their own, what floats, and what S
+/// leaves free, as far as A confirms it.
 const DenseMatrix& CondensedSolver::rigid_motions_of_A(Run& run) {
   if (run.rigid.rows() > 0) return run.rigid;
-  run.rigid = floating_motions(*system_);
-  if (run.rigid.cols() > 0) return run.rigid;
+  DenseMatrix known = floating_motions(*system_);
   const DenseMatrix W_C =
       rigid_motions(elimination_->S(), system_->weight.tail(system_->contact_dofs()));
   run.rigid = elimination_->floating();
+  Index sure = static_cast<Index>(run.rigid.cols());
   for (Index k = 0; k < W_C.cols(); ++k) {
     const Vector w = elimination_->extend(W_C.col(k));
-    if (w.dot(system_->A * w) > rigid * w.dot(system_->D.cwiseProduct(w))) continue;
+    const Real stiffness = w.dot(system_->A * w) / w.dot(system_->D.cwiseProduct(w));
+    if (!(stiffness <= rigid)) continue;
+    if (stiffness <= surely_rigid) ++sure;
     run.rigid.conservativeResize(system_->dofs(), run.rigid.cols() + 1);
     run.rigid.rightCols(1) = w;
   }
+  if (known.cols() > 0 && known.cols() >= sure) run.rigid.swap(known);
   return run.rigid;
 }
 

@@ -5,6 +5,7 @@
 #include "core/condensed/rigid_motions.h"
 #include "core/condensed/undetermined.h"
 #include "core/solver.h"
+#include "core/statics/floating.h"
 
 using namespace frictioncg;
 using namespace frictioncg::test;
@@ -168,6 +169,35 @@ TEST(Undetermined, TheMethodsOnAGiveTheProofThatNothingHoldsALoad) {
       o.shear = 0.2 * o.pressure;
       EXPECT_EQ(solve(problem_of(o), way.settings).status, Status::converged);
     }
+}
+
+TEST(Undetermined, CoupledBodiesFallOneByOne) {
+  // as a mortar does: a dof of the first body is measured from one of the second, so that the graph
+  // of A joins them, and the candidates move both as one; their shears cancel, and one would do
+  BlockOptions o;
+  o.cells = 3;
+  o.shear = 0.4 * o.pressure;  // mu = 0.3
+  ContactProblem p = beside(problem_of(o), 2);
+  o.shear *= -1;
+  const Vector pushed_back = problem_of(o).increment.F;
+  const Index n = p.dofs(), I = p.interior() / 2;
+  p.increment.F.segment(I, I) = pushed_back.head(I);
+  p.increment.F.tail(n / 2 - I) = pushed_back.tail(n / 2 - I);
+  DenseMatrix T = DenseMatrix::Identity(n, n);
+  T(0, I) = 1;
+  System coupled = *p.system;
+  coupled.A = DenseMatrix(T.transpose() * DenseMatrix(coupled.A) * T).sparseView();
+  coupled.D = coupled.A.diagonal();
+  coupled.weight = node_weights(coupled);
+  const DenseMatrix modes = T.inverse() * p.system->rigid_modes();
+  coupled.rigid_modes = [modes] { return modes; };
+  p.system = std::make_shared<const System>(coupled);
+  p.increment.F = T.transpose() * p.increment.F;
+  EXPECT_EQ(floating_motions(*p.system).cols(), 3);
+  const Solution s = solve(p, Settings());
+  EXPECT_EQ(s.status, Status::no_equilibrium);
+  ASSERT_EQ(s.unheld_motion.size(), n);
+  EXPECT_GT(p.increment.F.dot(s.unheld_motion), 0);
 }
 
 TEST(Undetermined, BranchesBarTheMotionsThatTheyStandAgainst) {
