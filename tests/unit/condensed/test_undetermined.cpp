@@ -200,6 +200,25 @@ TEST(Undetermined, CoupledBodiesFallOneByOne) {
   EXPECT_GT(p.increment.F.dot(s.unheld_motion), 0);
 }
 
+TEST(Undetermined, ATouchWithoutAForceHoldsNothing) {
+  BlockOptions o;
+  ContactProblem p = problem_of(o);
+  Certificate c;
+  c.r = Vector::Zero(p.dofs());
+  const Vector x = Vector::Zero(p.dofs());  // on the obstacle
+  const Index N = p.system->first[0];
+  for (Real force : {1e-14, 1e-3}) {
+    c.r[N] = force * std::sqrt(p.system->weight[N]);
+    c.r[N + 1] = 0.5 * 0.3 * c.r[N];
+    const auto branches = branches_of(p, x, c);
+    EXPECT_EQ(branches[0].closed, force > 1e-6);
+    EXPECT_EQ(branches[0].stick, force > 1e-6);
+    EXPECT_FALSE(branches[1].closed);
+  }
+  p.increment.bilateral = true;
+  EXPECT_TRUE(branches_of(p, x, c)[1].closed);
+}
+
 TEST(Undetermined, BranchesBarTheMotionsThatTheyStandAgainst) {
   BlockOptions o;
   o.d = 3;
