@@ -25,10 +25,11 @@ class Arguments {
                "frictionalContactCG(A, b, Vh, slave, master, ...)");
     if (has(p_normal)) components(p_normal, d, "[nx, ny, nz]", "[nx, ny]", normal_);
     if (!has(p_mu2) && !has(p_direction)) return;
+    const Parameter given = has(p_mu2) ? p_mu2 : p_direction;
     if (d == 2)
-      refuse(p_mu2, "is friction across a direction of the contact plane; in 2D there is mu alone");
+      refuse(given, "belongs to orthotropic friction in a contact plane; in 2D there is mu alone");
     if (!has(p_mu) || !has(p_mu2) || !has(p_direction))
-      refuse(p_mu2, "goes with mu and direction: mu along the direction, mu2 across it");
+      refuse(given, "is one of three that go together: mu along direction, and mu2 across it");
     components(p_direction, d, "[dx, dy, dz]", "", direction_);
   }
 

@@ -46,7 +46,11 @@ inline std::string remedy(const Solution& solution, const Settings& s) {
     case Status::max_iterations:
       return smooths_friction(s) ? "raise nbiter, or try omega=1.5" : "raise nbiter";
     case Status::stagnated:
-      if (c.residual <= 10 * c.attainable) return "rounding leaves no less of it; raise tol";
+      if (c.residual <= 10 * c.attainable) {
+        std::ostringstream m;
+        m << "rounding leaves about " << c.attainable << " of it in any case; raise tol";
+        return m.str();
+      }
       return "the method came to a standstill above tol; raise tol, or name another method";
     case Status::no_equilibrium:
       return "contact, friction and supports cannot hold this load";

@@ -16,6 +16,27 @@ struct NodePlace {
   std::array<Index, 3> dof{{-1, -1, -1}};
 };
 
+/// The translations along the axes and the rotations about the mean of the nodes, scaled to a
+/// largest displacement of about 1, in the n dofs of the script: n x 3 in 2D, n x 6 in 3D. Dofs
+/// that are no component of a node are 0.
+inline Eigen::MatrixXd rigid_modes(const std::vector<NodePlace>& nodes, int d, Index n) {
+  Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(n, d == 2 ? 3 : 6);
+  const auto x = [](const NodePlace& p) { return Eigen::Map<const Eigen::Vector3d>(p.x.data()); };
+  Eigen::Vector3d c = Eigen::Vector3d::Zero();
+  for (const NodePlace& p : nodes) c += x(p) / static_cast<Real>(nodes.size());
+  Real extent = 0;
+  for (const NodePlace& p : nodes) extent = std::max(extent, (x(p) - c).norm());
+  for (const NodePlace& p : nodes) {
+    const Eigen::Vector3d arm = extent > 0 ? Eigen::Vector3d((x(p) - c) / extent) : x(p) - c;
+    for (int k = 0; k < d; ++k) {
+      modes(p.dof[k], k) = 1;
+      for (int axis = d == 2 ? 2 : 0; axis < 3; ++axis)
+        modes(p.dof[k], d == 2 ? 2 : 3 + axis) = Eigen::Vector3d::Unit(axis).cross(arm)[k];
+    }
+  }
+  return modes;
+}
+
 /// The rigid motion u(x) = a + w x (x - c) nearest to a displacement, c the mean of the nodes; in
 /// 2D only w_z differs from 0.
 struct RigidMotion {

@@ -66,8 +66,15 @@ inline void Scene::assemble(const Triplets& A) {
   const double start = cpu_seconds();
   std::vector<ContactPoint> points;
   for (const BoundaryNode& n : nodes) points.push_back(n.point);
-  system = pairing ? pairing->system(A, d, std::move(points), mesh_node)
-                   : std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node);
+  const auto modes = [places = places, d = d, n = static_cast<Index>(ndof)] {
+    return rigid_modes(places(), d, n);
+  };
+  try {
+    system = pairing ? pairing->system(A, d, std::move(points), mesh_node, modes)
+                     : std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, modes);
+  } catch (const DependentNormals& e) {
+    throw DependentNormals(e.point, "the obstacles at " + place(nodes[e.point], d));
+  }
   solver = std::make_unique<Solver>(system->system());
   held = held_dofs(system->basis());
   copy_seconds += cpu_seconds() - start;

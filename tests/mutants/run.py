@@ -182,4 +182,5 @@ def main():
     sys.exit(bool(left or broken))
 
 
-main()
+if __name__ == "__main__":
+    main()

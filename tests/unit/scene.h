@@ -46,6 +46,7 @@ struct Scene {
   Vector b, gap, friction, u_old;  // u_old empty: 0
   std::vector<ContactPoint> points;
   Law law = Law::coulomb;
+  Eigen::MatrixXd modes;  // n x k, rigid motions; 0 columns: not known
 
   Triplets triplets() const { return {n, a.size(), i.data(), j.data(), a.data(), 0, false}; }
   PointLaws laws() const { return {law, false, gap, friction}; }
@@ -53,7 +54,23 @@ struct Scene {
 };
 
 inline Posed Scene::system(const std::vector<Index>& mesh_node) const {
-  return {std::make_unique<const LocalSystem>(triplets(), d, points, mesh_node), b, u_old, laws()};
+  RigidModes known;
+  if (modes.cols() > 0) known = [m = modes] { return m; };
+  return {std::make_unique<const LocalSystem>(triplets(), d, points, mesh_node, known), b, u_old,
+          laws()};
+}
+
+/// The rigid motions of nodes at X (nodes x 3), whose components are numbered node by node.
+inline Eigen::MatrixXd rigid_motions_of(const Eigen::MatrixXd& X, int d) {
+  Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(d * X.rows(), d == 2 ? 3 : 6);
+  for (Index p = 0; p < X.rows(); ++p)
+    for (int k = 0; k < d; ++k) {
+      modes(d * p + k, k) = 1;
+      for (int axis = d == 2 ? 2 : 0; axis < 3; ++axis)
+        modes(d * p + k, d == 2 ? 2 : 3 + axis) =
+            Eigen::Vector3d::Unit(axis).cross(Eigen::Vector3d(X.row(p)))[k];
+    }
+  return modes;
 }
 
 struct BlockOptions {
@@ -142,6 +159,7 @@ inline Scene block(const BlockOptions& o) {
   s.d = d;
   s.n = d * nodes;
   s.law = o.law;
+  s.modes = rigid_motions_of(X * R.transpose(), d);
   s.b = Vector::Zero(s.n);
   const Real share = std::pow(h, d - 1);
   std::vector<Real> share_of(nodes, 0);

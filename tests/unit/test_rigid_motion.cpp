@@ -76,3 +76,15 @@ TEST(RigidMotion, NodesOnALineInSpaceDoNotTurnAboutIt) {
   u[4] = 1;  // turns about z at the first node
   EXPECT_EQ(describe_motion(nodes, 3, u), "a rotation about the axis (0, 0, 1) through (0, 0, 0)");
 }
+
+TEST(RigidMotion, ItsModesSpanAllRigidMotions) {
+  const Body turning(3, {0.3, -1, 2}, {0.5, 0.1, -0.7}), flat(2, {1, 2, 0}, {0, 0, 0.4});
+  for (const Body* body : {&turning, &flat}) {
+    const Eigen::MatrixXd modes =
+        rigid_modes(body->nodes, body->d, static_cast<Index>(body->u.size()));
+    ASSERT_EQ(modes.cols(), body->d == 2 ? 3 : 6);
+    EXPECT_LE(modes.cwiseAbs().maxCoeff(), 1 + 1e-12);
+    const Vector c = modes.colPivHouseholderQr().solve(body->u);
+    EXPECT_LT((modes * c - body->u).norm(), 1e-13 * body->u.norm());
+  }
+}

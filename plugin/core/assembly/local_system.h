@@ -25,14 +25,16 @@ struct LocalIncrement {
 class LocalSystem {
  public:
   /// Copies A once, in O(nnz); A itself is not kept. mesh_node (n, or empty): which dofs share a
-  /// node of the mesh, so that the factorization orders nodes in place of dofs. Throws IllegalInput
-  /// for what is not finite, not symmetric, or has a diagonal <= 0.
+  /// node of the mesh, so that the factorization orders nodes in place of dofs. modes, or empty:
+  /// the rigid motions in dofs of the script (n x k). Throws IllegalInput for what is not finite,
+  /// not symmetric, or has a diagonal <= 0.
   LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
-              const std::vector<Index>& mesh_node = {});
+              const std::vector<Index>& mesh_node = {}, RigidModes modes = {});
   /// With two bodies: frames and laws act on the relative displacements of the coupling, that knows
   /// what `dirichlet` holds of A.
   LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
-              const std::vector<Index>& mesh_node, Dirichlet dirichlet, const Coupling& coupling);
+              const std::vector<Index>& mesh_node, Dirichlet dirichlet, const Coupling& coupling,
+              RigidModes modes = {});
   LocalSystem(const LocalSystem&) = delete;
   LocalSystem& operator=(const LocalSystem&) = delete;
 
@@ -58,7 +60,9 @@ class LocalSystem {
 
  private:
   void assemble(const Triplets& A, int dimension, const std::vector<Index>& mesh_node,
-                const Coupling* coupling);
+                const Coupling* coupling, RigidModes modes);
+  void check_stiffness(const System& system) const;
+  Real nearest_obstacle(const ContactNode& node, const Vector& gap, const Vector& start) const;
   void check_sizes(const Vector& b, const Vector& u_old, const PointLaws& laws) const;
 
   std::vector<ContactPoint> points_;

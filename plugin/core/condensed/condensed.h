@@ -33,8 +33,10 @@ class CondensedSolver {
   Attempt by_newton(Run& run, const CondensedProblem& condensed, const Vector& start);
   Attempt by_gradient(Run& run, const CondensedProblem& condensed, const Vector& start);
   bool unheld(Run& run, const DenseMatrix& motions);
+  bool unheld_by_friction(Run& run, const CondensedProblem& condensed);
   const DenseMatrix& rigid_motions_of_A(Run& run);
   void settle(Run& run);
+  bool may_be_idle(const Run& run) const;
 
   SystemPtr system_;
   std::unique_ptr<Elimination> elimination_;

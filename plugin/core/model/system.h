@@ -1,9 +1,16 @@
 #pragma once
+#include <Eigen/Core>
+
+#include <functional>
 #include <memory>
 
 #include "types.h"
 
 namespace frictioncg {
+
+/// Candidates for rigid motions: n x k, made when asked for. None of them need be in the kernel of
+/// A: a support or a link may stand against it. An empty function: not known.
+using RigidModes = std::function<Eigen::MatrixXd()>;
 
 /// What stays from increment to increment: the matrix, and where its contact nodes lie. Immutable
 /// from construction.
@@ -17,6 +24,7 @@ struct System {
   Vector weight;             ///< n, of node_weights: the stiffness that residuals are divided by
   std::vector<Index> first;  ///< m + 1; contact node i owns the dofs first[i] .. first[i+1]-1
   std::vector<Index> mesh_node;  ///< n, or empty: dofs with one number share a mesh node (fill-in)
+  RigidModes rigid_modes;        ///< of all bodies as if they were one, in local frames
 
   Index dofs() const { return first.back(); }
   Index nodes() const { return static_cast<Index>(first.size()) - 1; }
