@@ -66,7 +66,7 @@ inline void Scene::assemble(const Triplets& A) {
   const double start = cpu_seconds();
   std::vector<ContactPoint> points;
   for (const BoundaryNode& n : nodes) points.push_back(n.point);
-  const auto modes = [places = places, d = d, n = static_cast<Index>(ndof)] {
+  const auto modes = [places = places, d = d, n = static_cast<Index>(ndof())] {
     return rigid_modes(places(), d, n);
   };
   try {
