@@ -7,7 +7,6 @@
 #include "condensed/bounded_pressure.h"
 #include "condensed/cholmod_elimination.h"
 #include "condensed/continuation.h"
-#include "condensed/equilibrium.h"
 #include "condensed/proximal.h"
 #include "condensed/regularized.h"
 #include "condensed/rigid_motions.h"
@@ -64,7 +63,7 @@ Solution CondensedSolver::solve(const ContactProblem& problem, const Settings& s
           {}};
   Solution& s = run.s;
   s.route = Route::condensed;
-  if (unheld(run, elimination_->floating()))
+  if (unheld(run, balance(elimination_->floating(), problem)))
     s.status = Status::no_equilibrium;
   else
     refine(run, x0.size() > 0 ? Vector(x0.tail(problem.contact_dofs())) : Vector());
@@ -146,7 +145,7 @@ Attempt CondensedSolver::solve_laws(Run& run, const CondensedProblem& condensed,
   }
   a = by_newton(run, condensed, start);
   if (a.solved) return answered(Layer::newton);
-  if (!run.asked && (unheld(run, rigid_motions_of_A(run)) || unheld_by_friction(run, condensed))) {
+  if (!run.asked && unheld_by_anything(run, condensed)) {
     a.status = Status::no_equilibrium;
     return a;
   }
@@ -206,20 +205,18 @@ Attempt CondensedSolver::by_gradient(Run& run, const CondensedProblem& condensed
   return a;
 }
 
-/// Whether one of the motions shows that contact and friction cannot hold the load.
-bool CondensedSolver::unheld(Run& run, const DenseMatrix& motions) {
-  const Statics statics = balance(motions, run.problem);
+/// Whether a motion is a proof that contact and friction cannot hold the load.
+bool CondensedSolver::unheld(Run& run, const Statics& statics) {
   if (statics.balance != Balance::unheld) return false;
   run.s.unheld_motion = statics.motion;
   return true;
 }
 
-/// The same for bilateral contact, whose friction the stiffness of the body bounds.
-bool CondensedSolver::unheld_by_friction(Run& run, const CondensedProblem& condensed) {
-  const Statics statics = balance_at_bounded_pressure(rigid_motions_of_A(run), condensed);
-  if (statics.balance != Balance::unheld) return false;
-  run.s.unheld_motion = statics.motion;
-  return true;
+/// The same of all rigid motions, by the laws, or by the stiffness that bounds bilateral contact.
+bool CondensedSolver::unheld_by_anything(Run& run, const CondensedProblem& condensed) {
+  const DenseMatrix& W = rigid_motions_of_A(run);
+  return unheld(run, balance(W, run.problem)) ||
+         unheld(run, balance_at_bounded_pressure(W, condensed));
 }
 
 /// The kernel of A: of its bodies, where the system knows their motions; else what floats, and what

@@ -14,7 +14,8 @@ DenseMatrix left_free(const DenseMatrix& W, const ContactProblem& problem,
                       const std::vector<SemismoothNewton::Branch>& branches) {
   if (W.cols() == 0) return W;
   const DenseMatrix W_C = W.bottomRows(problem.contact_dofs());
-  DenseMatrix barred = DenseMatrix::Zero(W_C.rows(), W_C.cols());
+  const Index k = static_cast<Index>(W.cols());
+  DenseMatrix barred = DenseMatrix::Zero(std::max<Index>(problem.contact_dofs(), k), k);
   for (Index i = 0; i < problem.nodes(); ++i) {
     const SemismoothNewton::Branch& b = branches[i];
     const Index N = problem.system->first[i] - problem.interior(), t = problem.tangents(i);
@@ -25,7 +26,12 @@ DenseMatrix left_free(const DenseMatrix& W, const ContactProblem& problem,
     if (!b.stick && b.g > 0 && t == 2)
       barred.row(N + 1) = unit * (b.d[1] * slide.row(0) - b.d[0] * slide.row(1));
   }
-  const Eigen::JacobiSVD<DenseMatrix> svd(barred, Eigen::ComputeFullV);
+  // a QR of our own before it: the one inside JacobiSVD frees twice where memory runs out
+  const DenseMatrix R = Eigen::HouseholderQR<DenseMatrix>(barred)
+                            .matrixQR()
+                            .topRows(k)
+                            .triangularView<Eigen::Upper>();
+  const Eigen::JacobiSVD<DenseMatrix, Eigen::NoQRPreconditioner> svd(R, Eigen::ComputeFullV);
   Index held = 0;
   while (held < svd.singularValues().size() && svd.singularValues()[held] > forbidden) ++held;
   return W * svd.matrixV().rightCols(W.cols() - held);
