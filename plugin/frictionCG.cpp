@@ -24,8 +24,8 @@ void check_version() {
 void load() {
   check_version();
   register_contactproblem();
-  register_sites<v_fes>();
-  register_sites<v_fes3>();
+  for_each_site<v_fes>(add_site);
+  for_each_site<v_fes3>(add_site);
   Global.Add(operator_name, "(", new OneOperatorCode<SolveIncrement>());
 }
 

@@ -134,19 +134,20 @@ inline void add_site(const std::vector<aType>& site, const MakeSite& make) {
   add_operator<Construct>(constructor_name, site, make);
 }
 
-/// One space or two, and labels in each form, for V = v_fes (2D) or v_fes3 (3D).
-template <class V>
-void register_sites() {
+/// Calls add(types, make) for one space and for two, and for labels in each form, V = v_fes (2D) or
+/// v_fes3 (3D).
+template <class V, class Add>
+void for_each_site(Add add) {
   const aType space = atype<typename V::pfes*>();
   for (LabelForm a : label_forms) {
-    add_site({space, type_of(a)}, [a](const basicAC_F0& args, int first) {
+    add({space, type_of(a)}, [a](const basicAC_F0& args, int first) {
       return std::make_shared<ObstacleSite<V>>(args, first, a);
     });
     for (LabelForm b : label_forms) {
-      add_site({space, type_of(a), type_of(b)}, [a, b](const basicAC_F0& args, int first) {
+      add({space, type_of(a), type_of(b)}, [a, b](const basicAC_F0& args, int first) {
         return std::make_shared<OneSpaceSite<V>>(args, first, a, b);
       });
-      add_site({space, type_of(a), space, type_of(b)}, [a, b](const basicAC_F0& args, int first) {
+      add({space, type_of(a), space, type_of(b)}, [a, b](const basicAC_F0& args, int first) {
         return std::make_shared<TwoSpaceSite<V>>(args, first, a, b);
       });
     }

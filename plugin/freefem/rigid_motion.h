@@ -2,6 +2,7 @@
 #include <Eigen/Dense>
 
 #include <array>
+#include <map>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -10,10 +11,12 @@
 
 namespace frictioncg {
 
-/// A node of the mesh: where it lies, and the dofs of the d components of its displacement.
+/// A node of the mesh: where it lies, the dofs of the d components of its displacement, and which
+/// of the parts of the mesh that hang together it belongs to.
 struct NodePlace {
   std::array<Real, 3> x{{0, 0, 0}};
   std::array<Index, 3> dof{{-1, -1, -1}};
+  Index body = 0;
 };
 
 /// The translations along the axes and the rotations about the mean of the nodes, scaled to a
@@ -93,12 +96,14 @@ inline std::string components_of(const Eigen::Vector3d& v, int d, Real unit) {
   return s.str();
 }
 
-/// The motion in words: a translation along a direction, or a rotation about a point (2D) or an
-/// axis (3D), or, where a part of the body moves, the node that moves most.
-inline std::string describe_motion(const std::vector<NodePlace>& nodes, int d, const Vector& u) {
-  constexpr Real rigid = 1e-3, still = 1e-6;
+constexpr Real rigid_misfit = 1e-3;  ///< up to which a motion is called rigid
+constexpr Real still = 1e-6;         ///< over the largest displacement: what does not move
+
+/// The motion of one body in words: a translation along a direction, or a rotation about a point
+/// (2D) or an axis (3D), or, where a part of the body moves, the node that moves most.
+inline std::string describe_one(const std::vector<NodePlace>& nodes, int d, const Vector& u) {
   const RigidMotion m = nearest_rigid_motion(nodes, d, u);
-  if (m.misfit > rigid) {
+  if (m.misfit > rigid_misfit) {
     const NodePlace* most = &nodes.front();
     for (const NodePlace& n : nodes)
       if (displacement_at(n, d, u).norm() > displacement_at(*most, d, u).norm()) most = &n;
@@ -119,6 +124,31 @@ inline std::string describe_motion(const std::vector<NodePlace>& nodes, int d, c
   std::string text = "a rotation about the axis " + components_of(axis, d, 1) + " through " + about;
   const Real along = m.a.dot(axis);
   if (std::abs(along) > still * turn * m.extent) text += ", with a translation along it";
+  return text;
+}
+
+/// The largest displacement of the nodes.
+inline Real largest_displacement(const std::vector<NodePlace>& nodes, int d, const Vector& u) {
+  Real most = 0;
+  for (const NodePlace& n : nodes) most = std::max(most, displacement_at(n, d, u).norm());
+  return most;
+}
+
+/// The motion in words; of several bodies that do not move as one, body by body, those at rest left
+/// out, each called by the mean of its nodes.
+inline std::string describe_motion(const std::vector<NodePlace>& nodes, int d, const Vector& u) {
+  std::map<Index, std::vector<NodePlace>> bodies;
+  for (const NodePlace& n : nodes) bodies[n.body].push_back(n);
+  const RigidMotion all = nearest_rigid_motion(nodes, d, u);
+  if (bodies.size() < 2 || all.misfit <= rigid_misfit) return describe_one(nodes, d, u);
+  const Real most = largest_displacement(nodes, d, u);
+  std::string text;
+  for (const auto& [number, body] : bodies) {
+    if (largest_displacement(body, d, u) <= still * most) continue;
+    const Eigen::Vector3d centre = nearest_rigid_motion(body, d, u).c;
+    text += (text.empty() ? "" : ", with ") + describe_one(body, d, u) + " of the body around " +
+            components_of(centre, d, 1e-6 + centre.norm());
+  }
   return text;
 }
 

@@ -89,10 +89,24 @@ std::vector<Index> mesh_nodes(const Space& Vh) {
   return node;
 }
 
+/// Which part of the mesh each element belongs to: parts share no vertex.
+template <class Mesh>
+std::vector<Index> body_of_element(const Mesh& Th, int d) {
+  mortar::Groups groups(Th.nv);
+  for (int k = 0; k < Th.nt; ++k)
+    for (int v = 1; v <= d; ++v) groups.join(Th(k, 0), Th(k, v));
+  std::map<Index, Index> number;
+  std::vector<Index> body(Th.nt);
+  for (int k = 0; k < Th.nt; ++k)
+    body[k] = number.emplace(groups.of(Th(k, 0)), static_cast<Index>(number.size())).first->second;
+  return body;
+}
+
 /// The nodes that carry values of every component of the displacement.
 template <class Space>
 std::vector<NodePlace> node_places(const Space& Vh) {
   using D = Dimension<Space>;
+  const std::vector<Index> body = body_of_element(Vh.Th, D::d);
   std::vector<NodePlace> places;
   std::vector<char> seen(Vh.NbOfDF, 0);
   for (int k = 0; k < Vh.Th.nt; ++k) {
@@ -104,6 +118,7 @@ std::vector<NodePlace> node_places(const Space& Vh) {
       NodePlace& n = at_point[ip.point[e]];
       const Fem2D::R3 x = D::position(K, ip.hat[ip.point[e]]);
       n.x = {x.x, x.y, x.z};
+      n.body = body[k];
       n.dof[ip.component[e]] = K(ip.dof[e]);
     }
     for (const auto& [point, n] : at_point) {
@@ -179,7 +194,10 @@ std::shared_ptr<Scene> pair_scene(const FESpaceType& V1, const std::vector<long>
   scene->places = [of_first = scene->places, keep, offset, d = scene->d] {
     std::vector<NodePlace> places = of_first();
     const FESpaceType* space = keep;
+    Index bodies = 0;
+    for (const NodePlace& n : places) bodies = std::max(bodies, n.body + 1);
     for (NodePlace n : node_places(*space)) {
+      n.body += bodies;
       for (int c = 0; c < d; ++c) n.dof[c] += offset;
       places.push_back(n);
     }

@@ -16,6 +16,7 @@
 //   real m = peakMemory(reset);  peak memory of the process since the last reset [MB]
 #include "../../plugin/freefem/call.h"
 #include "../../plugin/freefem/errors.h"
+#include "../../plugin/freefem/operators.h"
 
 #include "core/condensed/cholmod_elimination.h"
 
@@ -85,37 +86,30 @@ struct PosedScene {
   const System& system() const { return *scene.system->system(); }
   Vector local(const KN_<double>& u) const {
     const Vector field = copy_of(u);
-    check_vector(field, "u", scene.ndof);
+    check_vector(field, "u", scene.dofs);
     return scene.system->to_local(field);
   }
 };
 
-/// name(A, b, Vh, label, extra ..., mu=.., gap=..): poses the contact problem, and hands it to
+/// name(A, b, site, extra ..., mu=.., gap=..): poses the contact problem, and hands it to
 /// Body::run(stack, posed, extra ...).
-template <class V, class Body, class... Extra>
+template <class Body, class... Extra>
 class OnScene : public E_F0mps {
  public:
   using Result = typename Body::Result;
-  explicit OnScene(const basicAC_F0& args)
-      : arguments_(args, Dimension<typename V::FESpace>::d),
+  /// next: the first of the extra arguments
+  OnScene(const basicAC_F0& args, std::shared_ptr<const Site> site, int next)
+      : arguments_(args, site->dimension(), site->two_bodies()),
         A_(to<Matrice_Creuse<double>*>(args[0])),
         b_(to<KN_<double>>(args[1])),
-        Vh_(to<typename V::pfes*>(args[2])),
-        label_(to<long>(args[3])) {
-    int next = 4;
+        site_(std::move(site)) {
     (extra_.push_back(to<Extra>(args[next++])), ...);
   }
-  static ArrayOfaType typeargs() {
-    return ArrayOfaType(atype<Matrice_Creuse<double>*>(), atype<KN_<double>>(),
-                        atype<typename V::pfes*>(), atype<long>(), atype<Extra>()...);
-  }
-  static E_F0* f(const basicAC_F0& args) { return new OnScene(args); }
   AnyType operator()(Stack stack) const override {
     return translated(Body::name, [&] {
       const Call call(stack, arguments_, b_);
       PointLaws laws;
-      const auto scene = pose<V>(stack, arguments_, A_, GetAny<typename V::pfes*>((*Vh_)(stack)),
-                                 {GetAny<long>((*label_)(stack))}, true, laws);
+      const auto scene = pose(stack, arguments_, A_, *site_, true, laws);
       const LocalIncrement now = increment(call, *scene, laws);
       return SetAny<Result>(
           run(stack, {*scene, now.increment, now.u0}, std::index_sequence_for<Extra...>()));
@@ -129,14 +123,28 @@ class OnScene : public E_F0mps {
   }
 
   Arguments arguments_;
-  Expression A_, b_, Vh_, label_;
+  Expression A_, b_;
+  std::shared_ptr<const Site> site_;
   std::vector<Expression> extra_;
 };
 
 template <class Body, class... Extra>
+void add_on_site(const std::vector<aType>& site, const MakeSite& make) {
+  std::vector<aType> types = SolveOnce::before_site();
+  const int first = static_cast<int>(types.size());
+  types.insert(types.end(), site.begin(), site.end());
+  const int next = static_cast<int>(types.size());
+  (types.push_back(atype<Extra>()), ...);
+  Global.Add(Body::name, "(",
+             new Overload(atype<typename Body::Result>(), types, [=](const basicAC_F0& args) {
+               return new OnScene<Body, Extra...>(args, make(args, first), next);
+             }));
+}
+
+template <class Body, class... Extra>
 void add_on_scene() {
-  Global.Add(Body::name, "(", new OneOperatorCode<OnScene<v_fes, Body, Extra...>>());
-  Global.Add(Body::name, "(", new OneOperatorCode<OnScene<v_fes3, Body, Extra...>>());
+  for_each_site<v_fes>(add_on_site<Body, Extra...>);
+  for_each_site<v_fes3>(add_on_site<Body, Extra...>);
 }
 
 struct LinearSolve {
@@ -286,7 +294,7 @@ struct FrictionlessSolve {
                                           p.D.tail(p.contact_dofs()), posed.increment.gap));
     const Vector r = posed.increment.F - p.A * x;
     const Vector field = posed.scene.system->to_global(x, posed.u0);
-    for (Index i = 0; i < posed.scene.ndof; ++i) u[i] = field[i];
+    for (Index i = 0; i < posed.scene.ndof(); ++i) u[i] = field[i];
     return posed.scene.copy_seconds + cpu_seconds() - start + 0 * r[0];
   }
 };

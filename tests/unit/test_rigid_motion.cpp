@@ -62,6 +62,28 @@ TEST(RigidMotion, AMotionOfAPartIsNamedByTheNodeThatMovesMost) {
   EXPECT_EQ(body.text(), "a motion of a part of the body, most at (3, 0.5), along (0, -1)");
 }
 
+TEST(RigidMotion, OfSeveralBodiesThoseThatMoveAreNamedByTheirPlace) {
+  Body two(2, {0.5, 0, 0}, {0, 0, 0});
+  const std::size_t half = two.nodes.size();
+  for (std::size_t k = 0; k < half; ++k) {
+    NodePlace n = two.nodes[k];
+    n.body = 1;
+    n.x[1] += 10;
+    for (int c = 0; c < 2; ++c) n.dof[c] += 2 * static_cast<Index>(half);
+    two.nodes.push_back(n);
+  }
+  const Vector first = two.u;
+  two.u.resize(2 * first.size());
+  two.u << first, first;
+  EXPECT_EQ(two.text(), "a translation along (1, 0)");  // as one
+  two.u.head(first.size()).setZero();
+  EXPECT_EQ(two.text(), "a translation along (1, 0) of the body around (3, 10.75)");
+  two.u.head(first.size()) = -first;
+  EXPECT_EQ(two.text(),
+            "a translation along (-1, 0) of the body around (3, 0.75), with a translation along "
+            "(1, 0) of the body around (3, 10.75)");
+}
+
 TEST(RigidMotion, NoNodesAndNoMotionAreNoMotion) {
   EXPECT_EQ(describe_motion({}, 2, Vector()), "no motion");
   EXPECT_EQ(Body(2, {0, 0, 0}, {0, 0, 0}).text(), "no motion");
