@@ -148,6 +148,8 @@ inline const char* name_of(Layer layer) {
       return "the regularized conjugate gradient on A";
     case Layer::sorp:
       return "SORP on A";
+    case Layer::multigrid:
+      return "Newton on A, preconditioned by multigrid";
   }
   return "unknown";
 }
@@ -171,6 +173,9 @@ inline void report_motions(const Scene& scene, const Solution& solution) {
 inline void report_end(const Solution& solution) {
   line() << name_of(solution.status) << " by " << name_of(solution.layer) << ", residual "
          << solution.certificate.residual << ", " << solution.iterations << " iterations";
+  if (solution.levels.count > 0)
+    std::cout << " on " << solution.levels.count << " levels of complexity "
+              << solution.levels.complexity;
   if (solution.passes > 0) std::cout << " in " << solution.passes << " passes of the fixed point";
   if (solution.eps > 0) std::cout << ", regeps " << solution.eps;
   std::cout << std::endl;

@@ -154,6 +154,9 @@ inline SparseScene sparse_block(const SparseOptions& o) {
   s.n = Index(A.rows());
   s.law = o.law;
   s.position = mesh.X;
+  Eigen::MatrixXd X = Eigen::MatrixXd::Zero(mesh.X.rows(), 3);
+  X.leftCols(d) = mesh.X;
+  s.modes = rigid_motions_of(X, d);
   s.b = Vector::Zero(s.n);
   std::vector<char> fixed(s.n, 0);
   std::vector<Real> gap;
@@ -199,19 +202,6 @@ inline SparseScene sparse_block(const SparseOptions& o) {
       s.a.push_back(fixed[p] && e.col() == p ? 1e30 : e.value());
     }
   return s;
-}
-
-/// The rigid motions of the scene's mesh in the script's dofs (n x 3 or 6).
-inline Eigen::MatrixXd script_positions(const SparseScene& s) {
-  Eigen::MatrixXd X(s.n, s.d);
-  for (Index p = 0; p < s.n; ++p) X.row(p) = s.position.row(s.node_of_dof[p]);
-  return X;
-}
-
-inline Eigen::MatrixXd script_directions(const SparseScene& s) {
-  Eigen::MatrixXd Q = Eigen::MatrixXd::Zero(s.n, s.d);
-  for (Index p = 0; p < s.n; ++p) Q(p, p % s.d) = 1;
-  return Q;
 }
 
 }  // namespace frictioncg::test

@@ -63,7 +63,7 @@ class Faces {
   const Increment& increment_;
   std::vector<Face> face_;
   Vector c_;    ///< m [force/length]: of the choice between stick and slip
-  Vector c_D_;  ///< m, mean diagonal of A on the tangents: that of the certificate
+  Vector c_D_;  ///< m, weight of the tangents: that of the certificate
   std::vector<char> fixed_;
   std::vector<TangentialStiffness> W_;
   bool lagged_ = false;

@@ -22,11 +22,11 @@ constexpr Real out_of_bounds = 1e3;  ///< violation over the first with the pres
 // ---------------------------------------------------------------------------- inner iteration
 
 ConjugateResiduals::ConjugateResiduals(const System& system)
-    : system_(system), inverse_D_(system.D.cwiseInverse()) {}
+    : system_(system), inverse_weight_(system.weight.cwiseInverse()) {}
 
-/// In the norm of D^{-1/2}.
+/// The product of norm_D.
 Real ConjugateResiduals::dot(const Vector& a, const Vector& b) const {
-  return (a.array() * inverse_D_.array() * b.array()).sum();
+  return (a.array() * inverse_weight_.array() * b.array()).sum();
 }
 
 void ConjugateResiduals::start(const Vector& s) {
@@ -66,17 +66,19 @@ bool ConjugateResiduals::step(Hierarchy& hierarchy, const Faces& faces, const Ve
 
 // ---------------------------------------------------------------------------- outer iteration
 
-InexactNewton::InexactNewton(const ContactProblem& problem, Hierarchy& hierarchy)
+InexactNewton::InexactNewton(const ContactProblem& problem, Hierarchy& hierarchy,
+                             Observer* observer)
     : problem_(problem),
       system_(*problem.system),
       hierarchy_(hierarchy),
+      observer_(observer),
       faces_(problem),
       inner_(system_),
       springs_(Vector::Zero(system_.contact_dofs())) {}
 
 Status InexactNewton::solve(Real tol, Index max_iterations, const Vector& x0,
                             const std::vector<Face>& start) {
-  goal_ = tol * problem_.increment.force_scale;
+  goal_ = tol * driving_norm(system_, problem_.increment);
   max_iterations_ = max_iterations;
   x_ = x0.size() > 0 ? x0 : Vector(Vector::Zero(system_.dofs()));
   rest_ = x_;
@@ -95,8 +97,13 @@ Status InexactNewton::solve(Real tol, Index max_iterations, const Vector& x0,
     const Real violation = faces_.violation(x_, b_C_);
     if (std::hypot(inner_.norm(), violation) <= std::max(goal_, 0.1 * spring_force())) {
       const bool goes_on = release_springs();
-      if (certify(problem_, x_).residual <= tol) return Status::converged;
+      const Certificate certificate = certify(problem_, x_);
+      if (certificate.residual <= tol) return Status::converged;
       if (!goes_on) return Status::stagnated;
+      // the scale is known now; where it was already, and did not do, rounding is near
+      const Real goal = tol * certificate.scale;
+      goal_ = goal_ <= 1.01 * goal ? 0.3 * goal_ : goal;
+      if (goal_ < 1e-3 * goal) return Status::stagnated;
     } else if (!progress(solved, violation)) {
       if (!retreat(solved)) return Status::stagnated;
       continue;
@@ -136,10 +143,11 @@ bool InexactNewton::solve_faces() {
   inner_.start(s_);
   Real mark = inner_.norm();
   Index since = 0;
-  bool falls = mark > share * goal_;
+  bool falls = mark > share * goal_, first = true;
   while (falls && iterations_ < max_iterations_) {
     falls = inner_.step(hierarchy_, faces_, springs_, x_, b_C_);
-    ++iterations_;
+    count(first ? StepLabel::newton : StepLabel::conjugate);
+    first = false;
     const Real aim = std::max(Gamma_ * faces_.violation(x_, b_C_), share * goal_);
     if (inner_.norm() <= aim) break;
     ++since;
@@ -153,9 +161,15 @@ bool InexactNewton::solve_faces() {
   return falls || inner_.norm() <= share * goal_;
 }
 
+void InexactNewton::count(StepLabel label) {
+  ++iterations_;
+  steps_.add(label);
+  if (observer_) observer_->iterate(iterations_, label, x_);
+}
+
 /// What the springs do to equilibrium, in norm_D.
 Real InexactNewton::spring_force() const {
-  const auto D = system_.D.tail(springs_.size()).array();
+  const auto D = system_.weight.tail(springs_.size()).array();
   const auto stretch = (x_ - rest_).tail(springs_.size()).array();
   return std::sqrt((springs_.array() * stretch).square().cwiseQuotient(D).sum());
 }

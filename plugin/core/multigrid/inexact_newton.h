@@ -28,7 +28,7 @@ class ConjugateResiduals {
   Real dot(const Vector& a, const Vector& b) const;
 
   const System& system_;
-  Vector inverse_D_, s_;
+  Vector inverse_weight_, s_;
   std::vector<Direction> kept_;
   std::size_t used_ = 0, next_ = 0;
   Real norm_ = 0;
@@ -39,7 +39,7 @@ class ConjugateResiduals {
 /// are chosen anew.
 class InexactNewton {
  public:
-  InexactNewton(const ContactProblem& problem, Hierarchy& hierarchy);
+  InexactNewton(const ContactProblem& problem, Hierarchy& hierarchy, Observer* observer = nullptr);
 
   /// From the branches of x0 (n), or where it is empty from the given ones, or where these are,
   /// too, from stick. converged: by the certificate; max_iterations; stagnated: neither a tighter
@@ -51,11 +51,14 @@ class InexactNewton {
   const std::vector<Face>& faces() const { return faces_.all(); }
   Index iterations() const { return iterations_; }  ///< cycles
   Index updates() const { return updates_; }        ///< of the faces
+  /// newton: the first cycle after an update of the faces; conjugate: the others.
+  const StepCounts& steps() const { return steps_; }
 
  private:
   void move_onto_faces();
   void recompute_forces();
   bool solve_faces();
+  void count(StepLabel label);
   bool progress(bool solved, Real violation);
   Real spring_force() const;
   void set_springs(Real over_D);
@@ -65,6 +68,7 @@ class InexactNewton {
   const ContactProblem& problem_;
   const System& system_;
   Hierarchy& hierarchy_;
+  Observer* const observer_;
   Faces faces_;
   ConjugateResiduals inner_;
   Vector x_, b_;                           ///< n; b = F - Ax, and the springs' force
@@ -79,6 +83,7 @@ class InexactNewton {
   Real first_ = std::numeric_limits<Real>::infinity(), best_ = first_,
        drop_from_ = first_;  ///< violations
   int without_progress_ = 0, without_drop_ = 0, retreats_ = 0, drifts_ = 0;
+  StepCounts steps_;
   Index iterations_ = 0, updates_ = 0, max_iterations_ = 0;
 };
 

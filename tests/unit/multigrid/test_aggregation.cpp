@@ -88,15 +88,3 @@ TEST(RigidModes, AreTheKernelOfElasticityInLocalFrames) {
     EXPECT_LT((s.system->A * s.modes).norm(), 1e-12 * s.system->A.norm() * s.modes.norm());
   }
 }
-
-TEST(RigidModes, FollowADofWhoseDirectionIsNotOfUnitLength) {
-  // one node with dofs along (0, 2) and (0.5, 0), as in orthotropic friction
-  Eigen::MatrixXd position(4, 2), direction(4, 2);
-  position << 0, 0, 0, 0, 1, 1, 1, 1;
-  direction << 1, 0, 0, 1, 0, 2, 0.5, 0;
-  const Eigen::MatrixXd B = rigid_modes(position, direction);
-  // u = sum of direction times dof: the last node moves by (1, 0) in the first mode
-  EXPECT_DOUBLE_EQ(B(2, 0) * 2, 0);
-  EXPECT_DOUBLE_EQ(B(3, 0) * 0.5, 1);
-  EXPECT_DOUBLE_EQ(B(2, 1) * 2, 1);
-}

@@ -190,7 +190,9 @@ TEST(Hierarchy, FixedRowsAreZeroOnEveryLevelAndInEveryCorrection) {
   for (Index l = 1; l < s.hierarchy->levels(); ++l) {
     const Eigen::MatrixXd A = s.hierarchy->matrix(l);
     for (Eigen::Index k = 0; k < A.rows(); ++k)
-      if (above.col(k).norm() == 0) EXPECT_EQ(A.row(k).norm(), 0);
+      if (above.col(k).norm() == 0) {
+        EXPECT_EQ(A.row(k).norm(), 0);
+      }
     if (l + 1 < s.hierarchy->levels()) above = above * s.hierarchy->prolongation(l);
   }
   Vector z;
