@@ -36,7 +36,9 @@ inline void refuse_without_effect(const Arguments& args, const Settings& s) {
     throw IllegalInput(name + " has no meaning with method=\"" + method + "\"" + because);
   };
   for (Parameter p : {p_reg, p_regeps, p_precon, p_omega, p_step})
-    rule(p, !newton, ", whose answer is not regularized; add method=\"GC3\" or newton=false");
+    rule(p, !newton,
+         condenses(s) ? ", whose answer is not regularized; add method=\"GC3\" or newton=false"
+                      : ", whose answer is not regularized; leave it out, or the method");
   for (Parameter p : {p_reg, p_regeps})
     rule(p, smooth, ", which does not regularize; leave it out");
   rule(p_step, smooth, ", which has no such line search; leave it out");

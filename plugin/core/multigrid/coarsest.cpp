@@ -2,11 +2,7 @@
 
 namespace frictioncg {
 
-namespace {
-constexpr Real shift = 1e-6;  ///< of the diagonal: the rounding of single precision
-}
-
-void CoarsestSolver::factor(Eigen::MatrixXd A) {
+void CoarsestSolver::factor(Eigen::MatrixXd A, Real shift) {
   A_ = std::move(A);
   x_.resize(A_.rows());
   const Vector diagonal = A_.diagonal();

@@ -190,4 +190,18 @@ Real Faces::violation(const Vector& x, const Vector& b_C) const {
   return std::sqrt(sum);
 }
 
+Real Faces::misdirection(const Vector& x, const Vector& b_C) const {
+  Real sum = 0;
+  for (Index i = 0; i < system_.nodes(); ++i) {
+    const Index first = system_.first[i], N = normal(i), t = system_.tangents(i);
+    if (t < 2 || face_[i].stick) continue;
+    const Eigen::Vector2d b_T = tangent(b_C, N + 1, t), x_T = tangent(x, first + 1, t);
+    const Real slip = x_T.norm(), g = limit(i, face_[i].closed ? b_C[N] : 0);
+    if (slip == 0) continue;
+    const Real off = std::min(c_D_[i] * slip, (b_T - g / slip * x_T).norm());
+    sum += off * off / c_D_[i];
+  }
+  return std::sqrt(sum);
+}
+
 }  // namespace frictioncg

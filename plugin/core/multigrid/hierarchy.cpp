@@ -2,6 +2,7 @@
 
 #include "multigrid/coarsest.h"
 #include "multigrid/dense.h"
+#include "multigrid/dense_hierarchy.h"
 #include "multigrid/fine_matrix.h"
 #include "multigrid/galerkin.h"
 #include "multigrid/level.h"
@@ -11,6 +12,7 @@ namespace frictioncg {
 
 namespace {
 
+constexpr Real shift = 1e-6;        ///< of the coarsest diagonal: the rounding of single precision
 constexpr Real stalled = 0.8;       ///< share of rows left by a coarsening that is not worth it
 constexpr std::size_t most = 4000;  ///< dofs beyond which no dense factorization is tried
 
@@ -160,7 +162,7 @@ void HierarchyOf<D, K>::truncate(const std::vector<char>& fixed,
 template <int D, int K>
 void HierarchyOf<D, K>::factor_coarsest() {
   const bool small = std::size_t(coarse_.back().A.rows()) * K <= most;
-  if (small) coarsest_.factor(matrix(levels() - 1));
+  if (small) coarsest_.factor(matrix(levels() - 1), shift);
 }
 
 template <int D, int K>
@@ -255,6 +257,7 @@ Eigen::MatrixXd HierarchyOf<D, K>::prolongation(Index level) const {
 std::unique_ptr<Hierarchy> make_hierarchy(const Matrix& A, const NodeBlocks& blocks,
                                           const Eigen::MatrixXd& modes,
                                           const HierarchyOptions& options) {
+  if (blocks.dofs() <= options.dense) return std::make_unique<DenseHierarchy>(A);
   if (blocks.size == 2) return std::make_unique<HierarchyOf<2, 3>>(A, blocks, modes, options);
   return std::make_unique<HierarchyOf<3, 6>>(A, blocks, modes, options);
 }

@@ -14,7 +14,8 @@ constexpr Index patience = 40;  ///< inner iterations in which the residual must
 constexpr Real share = 0.5;     ///< of tol that the linear residual may take
 constexpr int most_retreats = 10, most_drifts = 4;
 constexpr Real least_Gamma = 1e-3, most_Gamma = 0.3;
-constexpr Real first_spring = 1e-2;  ///< over D
+constexpr Real sharper = 0.2, least_goal = 1e-4;  ///< of goals that did not do
+constexpr Real first_spring = 1e-2;               ///< over D
 constexpr Real out_of_bounds = 1e3;  ///< violation over the first with the present springs
 
 }  // namespace
@@ -97,21 +98,38 @@ Status InexactNewton::solve(Real tol, Index max_iterations, const Vector& x0,
     const Real violation = faces_.violation(x_, b_C_);
     if (std::hypot(inner_.norm(), violation) <= std::max(goal_, 0.1 * spring_force())) {
       const bool goes_on = release_springs();
-      const Certificate certificate = certify(problem_, x_);
-      if (certificate.residual <= tol) return Status::converged;
-      if (!goes_on) return Status::stagnated;
-      // the scale is known now; where it was already, and did not do, rounding is near
-      const Real goal = tol * certificate.scale;
-      goal_ = goal_ <= 1.01 * goal ? 0.3 * goal_ : goal;
-      if (goal_ < 1e-3 * goal) return Status::stagnated;
+      if (accept(tol)) return Status::converged;
+      if (!goes_on) return ended(Status::stagnated);
+      if (goal_ <= least_goal_) return ended(Status::stagnated);
     } else if (!progress(solved, violation)) {
-      if (!retreat(solved)) return Status::stagnated;
+      if (accepted_.size() > 0 || !retreat(solved)) return ended(Status::stagnated);
       continue;
     }
     faces_.lag(!solved);
     faces_.choose(x_, b_C_);
   }
-  return Status::max_iterations;
+  return ended(Status::max_iterations);
+}
+
+/// Whether the laws hold at x, friction along the slip included; else what to aim for next.
+bool InexactNewton::accept(Real tol) {
+  const Certificate certificate = certify(problem_, x_);
+  const Real goal = tol * certificate.scale;
+  if (certificate.residual <= tol) {
+    if (faces_.misdirection(x_, b_C_) <= goal) return true;
+    accepted_ = x_;
+  }
+  // the scale is known now; where it was already, and did not do, rounding is near
+  goal_ = goal_ <= 1.01 * goal ? sharper * goal_ : goal;
+  least_goal_ = least_goal * goal;
+  return false;
+}
+
+/// What was accepted once counts, whatever came after it.
+Status InexactNewton::ended(Status otherwise) {
+  if (accepted_.size() == 0) return otherwise;
+  x_ = accepted_;
+  return Status::converged;
 }
 
 void InexactNewton::recompute_forces() {

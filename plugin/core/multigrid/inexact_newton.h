@@ -42,7 +42,8 @@ class InexactNewton {
   InexactNewton(const ContactProblem& problem, Hierarchy& hierarchy, Observer* observer = nullptr);
 
   /// From the branches of x0 (n), or where it is empty from the given ones, or where these are,
-  /// too, from stick. converged: by the certificate; max_iterations; stagnated: neither a tighter
+  /// too, from stick. Friction is to follow the slip to about tol, too, where rounding allows it.
+  /// converged: by the certificate; max_iterations; stagnated: neither a tighter
   /// Gamma nor a new start reduces the violation.
   Status solve(Real tol, Index max_iterations, const Vector& x0,
                const std::vector<Face>& start = {});
@@ -64,6 +65,8 @@ class InexactNewton {
   void set_springs(Real over_D);
   bool release_springs();
   bool retreat(bool solved);
+  bool accept(Real tol);
+  Status ended(Status otherwise);
 
   const ContactProblem& problem_;
   const System& system_;
@@ -74,12 +77,13 @@ class InexactNewton {
   Vector x_, b_;                           ///< n; b = F - Ax, and the springs' force
   Vector b_C_, s_;                         ///< contact dofs of b; n, residual of the linear system
   Real spring_ = 0, least_spring_ = 1e-8;  ///< over D
-  Vector springs_;  ///< contact_dofs [force/length]: proximal, 0 until faces left a motion free
-  Vector rest_;     ///< n, x where they are at rest
+  Vector springs_;   ///< contact_dofs [force/length]: proximal, 0 until faces left a motion free
+  Vector accepted_;  ///< n, the last x that the certificate lets pass; or empty
+  Vector rest_;      ///< n, x where they are at rest
   std::vector<Face> faces_at_rest_;
-  Real last_force_ = 0;  ///< of the springs, when they were released last
-  Real Gamma_ = 0.3;     ///< residual over violation at which faces are chosen anew
-  Real goal_ = 0;        ///< [norm_D]
+  Real last_force_ = 0;             ///< of the springs, when they were released last
+  Real Gamma_ = 0.3;                ///< residual over violation at which faces are chosen anew
+  Real goal_ = 0, least_goal_ = 0;  ///< [norm_D]
   Real first_ = std::numeric_limits<Real>::infinity(), best_ = first_,
        drop_from_ = first_;  ///< violations
   int without_progress_ = 0, without_drop_ = 0, retreats_ = 0, drifts_ = 0;
