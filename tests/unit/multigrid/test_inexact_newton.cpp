@@ -1,6 +1,7 @@
 // Method multigrid against the independent verifier, and against the condensed route.
 #include <gtest/gtest.h>
 
+#include "../gradient/block3d.h"
 #include "../verifier.h"
 #include "core/multigrid/multigrid_solver.h"
 #include "core/solver.h"
@@ -197,4 +198,74 @@ TEST(Multigrid, ItsBoundOnTheIterationsHoldsForAllLayersTogether) {
     EXPECT_EQ(alone.status, Status::max_iterations);
     EXPECT_EQ(alone.iterations, bound);
   }
+}
+
+TEST(Multigrid, FrictionFollowsTheSlipOfNodesThatHardlySlide) {
+  // the certificate is of second order there: slip times angle
+  for (unsigned seed : {25u, 313u, 350u}) {
+    const Scene scene = make_scene(random_block3d(seed));
+    std::vector<Index> node(scene.n);
+    for (Index p = 0; p < scene.n; ++p) node[p] = p / 3;
+    const Posed posed = scene.system(node);
+    Settings settings;
+    settings.method = Method::multigrid;
+    const Solution a = solve(posed.problem(), settings);
+    EXPECT_EQ(a.layer, Layer::multigrid) << seed;
+    EXPECT_LT(verify(scene, posed.to_global(a.x), posed.force_to_global(a.certificate.r)).worst(),
+              1e-7)
+        << seed;
+  }
+}
+
+TEST(Multigrid, StartsFromAGivenFieldAndFromAPreviousState) {
+  SparseOptions o = cube(8);
+  SparseScene scene = sparse_block(o);
+  Settings settings;
+  settings.method = Method::multigrid;
+  settings.tol = 1e-9;
+  const Posed first = scene.system(scene.node_of_dof);
+  const Solution a = solve(first.problem(), settings);
+  scene.u_old = first.to_global(a.x);
+  scene.b *= 1.1;
+  const Posed second = scene.system(scene.node_of_dof);
+  const Solution b = solve(second.problem(), settings);
+  EXPECT_EQ(b.layer, Layer::multigrid);
+  const Vector u = second.to_global(b.x);
+  EXPECT_LT(verify(scene, u, second.force_to_global(b.certificate.r)).worst(), 1e-7);
+  Solver solver(second.problem().system);
+  const Solution c = solver.solve(second.problem().increment, settings, 1.01 * b.x);
+  EXPECT_EQ(c.status, Status::converged);
+  EXPECT_LT((c.x - b.x).norm(), 1e-7 * b.x.norm());
+  EXPECT_LT(c.iterations, b.iterations);
+}
+
+TEST(Multigrid, TakesTheLeastOfWhatNothingDetermines) {
+  SparseOptions o = cube(6);
+  o.clamp_side = false;
+  o.mu = 0;
+  o.shear = 0;
+  const SceneInBlocks s(o);
+  const Solution a = by(Method::multigrid, s.posed.problem());
+  const Solution b = by(Method::condensed, s.posed.problem());
+  EXPECT_EQ(a.layer, Layer::multigrid);
+  EXPECT_EQ(a.undetermined.cols(), 3);
+  EXPECT_EQ(b.undetermined.cols(), 3);
+  EXPECT_LT((a.x - b.x).norm(), 1e-7 * b.x.norm());
+}
+
+TEST(Multigrid, TellsTheObserverOfEachIterationAndTheLevels) {
+  struct Count : Observer {
+    Index calls = 0;
+    void iterate(Index, StepLabel, const Vector&) override { ++calls; }
+  };
+  const SceneInBlocks s(cube(8));
+  Settings settings;
+  settings.method = Method::multigrid;
+  Count count;
+  const Solution a = Solver(s.system).solve(s.posed.problem().increment, settings, {}, &count);
+  EXPECT_EQ(count.calls, a.iterations);
+  EXPECT_EQ(a.steps.total(), a.iterations);
+  EXPECT_EQ(a.levels.count, s.hierarchy->levels());
+  EXPECT_EQ(a.levels.complexity, s.hierarchy->operator_complexity());
+  EXPECT_EQ(a.levels.bytes, s.hierarchy->bytes());
 }
