@@ -97,8 +97,9 @@ Status InexactNewton::solve(Real tol, Index max_iterations, const Vector& x0,
     ++updates_;
     const Real violation = faces_.violation(x_, b_C_);
     if (std::hypot(inner_.norm(), violation) <= std::max(goal_, 0.1 * spring_force())) {
+      const bool held = spring_force() > goal_;
       const bool goes_on = release_springs();
-      if (accept(tol)) return Status::converged;
+      if (accept(tol, held)) return Status::converged;
       if (!goes_on) return ended(Status::stagnated);
       if (goal_ <= least_goal_) return ended(Status::stagnated);
     } else if (!progress(solved, violation)) {
@@ -111,8 +112,9 @@ Status InexactNewton::solve(Real tol, Index max_iterations, const Vector& x0,
   return ended(Status::max_iterations);
 }
 
-/// Whether the laws hold at x, friction along the slip included; else what to aim for next.
-bool InexactNewton::accept(Real tol) {
+/// Whether the laws hold at x, friction along the slip included; else what to aim for next. held:
+/// springs took a part of the load.
+bool InexactNewton::accept(Real tol, bool held) {
   const Certificate certificate = certify(problem_, x_);
   const Real goal = tol * certificate.scale;
   if (certificate.residual <= tol) {
@@ -120,7 +122,7 @@ bool InexactNewton::accept(Real tol) {
     accepted_ = x_;
   }
   // the scale is known now; where it was already, and did not do, rounding is near
-  goal_ = goal_ <= 1.01 * goal ? sharper * goal_ : goal;
+  goal_ = goal_ <= 1.01 * goal && !held ? sharper * goal_ : goal;
   least_goal_ = least_goal * goal;
   return false;
 }

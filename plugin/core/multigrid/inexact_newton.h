@@ -65,7 +65,7 @@ class InexactNewton {
   void set_springs(Real over_D);
   bool release_springs();
   bool retreat(bool solved);
-  bool accept(Real tol);
+  bool accept(Real tol, bool held);
   Status ended(Status otherwise);
 
   const ContactProblem& problem_;

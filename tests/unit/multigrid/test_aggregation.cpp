@@ -33,7 +33,9 @@ TEST(Aggregation, EveryRowBelongsToOneConnectedAggregate) {
   for (Index i = 0; i < 31; ++i) {
     ASSERT_GE(a.of[i], 0);
     ASSERT_LT(a.of[i], a.count);
-    if (i > 0 && a.of[i] != a.of[i - 1]) EXPECT_EQ(members[a.of[i]], 0);  // a chain: consecutive
+    if (i > 0 && a.of[i] != a.of[i - 1]) {
+      EXPECT_EQ(members[a.of[i]], 0);  // a chain: consecutive
+    }
     ++members[a.of[i]];
   }
   for (Index size : members) EXPECT_GE(size, 2);
