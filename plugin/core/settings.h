@@ -6,7 +6,7 @@
 namespace frictioncg {
 
 enum class Method {
-  automatic,  ///< condensed where it fits in memory, else gcx
+  automatic,  ///< condensed, or multigrid where a factor costs more or does not fit, else gcx
   condensed,  ///< the interior eliminated by one factorization
   multigrid,  ///< Newton steps on A, preconditioned by multigrid with the contact faces cut out
   gc1,        ///< release tensile nodes at each iteration and restart (Jeusette-Sonzogni)

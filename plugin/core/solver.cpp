@@ -99,6 +99,11 @@ void try_without_factor(const ContactProblem& problem, const Settings& settings,
   if (rest.nbiter > 0) replace_if_better(s, iterate(problem, rest, {}, observer));
 }
 
+/// Method auto, unless a regularized answer is asked for: multigrid where a factor does not fit.
+bool may_replace_a_factor(const Settings& settings) {
+  return settings.method == Method::automatic && settings.newton;
+}
+
 /// Neither a load nor a penetration: the body stays where it is, whatever else could move it.
 bool at_rest(const Increment& increment) {
   const auto closed = increment.gap.array();
@@ -116,13 +121,18 @@ Status concluded(Status status, const Certificate& certificate, const Settings& 
   return blames_method && by_rounding ? Status::stagnated : status;
 }
 
-/// A factorization serves every load and law that follows, and the laws on the contact dofs alone
-/// are then exact and cheap: the route unless the settings name another method.
+/// Unless the settings name a method: a factorization serves every load and law that follows, and
+/// the laws on the contact dofs alone are then exact and cheap; where it costs more than multigrid
+/// takes for all of it, multigrid.
 Plan make_plan(const ContactProblem& problem, const Settings& settings) {
   Plan plan;
   plan.route = condenses(settings)                    ? Route::condensed
                : settings.method == Method::multigrid ? Route::multigrid
                                                       : Route::iterative;
+  if (may_replace_a_factor(settings)) {
+    plan.costs = estimate_costs(*problem.system);
+    if (plan.costs.multigrid < plan.costs.condensed) plan.route = Route::multigrid;
+  }
   plan.dofs = problem.dofs();
   plan.nodes = problem.nodes();
   plan.tangents = problem.contact_dofs() - problem.nodes();
@@ -165,13 +175,15 @@ Solution Solver::solve(const Increment& increment, const Settings& settings, con
   return s;
 }
 
-/// The route of the plan; where it does not arrive, or is not open, another one.
+/// The route of the plan; where it is not open, or does not arrive, another one.
 Solution Solver::by_route(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                           Observer* observer) {
   switch (make_plan(problem, settings).route) {
     case Route::iterative:
       break;
     case Route::condensed:
+      if (may_replace_a_factor(settings) && !condense(settings) && !indefinite_)
+        return by_multigrid(problem, settings, x0, observer);
       return by_condensation(problem, settings, x0, observer);
     case Route::multigrid:
       return by_multigrid(problem, settings, x0, observer);
@@ -183,11 +195,11 @@ Solution Solver::by_route(const ContactProblem& problem, const Settings& setting
 /// laws on A.
 Solution Solver::by_condensation(const ContactProblem& problem, const Settings& settings,
                                  const Vector& x0, Observer* observer) {
-  const bool kept = factored_;
   if (!condense(settings)) return iterate(problem, without_factor(settings), x0, observer);
   Solution s = condensed_->solve(problem, settings, x0);
   if (settings.newton) try_without_factor(problem, settings, observer, s);
-  if (!kept) {
+  if (!told_) {
+    told_ = true;
     const EliminationTimes& t = condensed_->elimination().times();
     s.times.order += t.order;
     s.times.factor += t.factor;

@@ -1,6 +1,7 @@
 #pragma once
 #include <memory>
 
+#include "cost.h"
 #include "solution.h"
 #include "gradient/tresca.h"
 
@@ -10,6 +11,7 @@ namespace frictioncg {
 struct Plan {
   Route route =
       Route::iterative;  ///< the first choice; a factor that does not fit leaves the other
+  Costs costs;           ///< method auto: why
   Index dofs = 0, nodes = 0, tangents = 0;
   Law law = Law::frictionless;
   bool fixed_point = false;     ///< law coulomb: g depends on the answer
@@ -61,6 +63,7 @@ class Solver {
   std::unique_ptr<CondensedSolver> condensed_;
   double memory_needed_ = 0;  ///< by the condensed route, as far as it is known [bytes]
   bool factored_ = false;
+  bool told_ = false;        ///< what the factorization took
   bool indefinite_ = false;  ///< A has no factor, whatever the memory
   std::unique_ptr<MultigridSolver> multigrid_;
 };

@@ -123,6 +123,9 @@ inline void report_plan(const Arguments& args, const Scene& scene, const Contact
   if (plan.nodes == 0)
     std::cout << "; Dirichlet conditions hold every normal displacement: a plain linear solve";
   std::cout << "; " << name_of(s.method, methods);
+  if (s.method == Method::automatic && plan.route == Route::multigrid)
+    std::cout << " by multigrid, a factorization being about "
+              << std::round(plan.costs.condensed / plan.costs.multigrid) << " times its cost";
   if (plan.regularization) std::cout << ", " << name_of(s.reg, regularizations);
   report_left_out(args, scene, plan);
   std::cout << std::endl;

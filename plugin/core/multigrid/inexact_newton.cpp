@@ -11,7 +11,9 @@ namespace {
 
 constexpr std::size_t most_directions = 20;
 constexpr Index patience = 40;  ///< inner iterations in which the residual must fall tenfold
-constexpr Real share = 0.5;     ///< of tol that the linear residual may take
+constexpr Index little_patience = 20;
+constexpr Real negative = 1e-10;  ///< -<Az,z>/<Dz,z> that is no rounding
+constexpr Real share = 0.5;       ///< of tol that the linear residual may take
 constexpr int most_retreats = 10, most_drifts = 4;
 constexpr Real least_Gamma = 1e-3, most_Gamma = 0.3;
 constexpr Real sharper = 0.2, least_goal = 1e-4;  ///< of goals that did not do
@@ -42,6 +44,9 @@ bool ConjugateResiduals::step(Hierarchy& hierarchy, const Faces& faces, const Ve
   Direction& now = kept_[next_];
   hierarchy.apply(s_, now.z);
   now.Jz.noalias() = system_.A * now.z;
+  const Real work = now.z.dot(now.Jz), size = now.z.dot(system_.D.cwiseProduct(now.z));
+  indefinite_ = work < -negative * size;
+  if (indefinite_) return false;
   now.Az_C = now.Jz.tail(springs.size()) + springs.cwiseProduct(now.z.tail(springs.size()));
   faces.jacobian(now.z, now.Az_C, now.Jz.tail(system_.contact_dofs()));
   const Real before = dot(now.Jz, now.Jz);
@@ -95,6 +100,7 @@ Status InexactNewton::solve(Real tol, Index max_iterations, const Vector& x0,
     hierarchy_.truncate(faces_.fixed(), faces_.stiffness(), springs_);
     const bool solved = solve_faces();
     ++updates_;
+    if (inner_.indefinite()) return Status::not_positive_definite;
     const Real violation = faces_.violation(x_, b_C_);
     if (std::hypot(inner_.norm(), violation) <= std::max(goal_, 0.1 * spring_force())) {
       const bool held = spring_force() > goal_;
@@ -163,6 +169,7 @@ bool InexactNewton::solve_faces() {
   inner_.start(s_);
   Real mark = inner_.norm();
   Index since = 0;
+  const Index bound = gives_up_early_ ? little_patience : patience;
   bool falls = mark > share * goal_, first = true;
   while (falls && iterations_ < max_iterations_) {
     falls = inner_.step(hierarchy_, faces_, springs_, x_, b_C_);
@@ -175,7 +182,7 @@ bool InexactNewton::solve_faces() {
       mark = inner_.norm();
       since = 0;
     }
-    falls = falls && since < patience;
+    falls = falls && since < bound;
   }
   b_ = inner_.residual();
   return falls || inner_.norm() <= share * goal_;
@@ -218,7 +225,7 @@ bool InexactNewton::release_springs() {
 /// hold it: first from stick at x = 0, then from where the last of them were at rest, stiffer.
 /// False where that was tried often enough.
 bool InexactNewton::retreat(bool solved) {
-  if (++retreats_ > most_retreats) return false;
+  if (++retreats_ > most_retreats || (gives_up_early_ && !solved)) return false;
   if (!solved) least_spring_ = std::max(least_spring_, 3 * spring_);  // too weak for the hierarchy
   faces_.lag(false);
   Gamma_ = 0.1;

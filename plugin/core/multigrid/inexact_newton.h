@@ -19,6 +19,7 @@ class ConjugateResiduals {
             Vector& b_C);
   Real norm() const { return norm_; }  ///< of the residual, norm_D
   const Vector& residual() const { return s_; }
+  bool indefinite() const { return indefinite_; }  ///< A did negative work on a direction
 
  private:
   struct Direction {
@@ -32,6 +33,7 @@ class ConjugateResiduals {
   std::vector<Direction> kept_;
   std::size_t used_ = 0, next_ = 0;
   Real norm_ = 0;
+  bool indefinite_ = false;
 };
 
 /// Inexact semismooth Newton on the unregularized laws: the linear system of the present faces,
@@ -47,6 +49,10 @@ class InexactNewton {
   /// Gamma nor a new start reduces the violation.
   Status solve(Real tol, Index max_iterations, const Vector& x0,
                const std::vector<Face>& start = {});
+
+  /// Ends, stagnated, as soon as the residual of a linear system does not fall as it does by a good
+  /// hierarchy: for a caller who has another method.
+  void give_up_early() { gives_up_early_ = true; }
 
   const Vector& x() const { return x_; }
   const std::vector<Face>& faces() const { return faces_.all(); }
@@ -86,6 +92,7 @@ class InexactNewton {
   Real goal_ = 0, least_goal_ = 0;  ///< [norm_D]
   Real first_ = std::numeric_limits<Real>::infinity(), best_ = first_,
        drop_from_ = first_;  ///< violations
+  bool gives_up_early_ = false;
   int without_progress_ = 0, without_drop_ = 0, retreats_ = 0, drifts_ = 0;
   StepCounts steps_;
   Index iterations_ = 0, updates_ = 0, max_iterations_ = 0;

@@ -14,6 +14,7 @@ namespace {
 constexpr Real rigid = 1e-11;            ///< <Aw,w>/<Dw,w> of a rigid motion
 constexpr Real dependent = 1e-10;        ///< of a mode on the others, in the product of D
 constexpr Index most_iterations = 2000;  ///< what takes more is better left to another route
+constexpr Index most_unnamed = 300;      ///< the same where method auto chose this one
 
 /// A basis of the modes, orthonormal in the product of D: supports may have left some of them
 /// without a dof, or alike.
@@ -98,8 +99,10 @@ Solution MultigridSolver::solve(const ContactProblem& problem, const Settings& s
 void MultigridSolver::iterate(const ContactProblem& problem, const Settings& settings,
                               const Vector& x0, Observer* observer, Solution& s) {
   InexactNewton newton(problem, *hierarchy_, observer);
-  const Index bound =
-      std::min(settings.nbiter > 0 ? settings.nbiter : most_iterations, most_iterations);
+  const bool named = settings.method == Method::multigrid;
+  const Index most = named ? most_iterations : most_unnamed;
+  const Index bound = std::min(settings.nbiter > 0 ? settings.nbiter : most, most);
+  if (!named) newton.give_up_early();
   s.status = newton.solve(settings.tol, bound, x0, last_);
   s.x = newton.x();
   s.iterations = newton.iterations();

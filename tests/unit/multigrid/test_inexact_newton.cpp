@@ -12,8 +12,9 @@ using namespace frictioncg::test;
 
 namespace {
 
-SparseOptions cube(int cells) {
+SparseOptions cube(int cells, int d = 3) {
   SparseOptions o;
+  o.d = d;
   o.cells = {cells, cells, cells};
   return o;
 }
@@ -268,4 +269,75 @@ TEST(Multigrid, TellsTheObserverOfEachIterationAndTheLevels) {
   EXPECT_EQ(a.levels.count, s.hierarchy->levels());
   EXPECT_EQ(a.levels.complexity, s.hierarchy->operator_complexity());
   EXPECT_EQ(a.levels.bytes, s.hierarchy->bytes());
+}
+
+TEST(Multigrid, AnIndefiniteMatrixIsNamed) {
+  for (int cells : {3, 8}) {
+    SparseScene scene = sparse_block(cube(cells));
+    for (std::size_t k = 0; k < scene.a.size(); ++k)
+      if (scene.i[k] != scene.j[k]) scene.a[k] *= 1.5;
+    const Posed posed = scene.system(scene.node_of_dof);
+    Settings settings;
+    settings.method = Method::multigrid;
+    EXPECT_EQ(solve(posed.problem(), settings).status, Status::not_positive_definite);
+    MultigridSolver alone(posed.problem().system);
+    EXPECT_NE(alone.solve(posed.problem(), settings, {}, nullptr).status, Status::converged);
+  }
+}
+
+TEST(Multigrid, TheDefaultTakesItInThreeDimensionsWhereAFactorCostsMore) {
+  const SceneInBlocks large(cube(16)), small(cube(6));
+  SparseOptions o = cube(40, 2);
+  const SceneInBlocks flat(o);
+  for (const auto& [scene, route] : {std::pair{&large, Route::multigrid},
+                                     {&small, Route::condensed},
+                                     {&flat, Route::condensed}}) {
+    const Plan plan = make_plan(scene->posed.problem(), Settings());
+    EXPECT_EQ(plan.route, route);
+    EXPECT_EQ(plan.costs.multigrid < plan.costs.condensed, route == Route::multigrid);
+    const Solution a = solve(scene->posed.problem(), Settings());
+    EXPECT_EQ(a.status, Status::converged);
+    EXPECT_EQ(a.layer, route == Route::multigrid ? Layer::multigrid : Layer::newton);
+  }
+  Settings regularized;
+  regularized.newton = false;
+  EXPECT_EQ(make_plan(large.posed.problem(), regularized).route, Route::condensed);
+  const Posed unknown = sparse_block(cube(16)).system();
+  EXPECT_EQ(make_plan(unknown.problem(), Settings()).route, Route::condensed);
+}
+
+TEST(Multigrid, TheDefaultTakesItInTwoDimensionsWhereTheDenseMatricesAreLarge) {
+  System s;
+  s.dimension = 2;
+  s.rigid_modes = [] { return Eigen::MatrixXd(); };
+  s.A.resize(40000, 40000);
+  s.A.reserve(Eigen::VectorXi::Constant(40000, 14));
+  for (Index i = 0; i < 40000; ++i)
+    for (Index k = 0; k < 14; ++k) s.A.insert(i, (i + k) % 40000) = 1;
+  s.mesh_node.resize(40000);
+  for (Index contact : {600, 8000}) {
+    s.first = {40000 - contact, 40000};
+    const Costs costs = estimate_costs(s);
+    EXPECT_EQ(costs.multigrid < costs.condensed, contact == 8000) << contact;
+  }
+}
+
+TEST(Multigrid, TheDefaultTakesItWhereAFactorDoesNotFit) {
+  const SceneInBlocks s(cube(6));
+  Settings settings;
+  settings.memory = 1000;
+  const Solution a = Solver(s.system).solve(s.posed.problem().increment, settings);
+  EXPECT_EQ(a.layer, Layer::multigrid);
+  EXPECT_EQ(a.status, Status::converged);
+}
+
+TEST(Multigrid, TheDefaultLeavesItSoonWhereItsHierarchyIsPoor) {
+  SparseOptions o = cube(14);
+  o.nu = 0.4999;
+  const SceneInBlocks s(o);
+  ASSERT_EQ(make_plan(s.posed.problem(), Settings()).route, Route::multigrid);
+  const Solution a = solve(s.posed.problem(), Settings());
+  EXPECT_EQ(a.status, Status::converged);
+  EXPECT_EQ(a.layer, Layer::newton);
+  EXPECT_LT(a.iterations, 100);
 }
