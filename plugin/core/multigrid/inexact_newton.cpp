@@ -10,10 +10,10 @@ namespace frictioncg {
 namespace {
 
 constexpr std::size_t most_directions = 20;
-constexpr Index patience = 40;  ///< inner iterations in which the residual must fall tenfold
-constexpr Index little_patience = 20;
-constexpr Real negative = 1e-10;  ///< -<Az,z>/<Dz,z> that is no rounding
-constexpr Real share = 0.5;       ///< of tol that the linear residual may take
+constexpr Index patience = 40;         ///< inner iterations in which the residual must fall tenfold
+constexpr Index little_patience = 12;  ///< the same where the caller has another method
+constexpr Real negative = 1e-10;       ///< -<Az,z>/<Dz,z> that is no rounding
+constexpr Real share = 0.5;            ///< of tol that the linear residual may take
 constexpr int most_retreats = 10, most_drifts = 4;
 constexpr Real least_Gamma = 1e-3, most_Gamma = 0.3;
 constexpr Real sharper = 0.2, least_goal = 1e-4;  ///< of goals that did not do

@@ -14,7 +14,7 @@ namespace {
 constexpr Real rigid = 1e-11;            ///< <Aw,w>/<Dw,w> of a rigid motion
 constexpr Real dependent = 1e-10;        ///< of a mode on the others, in the product of D
 constexpr Index most_iterations = 2000;  ///< what takes more is better left to another route
-constexpr Index most_unnamed = 300;      ///< the same where method auto chose this one
+constexpr Index most_unnamed = 80;       ///< the same where method auto chose this one
 
 /// A basis of the modes, orthonormal in the product of D: supports may have left some of them
 /// without a dof, or alike.
