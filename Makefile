@@ -74,14 +74,17 @@ setup: ## install what is missing from Debian's packages
 	    apt-get install -y -qq --no-install-recommends $$missing >/dev/null || { echo "cannot install:$$missing"; exit 1; }; \
 	fi
 
-$(BUILD)/core/%.o: plugin/core/%.cpp $(CORE_H)
+# The compiler writes what each object includes beside it, so that a header rebuilds what reads it.
+DEPENDS   := -MMD -MP
+
+$(BUILD)/core/%.o: plugin/core/%.cpp
 	@mkdir -p $(@D)
-	$(CXX) $(FLAGS) $(CORE_FLAGS) -c $< -o $@
+	$(CXX) $(FLAGS) $(DEPENDS) $(CORE_FLAGS) -c $< -o $@
 
 # FreeFEM's own operator new confuses this one warning.
-$(BUILD)/frictionCG.o: plugin/frictionCG.cpp $(HEADERS)
+$(BUILD)/frictionCG.o: plugin/frictionCG.cpp
 	@mkdir -p $(@D)
-	$(CXX) $(FLAGS) $(FF_HEADER) -Wno-mismatched-new-delete -c $< -o $@
+	$(CXX) $(FLAGS) $(DEPENDS) $(FF_HEADER) -Wno-mismatched-new-delete -c $< -o $@
 
 $(BUILD)/frictionCG.so: $(BUILD)/frictionCG.o $(OBJECTS)
 	$(CXX) -shared $(LDFLAGS) $^ -o $@ $(LIBS)
@@ -125,9 +128,11 @@ $(BUILD)/unit_tests: $(OBJECTS) $(UNIT:tests/%.cpp=$(BUILD)/%.o)
 # test_faults.cpp counts allocations, and makes them fail
 WRAP := -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
-$(BUILD)/unit/%.o: tests/unit/%.cpp $(HEADERS) $(wildcard tests/unit/*.h tests/unit/*/*.h)
+$(BUILD)/unit/%.o: tests/unit/%.cpp
 	@mkdir -p $(@D)
-	$(CXX) $(FLAGS) -O1 -Wno-error -Iplugin -Itests -c $< -o $@
+	$(CXX) $(FLAGS) $(DEPENDS) -O1 -Wno-error -Iplugin -Itests -c $< -o $@
+
+-include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
 
 # The benchmarks run in FreeFEM, with one thread, in the same process as what they compare with.
 $(BUILD)/%.so: tests/bench/%.cpp $(OBJECTS) $(HEADERS)

@@ -11,19 +11,6 @@
 namespace frictioncg {
 namespace {
 
-template <class V, class L>
-void register_labels() {
-  Global.Add(operator_name, "(", new OneOperatorCode<SolveOnce<V, L>>());
-  Global.Add(constructor_name, "(", new OneOperatorCode<Construct<V, L>>());
-}
-
-template <class V>
-void register_dimension() {
-  register_labels<V, long>();
-  register_labels<V, KN_<long>>();
-  register_labels<V, E_Array>();
-}
-
 /// The layout of FreeFEM's matrices changes between its versions.
 void check_version() {
   const double compiled = std::strtod(FREEFEM_VERSION, nullptr);
@@ -37,8 +24,8 @@ void check_version() {
 void load() {
   check_version();
   register_contactproblem();
-  register_dimension<v_fes>();
-  register_dimension<v_fes3>();
+  register_sites<v_fes>();
+  register_sites<v_fes3>();
   Global.Add(operator_name, "(", new OneOperatorCode<SolveIncrement>());
 }
 

@@ -6,11 +6,13 @@
 #include "condensed/condensed.h"
 #include "condensed/equilibrium.h"
 #include "condensed/rigid_motions.h"
+#include "condensed/undetermined.h"
 #include "gradient/fixed_point.h"
 #include "gradient/projected_cg.h"
 #include "gradient/sorp.h"
 #include "model/validate.h"
 #include "multigrid/multigrid_solver.h"
+#include "statics/floating.h"
 
 namespace frictioncg {
 
@@ -39,20 +41,36 @@ Layer layer_of(Method method) {
   return method == Method::gcx ? Layer::gcx : Layer::gc;
 }
 
+/// The rigid motions of A: from the candidates of the system, or, where it knows none, by conjugate
+/// gradients.
+DenseMatrix motions_of_A(const ContactProblem& problem) {
+  if (problem.system->rigid_modes) return floating_motions(*problem.system);
+  return rigid_motions(*problem.system, default_iterations(problem));
+}
+
 /// J without a bound at the present sliding limit says nothing about Coulomb's law, and a stall
 /// nothing about the load. Rigid motions do: no_equilibrium where one of them is a proof, and
 /// nowhere else.
 void decide_on_equilibrium(const ContactProblem& problem, Solution& s) {
   const bool open = s.status == Status::no_equilibrium || s.status == Status::stagnated ||
-                    s.status == Status::fixed_point_diverged;
+                    s.status == Status::fixed_point_diverged ||
+                    (s.status == Status::max_iterations && problem.system->rigid_modes);
   if (!open) return;
-  const DenseMatrix W = rigid_motions(*problem.system, default_iterations(problem));
-  const Statics statics = balance(W, problem);
+  const Statics statics = balance(motions_of_A(problem), problem);
   s.unheld_motion = statics.motion;
   if (statics.balance == Balance::unheld)
     s.status = Status::no_equilibrium;
   else if (s.status == Status::no_equilibrium)
     s.status = Status::stagnated;
+}
+
+/// The rigid motions that neither A nor the laws determine are named, and taken out of the answer;
+/// where the system knows no candidates for them they are not looked for.
+void settle(const ContactProblem& problem, const Settings& settings, Solution& s) {
+  if (s.certificate.residual > settings.tol) return;
+  s.undetermined = left_free(floating_motions(*problem.system), problem,
+                             branches_of(problem, s.x, s.certificate));
+  leave_least(problem, settings.tol, s);
 }
 
 Solution iterate(const ContactProblem& problem, const Settings& settings, const Vector& x0,
@@ -61,6 +79,7 @@ Solution iterate(const ContactProblem& problem, const Settings& settings, const 
   Solution s = FixedPoint(problem, settings, *tresca).solve(x0);
   s.layer = layer_of(settings.method);
   decide_on_equilibrium(problem, s);
+  settle(problem, settings, s);
   return s;
 }
 

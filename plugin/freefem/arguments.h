@@ -3,7 +3,6 @@
 
 #include <array>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 #include "parameters.h"
@@ -16,20 +15,28 @@ class Arguments {
   using Components = std::array<Expression, 3>;
 
   /// Of a call that poses a problem of dimension d, normals and directions included.
-  Arguments(const basicAC_F0& args, int d) : Arguments(args) {
+  Arguments(const basicAC_F0& args, int d, bool two_bodies) : Arguments(args) {
+    if (two_bodies && has(p_normal))
+      refuse(p_normal, "has no meaning between two bodies, whose slave has its own; leave it out");
+    for (Parameter p : {p_maxgap, p_smooth, p_distance})
+      if (!two_bodies && has(p))
+        refuse(p,
+               "belongs to contact of two bodies; name slave and master, as in "
+               "frictionalContactCG(A, b, Vh, slave, master, ...)");
     if (has(p_normal)) components(p_normal, d, "[nx, ny, nz]", "[nx, ny]", normal_);
     if (!has(p_mu2) && !has(p_direction)) return;
+    const Parameter given = has(p_mu2) ? p_mu2 : p_direction;
     if (d == 2)
-      refuse(p_mu2, "is friction across a direction of the contact plane; in 2D there is mu alone");
+      refuse(given, "belongs to orthotropic friction in a contact plane; in 2D there is mu alone");
     if (!has(p_mu) || !has(p_mu2) || !has(p_direction))
-      refuse(p_mu2, "goes with mu and direction: mu along the direction, mu2 across it");
+      refuse(given, "is one of three that go together: mu along direction, and mu2 across it");
     components(p_direction, d, "[dx, dy, dz]", "", direction_);
   }
 
   /// Of a call on a contactproblem, whose geometry stands.
   static Arguments of_increment(const basicAC_F0& args) {
     const Arguments a(args);
-    for (Parameter p : {p_normal, p_mu2, p_direction})
+    for (Parameter p : {p_normal, p_mu2, p_direction, p_maxgap, p_smooth})
       if (a.has(p)) refuse(p, "belongs to the contactproblem; give it there");
     return a;
   }
@@ -80,34 +87,6 @@ class Arguments {
 
   Expression named_[parameter_count];
   Components normal_{}, direction_{};
-};
-
-/// The labels argument: an int, an int[int], or [1, 2].
-template <class LabelArgument>
-class Labels {
- public:
-  explicit Labels(const C_F0& argument) {
-    if constexpr (std::is_same_v<LabelArgument, E_Array>) {
-      const E_Array* list = dynamic_cast<const E_Array*>(argument.LeftValue());
-      for (int k = 0; list && k < list->size(); ++k) expressions_.push_back(to<long>((*list)[k]));
-    } else {
-      expressions_.push_back(to<LabelArgument>(argument));
-    }
-  }
-  std::vector<long> operator()(Stack stack) const {
-    std::vector<long> all;
-    if constexpr (std::is_same_v<LabelArgument, KN_<long>>) {
-      const KN_<long> list = GetAny<KN_<long>>((*expressions_[0])(stack));
-      for (long k = 0; k < list.N(); ++k) all.push_back(list[k]);
-    } else {
-      for (Expression e : expressions_) all.push_back(GetAny<long>((*e)(stack)));
-    }
-    if (all.empty()) throw IllegalInput("labels is empty; name the boundary that may touch");
-    return all;
-  }
-
- private:
-  std::vector<Expression> expressions_;
 };
 
 }  // namespace frictioncg

@@ -4,6 +4,7 @@
 #include "node_values.h"
 #include "outputs.h"
 #include "report.h"
+#include "site.h"
 
 namespace frictioncg {
 
@@ -37,29 +38,38 @@ struct Call {
   }
 };
 
+/// Finds the contact nodes of two bodies. A shows what Dirichlet conditions hold of them.
+inline void face_bodies(Stack stack, const Arguments& args, const Expression A, Scene& scene) {
+  mortar::Options options;
+  options.maxgap = args.value(stack, p_maxgap, options.maxgap);
+  options.smooth = args.value(stack, p_smooth, options.smooth);
+  scene.face(triplets(GetAny<Matrice_Creuse<double>*>((*A)(stack)), scene.dofs), options);
+}
+
 /// Poses the problem: geometry, laws, and the matrix in local frames. A node gets tangential laws
 /// where `everywhere` or its own mu or limit asks for them.
-template <class V>
-std::shared_ptr<Scene> pose(Stack stack, const Arguments& args, const Expression A,
-                            typename V::pfes* pVh, const std::vector<long>& labels, bool everywhere,
-                            PointLaws& laws) {
-  std::shared_ptr<Scene> scene = make_scene<V>(pVh, labels);
-  set_normals(stack, args, *scene);
+inline std::shared_ptr<Scene> pose(Stack stack, const Arguments& args, const Expression A,
+                                   const Site& site, bool everywhere, PointLaws& laws) {
+  std::shared_ptr<Scene> scene = site.scene(stack);
+  if (scene->pairing)
+    face_bodies(stack, args, A, *scene);
+  else
+    set_normals(stack, args, *scene);
   laws = read_laws(stack, args, *scene);
   if (args.has(p_mu2)) set_orthotropy(stack, args, laws.friction, *scene);
   if (laws.law != Law::frictionless)
     for (std::size_t k = 0; k < scene->nodes.size(); ++k)
       scene->tangents |= scene->nodes[k].point.friction = everywhere || laws.friction[k] > 0;
-  scene->assemble(triplets(GetAny<Matrice_Creuse<double>*>((*A)(stack)), scene->ndof));
+  scene->assemble(triplets(GetAny<Matrice_Creuse<double>*>((*A)(stack)), scene->dofs));
   if (!scene->tangents) laws.law = Law::frictionless;
   return scene;
 }
 
 /// The vectors of the call, and its laws, as an increment in local dofs.
 inline LocalIncrement increment(const Call& call, const Scene& scene, PointLaws laws) {
-  check_vector(call.b, "b", scene.ndof);
-  if (call.args.has(p_uold)) check_vector(call.u_old, "uold", scene.ndof);
-  if (call.args.has(p_init)) check_vector(call.u_init, "init", scene.ndof);
+  check_vector(call.b, "b", scene.dofs);
+  if (call.args.has(p_uold)) check_vector(call.u_old, "uold", scene.dofs);
+  if (call.args.has(p_init)) check_vector(call.u_init, "init", scene.dofs);
   if (scene.system->nodes() == 0) laws.law = Law::frictionless;  // supports hold every normal
   LocalIncrement now = scene.system->increment(call.b, call.u_old, laws);
   refuse_other_tgv(scene, call.b, now.u0);
@@ -92,9 +102,9 @@ inline KN_<double> solve(Stack stack, const Call& call, Scene& scene, const Poin
     refuse_unconverged(scene, solution, call.settings);
   write_outputs(scene, solution, progress, out);
 
-  KN<double>* u = Add2StackOfPtr2Free(stack, new KN<double>(scene.ndof));
+  KN<double>* u = Add2StackOfPtr2Free(stack, new KN<double>(scene.ndof()));
   const Vector field = scene.system->to_global(solution.x, now.u0);
-  for (long i = 0; i < scene.ndof; ++i) (*u)[i] = field[i];
+  for (long i = 0; i < scene.ndof(); ++i) (*u)[i] = field[i];
   if (out.times) write_times(scene, solution.times, cpu_seconds() - start, out.times);
   scene.copy_seconds = 0;  // further increments do not copy
   return *u;

@@ -7,18 +7,38 @@
 #include <sstream>
 #include <vector>
 
+#include "../core/assembly/mortar/surface.h"
 #include "boundary_node.h"
 #include "dimension.h"
 #include "normals.h"
 
 namespace frictioncg {
 
+/// Why a space cannot be used; the name of the space is put before it.
+struct UnfitSpace : IllegalInput {
+  using IllegalInput::IllegalInput;
+};
+
 [[noreturn]] inline void refuse_space(const std::string& why) {
-  throw IllegalInput(
-      "Vh " + why +
-      "; contact needs a continuous vector Lagrange space such as [P1,P1], [P2,P2] or "
-      "[P1,P1,P1]");
+  throw UnfitSpace(why +
+                   "; contact needs a continuous vector Lagrange space such as [P1,P1], [P2,P2] or "
+                   "[P1,P1,P1]");
 }
+
+/// A space under its name in messages, and what one of its labels inside a body is told.
+template <class FESpaceType>
+struct NamedSpace {
+  const FESpaceType& Vh;
+  const char* name;
+  const char* mesh;
+  const char* inside;
+};
+
+constexpr const char* obstacle_inside = "an obstacle touches the outer boundary only";
+constexpr const char* pair_inside =
+    "contact of two bodies needs two faces there, and meshes that were merged, as + does with near "
+    "vertices, have none: use one space per mesh, or join them apart and move them back with "
+    "movemesh";
 
 /// The nodes of one facet: dofs of each component, grouped by the interpolation points they share.
 struct FacetNodes {
@@ -39,6 +59,29 @@ struct FacetNodes {
     return node.back();
   }
 };
+
+/// A facet of the contact boundary by its nodes, as places in BoundaryNodes::nodes(): the vertices,
+/// then the middle of the edge opposite each of them, in 2D of the only edge.
+struct BoundaryFacet {
+  long label = 0;
+  Fem2D::R3 normal;  ///< outward, of the measure of the facet [length^(d-1)]
+  std::vector<std::size_t> node;
+};
+
+/// The nodes of a facet in the order of BoundaryFacet::node.
+inline std::vector<std::size_t> in_order(const FacetNodes& facet, int d) {
+  std::vector<std::size_t> order;
+  for (std::size_t k = 0; k < facet.node.size(); ++k)
+    if (facet.node[k].corner) order.push_back(k);
+  if (facet.node.size() == order.size()) return order;
+  for (int edge = 0; edge < mortar::edges_of_facet(d); ++edge) {
+    const auto [a, b] = mortar::edge_ends(d, edge);
+    const Fem2D::R3 ends = facet.node[order[a]].hat + facet.node[order[b]].hat;
+    for (std::size_t k = 0; k < facet.node.size(); ++k)
+      if (Norme2(2. * facet.node[k].hat - ends) < 1e-10) order.push_back(k);
+  }
+  return order;
+}
 
 /// Refuses traces for which the laws are not written.
 template <class FESpaceType>
@@ -83,8 +126,27 @@ class BoundaryNodes {
   using D = Dimension<FESpaceType>;
 
  public:
-  explicit BoundaryNodes(const FESpaceType& Vh) : Vh_(Vh) {}
+  BoundaryNodes(const NamedSpace<FESpaceType>& space, const std::vector<long>& labels)
+      : space_(space), Vh_(space.Vh) {
+    try {
+      check_components();
+      for (long label : labels) add(label);
+    } catch (const UnfitSpace& e) {
+      throw IllegalInput(std::string(space.name) + " " + e.what());
+    }
+  }
 
+  const FESpaceType& space() const { return Vh_; }
+  const std::vector<SharedNode>& nodes() const { return nodes_; }
+  const std::vector<BoundaryFacet>& facets() const { return facets_; }
+
+ private:
+  void check_components() const {
+    if (Vh_.N == D::d) return;
+    std::ostringstream s;
+    s << "has " << Vh_.N << " component" << (Vh_.N > 1 ? "s" : "") << " on a " << D::d << "D mesh";
+    refuse_space(s.str());
+  }
   /// Adds the facets of a label, once.
   void add(long label) {
     if (!labels_.insert(label).second) return;
@@ -99,55 +161,52 @@ class BoundaryNodes {
     if (!found) refuse_absent(label);
   }
 
-  const std::vector<SharedNode>& nodes() const { return nodes_; }
-
- private:
   void add(long label, int k, int facet) {
     const typename D::Element K(Vh_[k]);
     const Fem2D::R3 normal = D::normal(K, facet);
     const FacetNodes nodes = facet_nodes<FESpaceType>(K, facet);
     if (!D::outer(Vh_.Th, k, facet)) refuse_inside(label, nodes.node.front().x);
+    std::vector<std::size_t> place;
     for (const FacetNodes::Node& n : nodes.node) {
       const auto [entry, is_new] = node_of_dof_.emplace(n.dof[0], nodes_.size());
       if (is_new) nodes_.push_back({n.dof, n.x, {}});
       const double share = Norme2(normal) * D::share(nodes.node.size(), n.corner);
       nodes_[entry->second].facets.push_back({label, k, facet, n.hat, normal, share});
+      place.push_back(entry->second);
     }
+    facets_.push_back({label, normal, {}});
+    for (std::size_t n : in_order(nodes, D::d)) facets_.back().node.push_back(place[n]);
   }
 
   [[noreturn]] void refuse_absent(long label) const {
     std::set<long> present;
     for (int ib = 0; ib < D::facets(Vh_.Th); ++ib) present.insert(D::label(Vh_.Th, ib));
     std::ostringstream s;
-    s << "label " << label << " is not on the boundary of the mesh, which has the labels";
+    s << "label " << label << " is not on the boundary of " << space_.mesh
+      << ", which has the labels";
     for (long p : present) s << " " << p;
     throw IllegalInput(s.str());
   }
-  [[noreturn]] static void refuse_inside(long label, const Fem2D::R3& x) {
+  [[noreturn]] void refuse_inside(long label, const Fem2D::R3& x) const {
     throw IllegalInput("label " + std::to_string(label) + " lies inside the body at " +
                        coordinates(x, D::d) + ", with elements on both sides of its " +
-                       D::facet_name + "s; an obstacle touches the outer boundary only");
+                       D::facet_name + "s; " + space_.inside);
   }
 
+  const NamedSpace<FESpaceType> space_;
   const FESpaceType& Vh_;
   std::set<long> labels_;
   std::map<int, std::size_t> node_of_dof_;  // first dof of a node -> its place in nodes_
   std::vector<SharedNode> nodes_;
+  std::vector<BoundaryFacet> facets_;
 };
 
 /// The contact points of the given labels: one per node and normal (normals.h).
 template <class FESpaceType>
 std::vector<BoundaryNode> contact_points(const FESpaceType& Vh, const std::vector<long>& labels) {
-  using D = Dimension<FESpaceType>;
-  if (Vh.N != D::d) {
-    std::ostringstream s;
-    s << "has " << Vh.N << " component" << (Vh.N > 1 ? "s" : "") << " on a " << D::d << "D mesh";
-    refuse_space(s.str());
-  }
-  BoundaryNodes<FESpaceType> all(Vh);
-  for (long label : labels) all.add(label);
+  const BoundaryNodes<FESpaceType> all({Vh, "Vh", "the mesh", obstacle_inside}, labels);
   std::vector<BoundaryNode> points;
-  for (const SharedNode& n : all.nodes()) add_points(n, D::d, points);
+  for (const SharedNode& n : all.nodes()) add_points(n, Dimension<FESpaceType>::d, points);
   return points;
 }
 

@@ -42,7 +42,8 @@ class ContactProblemVariable {
   PosedProblem get() const {
     if (!problem_)
       throw IllegalInput(
-          "C is not set; write contactproblem C = contactProblem(A, Vh, labels, ...)");
+          "the contactproblem is not set; write contactproblem C = contactProblem(A, Vh, "
+          "labels, ...)");
     return *problem_;
   }
 

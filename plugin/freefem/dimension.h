@@ -25,6 +25,14 @@ struct Interpolation {
   }
 };
 
+/// The vertex at a place of the reference simplex, or -1.
+inline int corner_at(const Fem2D::R3& hat, int d) {
+  const double lambda[4] = {1 - hat.x - hat.y - hat.z, hat.x, hat.y, hat.z};
+  for (int v = 0; v <= d; ++v)
+    if (std::abs(lambda[v] - 1) < 1e-10) return v;
+  return -1;
+}
+
 template <>
 struct Dimension<Fem2D::FESpace> {
   static constexpr int d = 2;

@@ -19,7 +19,7 @@ inline Lengths lengths_of(const Scene& scene, const Vector& b) {
     l.extent = std::max(l.extent, std::pow(n.weight, 1.0 / (scene.d - 1)));
   }
   Real load = 0;
-  for (long i = 0; i < scene.ndof; ++i)
+  for (long i = 0; i < scene.ndof(); ++i)
     if (!scene.held[i]) load = std::max(load, std::abs(b[i]));
   l.moved = load / scene.system->system()->D.mean();
   return l;
@@ -31,7 +31,7 @@ inline Lengths lengths_of(const Scene& scene, const Vector& b) {
 inline void refuse_other_tgv(const Scene& scene, const Vector& b, const Vector& u0) {
   constexpr Real apart = 1e20;  // between 1, for tgv=-1, and 1e30
   long most = -1;
-  for (long i = 0; i < scene.ndof; ++i)
+  for (long i = 0; i < scene.ndof(); ++i)
     if (scene.held[i] && b[i] != 0 && (most < 0 || std::abs(u0[i]) > std::abs(u0[most]))) most = i;
   if (most < 0) return;
   const Real u = std::abs(u0[most]);

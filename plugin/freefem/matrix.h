@@ -2,20 +2,38 @@
 #include "freefem.h"
 
 #include <sstream>
+#include <string>
 
 #include "../core/assembly/local_system.h"
 
 namespace frictioncg {
 
+/// The dofs of a call's space, or of its two spaces.
+struct DofCount {
+  long count = 0;
+  std::string in_words;  ///< "Vh has 72 degrees of freedom"
+  std::string assemble;  ///< how A comes to have as many
+};
+
+inline DofCount dofs_of(long ndof) {
+  return {ndof, "Vh has " + std::to_string(ndof) + " degrees of freedom",
+          "assemble A on the present Vh"};
+}
+inline DofCount dofs_of(long ndof1, long ndof2) {
+  return {ndof1 + ndof2,
+          "V1 and V2 have " + std::to_string(ndof1) + " + " + std::to_string(ndof2) +
+              " degrees of freedom",
+          "give the matrix of both bodies, A = [[A1, 0], [0, A2]], and b = [b1, b2]"};
+}
+
 /// A view of the script's matrix. Its triplets are read as they lie: sorting them, as FreeFEM's own
 /// CSR(), CSC() and COO() do in place, would invalidate a factorization that the script holds.
-inline Triplets triplets(Matrice_Creuse<double>* A, long ndof) {
+inline Triplets triplets(Matrice_Creuse<double>* A, const DofCount& dofs) {
   HashMatrix<int, double>* H = A ? A->pHM() : nullptr;
   if (!H) throw IllegalInput("A is empty; assemble it first, as in matrix A = a(Vh, Vh)");
-  if (H->n != ndof || H->m != ndof) {
+  if (H->n != dofs.count || H->m != dofs.count) {
     std::ostringstream s;
-    s << "A is " << H->n << " x " << H->m << " but Vh has " << ndof
-      << " degrees of freedom; assemble A on the present Vh";
+    s << "A is " << H->n << " x " << H->m << " but " << dofs.in_words << "; " << dofs.assemble;
     throw IllegalInput(s.str());
   }
   Triplets t;
@@ -30,11 +48,11 @@ inline Triplets triplets(Matrice_Creuse<double>* A, long ndof) {
 }
 
 /// Refuses a script's vector that is not finite, or not of the size of the space.
-inline void check_vector(const Vector& v, const char* name, long ndof) {
-  if (v.size() != ndof) {
+inline void check_vector(const Vector& v, const char* name, const DofCount& dofs) {
+  if (v.size() != dofs.count) {
     std::ostringstream s;
-    s << name << " has " << v.size() << " entries but Vh has " << ndof
-      << " degrees of freedom; was the mesh changed after " << name << " was computed?";
+    s << name << " has " << v.size() << " entries but " << dofs.in_words
+      << "; was the mesh changed after " << name << " was computed?";
     throw IllegalInput(s.str());
   }
   for (long i = 0; i < v.size(); ++i) {

@@ -33,17 +33,28 @@ inline void check_value(Parameter p, double x, const BoundaryNode& node, int d) 
   throw IllegalInput(m.str());
 }
 
-/// mu, gap or slidinglimit at each contact node; 0 where it is not given.
-inline Vector at_nodes(Stack stack, const Arguments& args, Parameter p, const Scene& scene) {
-  Vector result = Vector::Zero(static_cast<Index>(scene.nodes.size()));
+/// mu, gap or slidinglimit at each of the nodes; 0 where it is not given.
+inline Vector at_nodes(Stack stack, const Arguments& args, Parameter p, const Scene& scene,
+                       const std::vector<BoundaryNode>& nodes) {
+  Vector result = Vector::Zero(static_cast<Index>(nodes.size()));
   if (!args.has(p)) return result;
   PointGuard guard(stack);
-  for (std::size_t k = 0; k < scene.nodes.size(); ++k) {
-    scene.go_to(guard.point(), scene.nodes[k]);
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    scene.go_to(guard.point(), nodes[k]);
     result[k] = GetAny<double>((*args.expression(p))(stack));
-    check_value(p, result[k], scene.nodes[k], scene.d);
+    check_value(p, result[k], nodes[k], scene.d);
   }
   return result;
+}
+inline Vector at_nodes(Stack stack, const Arguments& args, Parameter p, const Scene& scene) {
+  return at_nodes(stack, args, p, scene, scene.nodes);
+}
+
+/// The gap at each contact node. Between two bodies a given one is added to that of the meshes.
+inline Vector read_gap(Stack stack, const Arguments& args, const Scene& scene) {
+  if (!scene.pairing) return at_nodes(stack, args, p_gap, scene);
+  if (!args.has(p_gap)) return scene.pairing->gap({});
+  return scene.pairing->gap(at_nodes(stack, args, p_gap, scene, scene.pairing->slave_nodes()));
 }
 
 /// The values of a vector at the present point, scaled to length 1; false where it has no
@@ -125,7 +136,7 @@ inline PointLaws read_laws(Stack stack, const Arguments& args, const Scene& scen
         "mu and slidinglimit are both given; Coulomb friction takes mu, a given limit "
         "slidinglimit");
   PointLaws laws = std::move(given);
-  if (args.has(p_gap) || laws.gap.size() == 0) laws.gap = at_nodes(stack, args, p_gap, scene);
+  if (args.has(p_gap) || laws.gap.size() == 0) laws.gap = read_gap(stack, args, scene);
   laws.bilateral = args.value(stack, p_bilateral, laws.bilateral);
   if (args.has(p_mu)) {
     laws.friction = at_nodes(stack, args, p_mu, scene);

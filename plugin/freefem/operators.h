@@ -7,60 +7,50 @@
 
 namespace frictioncg {
 
-/// u[] = frictionalContactCG(A, b, Vh, labels, ...), for V = v_fes (2D) or v_fes3 (3D).
-template <class V, class L>
+/// u[] = frictionalContactCG(A, b, site, ...).
 class SolveOnce : public E_F0mps {
  public:
   using Result = KN_<double>;
-  explicit SolveOnce(const basicAC_F0& args)
-      : arguments_(args, Dimension<typename V::FESpace>::d),
+  SolveOnce(const basicAC_F0& args, std::shared_ptr<const Site> site)
+      : arguments_(args, site->dimension(), site->two_bodies()),
         A_(to<Matrice_Creuse<double>*>(args[0])),
         b_(to<KN_<double>>(args[1])),
-        Vh_(to<typename V::pfes*>(args[2])),
-        labels_(args[3]) {}
-  static ArrayOfaType typeargs() {
-    return ArrayOfaType(atype<Matrice_Creuse<double>*>(), atype<KN_<double>>(),
-                        atype<typename V::pfes*>(), atype<L>());
+        site_(std::move(site)) {}
+  static std::vector<aType> before_site() {
+    return {atype<Matrice_Creuse<double>*>(), atype<KN_<double>>()};
   }
-  static E_F0* f(const basicAC_F0& args) { return new SolveOnce(args); }
   AnyType operator()(Stack stack) const override {
     return translated(operator_name, [&] {
       const Call call(stack, arguments_, b_);
       PointLaws laws;
-      const auto scene = pose<V>(stack, arguments_, A_, GetAny<typename V::pfes*>((*Vh_)(stack)),
-                                 labels_(stack), false, laws);
+      const auto scene = pose(stack, arguments_, A_, *site_, false, laws);
       return SetAny<KN_<double>>(solve(stack, call, *scene, laws));
     });
   }
 
  private:
   Arguments arguments_;
-  Expression A_, b_, Vh_;
-  Labels<L> labels_;
+  Expression A_, b_;
+  std::shared_ptr<const Site> site_;
 };
 
-/// contactproblem C = contactProblem(A, Vh, labels, ...): FreeFEM's grammar takes no fespace in
+/// contactproblem C = contactProblem(A, site, ...): FreeFEM's grammar takes no fespace in
 /// C(A, Vh, ...).
-template <class V, class L>
 class Construct : public E_F0mps {
  public:
   using Result = ContactProblemVariable*;
-  explicit Construct(const basicAC_F0& args)
-      : arguments_(args, Dimension<typename V::FESpace>::d),
+  Construct(const basicAC_F0& args, std::shared_ptr<const Site> site)
+      : arguments_(args, site->dimension(), site->two_bodies()),
         A_(to<Matrice_Creuse<double>*>(args[0])),
-        Vh_(to<typename V::pfes*>(args[1])),
-        labels_(args[2]) {
-    arguments_.allow_only({p_mu, p_mu2, p_direction, p_gap, p_normal, p_slidinglimit, p_bilateral});
+        site_(std::move(site)) {
+    arguments_.allow_only({p_mu, p_mu2, p_direction, p_gap, p_normal, p_slidinglimit, p_bilateral,
+                           p_maxgap, p_smooth});
   }
-  static ArrayOfaType typeargs() {
-    return ArrayOfaType(atype<Matrice_Creuse<double>*>(), atype<typename V::pfes*>(), atype<L>());
-  }
-  static E_F0* f(const basicAC_F0& args) { return new Construct(args); }
+  static std::vector<aType> before_site() { return {atype<Matrice_Creuse<double>*>()}; }
   AnyType operator()(Stack stack) const override {
     return translated(constructor_name, [&] {
       PosedProblem posed;
-      posed.scene = pose<V>(stack, arguments_, A_, GetAny<typename V::pfes*>((*Vh_)(stack)),
-                            labels_(stack), true, posed.laws);
+      posed.scene = pose(stack, arguments_, A_, *site_, true, posed.laws);
       // a temporary, to the end of the statement; variables take copies
       auto* C = Add2StackOfPtr2Free(stack, new ContactProblemVariable);
       C->set(std::move(posed));
@@ -70,8 +60,8 @@ class Construct : public E_F0mps {
 
  private:
   Arguments arguments_;
-  Expression A_, Vh_;
-  Labels<L> labels_;
+  Expression A_;
+  std::shared_ptr<const Site> site_;
 };
 
 /// u[] = frictionalContactCG(C, b, ...)
@@ -92,6 +82,8 @@ class SolveIncrement : public E_F0mps {
       if (!posed.scene->tangents && (arguments_.has(p_mu) || arguments_.has(p_slidinglimit)))
         throw IllegalInput(
             "C was made without friction; name mu or slidinglimit in contactProblem(...), too");
+      if (!posed.scene->pairing && arguments_.has(p_distance))
+        throw IllegalInput("distance is that of two bodies; C has one, and an obstacle");
       const Call call(stack, arguments_, b_);
       const PointLaws laws = read_laws(stack, arguments_, *posed.scene, posed.laws);
       return SetAny<KN_<double>>(solve(stack, call, *posed.scene, laws));
@@ -102,5 +94,63 @@ class SolveIncrement : public E_F0mps {
   Arguments arguments_;
   Expression C_, b_;
 };
+
+/// One form of the arguments of an operator: FreeFEM chooses among them by their types.
+class Overload : public OneOperator {
+ public:
+  using Make = std::function<E_F0*(const basicAC_F0&)>;
+  Overload(aType result, const std::vector<aType>& types, Make make)
+      : OneOperator(result, Types(types)), make_(std::move(make)) {}
+  E_F0* code(const basicAC_F0& args) const override { return make_(args); }
+
+ private:
+  struct Types : ArrayOfaType {
+    explicit Types(const std::vector<aType>& types) {
+      n = static_cast<int>(types.size());
+      t = new aType[n];  // ArrayOfaType deletes it
+      std::copy(types.begin(), types.end(), t);
+    }
+  };
+  Make make_;
+};
+
+/// Makes a site of the arguments from `first` on.
+using MakeSite = std::function<std::shared_ptr<const Site>(const basicAC_F0& args, int first)>;
+
+template <class Operator>
+void add_operator(const char* name, const std::vector<aType>& site, const MakeSite& make) {
+  std::vector<aType> types = Operator::before_site();
+  const int first = static_cast<int>(types.size());
+  types.insert(types.end(), site.begin(), site.end());
+  Global.Add(name, "(",
+             new Overload(atype<typename Operator::Result>(), types, [=](const basicAC_F0& args) {
+               return new Operator(args, make(args, first));
+             }));
+}
+
+/// Registers the operator and the constructor for arguments of these types.
+inline void add_site(const std::vector<aType>& site, const MakeSite& make) {
+  add_operator<SolveOnce>(operator_name, site, make);
+  add_operator<Construct>(constructor_name, site, make);
+}
+
+/// One space or two, and labels in each form, for V = v_fes (2D) or v_fes3 (3D).
+template <class V>
+void register_sites() {
+  const aType space = atype<typename V::pfes*>();
+  for (LabelForm a : label_forms) {
+    add_site({space, type_of(a)}, [a](const basicAC_F0& args, int first) {
+      return std::make_shared<ObstacleSite<V>>(args, first, a);
+    });
+    for (LabelForm b : label_forms) {
+      add_site({space, type_of(a), type_of(b)}, [a, b](const basicAC_F0& args, int first) {
+        return std::make_shared<OneSpaceSite<V>>(args, first, a, b);
+      });
+      add_site({space, type_of(a), space, type_of(b)}, [a, b](const basicAC_F0& args, int first) {
+        return std::make_shared<TwoSpaceSite<V>>(args, first, a, b);
+      });
+    }
+  }
+}
 
 }  // namespace frictioncg

@@ -22,6 +22,8 @@ inline void require(bool holds, Parameter p, double x, const char* rule) {
 inline Index bound_on_iterations(double nbiter) {
   require(nbiter >= 1, p_nbiter, nbiter,
           "the bound on the iterations is >= 1 (FreeFEM's whole numbers end at 2^31: write 1e10)");
+  require(nbiter == std::floor(nbiter), p_nbiter, nbiter,
+          "the bound on the iterations is a whole number");
   return static_cast<Index>(
       std::min<double>(nbiter, std::numeric_limits<Index>::max() / 2));  // sums of bounds fit
 }
@@ -68,8 +70,8 @@ inline Settings read_settings(Stack stack, const Arguments& args) {
   s.memory = 1e9 * args.value(stack, p_memory, s.memory / 1e9);
   require(!args.has(p_regeps) || (s.regeps > 0 && std::isfinite(s.regeps)), p_regeps, s.regeps,
           "the regularization is a length > 0; leave it out to scale it from the scene");
-  require(!args.has(p_omega) || (s.omega > 0 && s.omega < 2), p_omega, s.omega,
-          "a relaxation parameter lies between 0 and 2");
+  require(!args.has(p_omega) || (s.omega >= least_omega && s.omega < 2), p_omega, s.omega,
+          "a relaxation parameter lies between 0.01 and 2");
   require(s.memory > 0, p_memory, s.memory / 1e9, "the memory bound is a number of GB > 0");
   refuse_without_effect(args, s);
   validate(s);

@@ -15,6 +15,7 @@ struct Outputs {
   KN<double>* force;
   KN<long>* state;
   KN<double>* normals;
+  KN<double>* distance;
   long* free;
   KNM<double>* history;
   KN<double>* times;
@@ -26,6 +27,7 @@ struct Outputs {
         force(args.output<KN<double>>(stack, p_force)),
         state(args.output<KN<long>>(stack, p_state)),
         normals(args.output<KN<double>>(stack, p_normals)),
+        distance(args.output<KN<double>>(stack, p_distance)),
         free(args.output<long>(stack, p_free)),
         history(args.output<KNM<double>>(stack, p_history)),
         times(args.output<KN<double>>(stack, p_times)) {}
@@ -34,8 +36,8 @@ struct Outputs {
 /// The force of the obstacle on the body, by components; zero off the contact nodes (ndof).
 inline void write_force(const Scene& scene, const Vector& r, KN<double>* out) {
   const Vector force = scene.system->force_to_global(r);
-  out->resize(scene.ndof);
-  for (long i = 0; i < scene.ndof; ++i) (*out)[i] = force[i];
+  out->resize(scene.ndof());
+  for (long i = 0; i < scene.ndof(); ++i) (*out)[i] = force[i];
 }
 
 /// The state of the mesh node that starts at contact node k. A node in a corner, where there is no
@@ -52,14 +54,40 @@ inline NodeState state_in_corner(const Scene& scene, const std::vector<NodeState
   return closed == scene.d ? NodeState::stick : NodeState::slip;
 }
 
-/// The state at each dof of a contact node; zero elsewhere (ndof).
+/// The mid-edges of a P2 slave, which carry no law, between their ends: by the dofs of component c.
+template <class Between>
+void fill_slave_edges(const Scene& scene, Between between) {
+  if (!scene.pairing) return;
+  const Interface& faces = scene.pairing->between();
+  for (const Interface::MidEdge& e : faces.slave_edges)
+    for (int c = 0; c < scene.d; ++c)
+      between(faces.dof[e.node][c], faces.dof[e.a][c], faces.dof[e.b][c]);
+}
+
+/// The state at each dof of a contact node; zero elsewhere (ndof). Mid-edges of a P2 slave have
+/// that of their freer end.
 inline void write_state(const Scene& scene, const std::vector<NodeState>& state, KN<long>* out) {
-  out->resize(scene.ndof);
+  out->resize(scene.ndof());
   *out = 0L;
   for (Index k = 0; k < scene.system->nodes(); ++k) {
     if (!scene.starts_node(k)) continue;
     const long at_node = static_cast<long>(state_in_corner(scene, state, k));
     for (int c = 0; c < scene.d; ++c) (*out)[scene.contact_point(k).point.dof[c]] = at_node;
+  }
+  fill_slave_edges(scene, [out](Index middle, Index a, Index b) {
+    const long at_a = (*out)[a], at_b = (*out)[b];
+    (*out)[middle] = at_a > 0 && at_b > 0 ? std::min(at_a, at_b) : std::max(at_a, at_b);
+  });
+}
+
+/// Makes unit vectors of the sums at the mid-edges of a P2 slave.
+inline void normalize_slave_edges(const Scene& scene, KN<double>* out) {
+  if (!scene.pairing) return;
+  const Interface& faces = scene.pairing->between();
+  for (const Interface::MidEdge& e : faces.slave_edges) {
+    double length = 0;
+    for (int c = 0; c < scene.d; ++c) length = std::hypot(length, (*out)[faces.dof[e.node][c]]);
+    for (int c = 0; c < scene.d && length > 0; ++c) (*out)[faces.dof[e.node][c]] /= length;
   }
 }
 
@@ -67,7 +95,7 @@ inline void write_state(const Scene& scene, const std::vector<NodeState>& state,
 /// corner, which slides freely along what its normals leave, the direction in which it presses.
 inline void write_normals(const Scene& scene, const Vector& r, KN<double>* out) {
   const Vector force = scene.system->force_to_global(r);
-  out->resize(scene.ndof);
+  out->resize(scene.ndof());
   *out = 0.;
   for (Index k = 0; k < scene.system->nodes(); ++k) {
     if (!scene.starts_node(k)) continue;
@@ -78,6 +106,22 @@ inline void write_normals(const Scene& scene, const Vector& r, KN<double>* out) 
     for (int c = 0; c < scene.d; ++c)
       (*out)[point.dof[c]] = corner ? -force[point.dof[c]] / pressed : point.normal[c];
   }
+  fill_slave_edges(
+      scene, [out](Index middle, Index a, Index b) { (*out)[middle] = (*out)[a] + (*out)[b]; });
+  normalize_slave_edges(scene, out);
+}
+
+/// The distance of the bodies at each dof of a contact node; zero elsewhere (ndof).
+inline void write_distance(const Scene& scene, KN<double>* out) {
+  out->resize(scene.ndof());
+  *out = 0.;
+  for (Index k = 0; k < scene.system->nodes(); ++k)
+    for (int c = 0; c < scene.d; ++c)
+      (*out)[scene.contact_point(k).point.dof[c]] =
+          scene.pairing->distance(scene.system->node(k).point);
+  fill_slave_edges(scene, [out](Index middle, Index a, Index b) {
+    (*out)[middle] = ((*out)[a] + (*out)[b]) / 2;
+  });
 }
 
 /// CPU seconds of the phases; `all` from the call's beginning.
@@ -99,6 +143,7 @@ inline void write_outputs(const Scene& scene, const Solution& solution, const Pr
   if (out.force) write_force(scene, solution.certificate.r, out.force);
   if (out.state) write_state(scene, solution.state, out.state);
   if (out.normals) write_normals(scene, solution.certificate.r, out.normals);
+  if (out.distance) write_distance(scene, out.distance);
   if (out.free) *out.free = solution.undetermined.cols();
   if (out.history) progress.write_history(out.history);
 }

@@ -19,6 +19,8 @@ enum Parameter {
   p_normal,
   p_slidinglimit,
   p_bilateral,
+  p_maxgap,
+  p_smooth,
   p_uold,
   p_init,
   p_method,
@@ -39,6 +41,7 @@ enum Parameter {
   p_force,
   p_state,
   p_normals,
+  p_distance,
   p_free,
   p_history,
   p_times,
@@ -53,6 +56,8 @@ inline basicAC_F0::name_and_type parameters[] = {
     {"normal", &typeid(E_Array)},        // outward from the body
     {"slidinglimit", &typeid(double)},   // [force/area]
     {"bilateral", &typeid(bool)},        // no separation
+    {"maxgap", &typeid(double)},         // of two bodies [length]
+    {"smooth", &typeid(bool)},           // of two bodies: gap of the curved surfaces
     {"uold", &typeid(KN_<double>)},      // [length]
     {"init", &typeid(KN_<double>)},      // [length]
     {"method", &typeid(string*)},        //
@@ -73,6 +78,7 @@ inline basicAC_F0::name_and_type parameters[] = {
     {"force", &typeid(KN<double>*)},     // out [force]
     {"state", &typeid(KN<long>*)},       // out
     {"normals", &typeid(KN<double>*)},   // out
+    {"distance", &typeid(KN<double>*)},  // out, of two bodies [length]
     {"free", &typeid(long*)},            // out
     {"history", &typeid(KNM<double>*)},  // out
     {"times", &typeid(KN<double>*)},     // out [s]

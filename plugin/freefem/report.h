@@ -46,7 +46,11 @@ inline std::string remedy(const Solution& solution, const Settings& s) {
     case Status::max_iterations:
       return smooths_friction(s) ? "raise nbiter, or try omega=1.5" : "raise nbiter";
     case Status::stagnated:
-      if (c.residual <= 10 * c.attainable) return "rounding leaves no less of it; raise tol";
+      if (c.residual <= 10 * c.attainable) {
+        std::ostringstream m;
+        m << "rounding leaves about " << c.attainable << " of it in any case; raise tol";
+        return m.str();
+      }
       return "the method came to a standstill above tol; raise tol, or name another method";
     case Status::no_equilibrium:
       return "contact, friction and supports cannot hold this load";
@@ -110,14 +114,25 @@ inline void warn_of_averages(const Scene& scene) {
   }
 }
 
+/// What faces what, between two bodies.
+inline void report_pair(const Scene& scene) {
+  const mortar::Pair& pair = scene.pairing->between().pair;
+  const mortar::Statistics& s = scene.pairing->statistics();
+  line() << "two bodies: " << s.facing << " slave nodes on " << pair.slave.facets.size()
+         << " facets face " << pair.master.facets.size() << " master facets, gap " << s.least_gap
+         << " to " << s.largest_gap << "; " << s.partly_covered << " slave facets partly covered, "
+         << s.removed << " nodes removed" << std::endl;
+}
+
 /// What the scene needs, and what it does not.
 inline void report_plan(const Arguments& args, const Scene& scene, const ContactProblem& problem,
                         const Settings& s) {
+  if (scene.pairing) report_pair(scene);
   const Plan plan = make_plan(problem, s);
   line() << scene.d << "D, " << plan.dofs << " dofs, " << plan.nodes << " contact nodes, "
          << name_of(plan.law);
   if (problem.increment.bilateral) std::cout << ", bilateral";
-  if (scene.system->rotated()) std::cout << ", frames rotated";
+  if (scene.system->rotated() && !scene.pairing) std::cout << ", frames rotated";
   if (const Index corners = nodes_in_corners(scene))
     std::cout << ", " << corners << (corners == 1 ? " node" : " nodes") << " in a corner";
   if (plan.nodes == 0)
@@ -160,7 +175,7 @@ inline const char* name_of(Layer layer) {
 /// A motion of the local dofs in words.
 inline std::string describe(const Scene& scene, const Vector& motion) {
   return describe_motion(scene.places(), scene.d,
-                         scene.system->to_global(motion, Vector::Zero(scene.ndof)));
+                         scene.system->to_global(motion, Vector::Zero(scene.ndof())));
 }
 
 /// The motions that a call leaves open: one that nothing holds, or some that nothing determines.

@@ -8,35 +8,40 @@
 #include "../core/solver.h"
 #include "contact_boundary.h"
 #include "matrix.h"
+#include "pairing.h"
 #include "rigid_motion.h"
 
 namespace frictioncg {
 
-/// A body with its contact nodes, as the script posed it: the system in local frames, and the
-/// solver that keeps the factorization. Independent of the script's A and Vh once it is made. The
-/// laws are not part of it: they belong to each call.
+/// One body or two with their contact nodes, as the script posed them: the system in local frames,
+/// and the solver that keeps the factorization. Independent of the script's A and spaces once it is
+/// made. The laws are not part of it: they belong to each call.
 struct Scene {
   int d = 2;
-  long ndof = 0;
+  DofCount dofs;
   std::vector<BoundaryNode> nodes;  ///< contact points, one per normal of a node
   bool given_normals = false;       ///< by the script, in place of the mesh's
   bool tangents = false;            ///< some nodes have tangential laws
-  std::vector<Index> mesh_node;     ///< of each dof of Vh
+  std::vector<Index> mesh_node;     ///< of each dof
   /// Makes a contact node the point at which expressions are evaluated.
   std::function<void(MeshPoint*, const BoundaryNode&)> go_to;
   /// Where the nodal values of a displacement are.
   std::function<std::vector<NodePlace>()> places;
+  std::unique_ptr<Pairing> pairing;  ///< of two bodies; null where there is an obstacle
   std::unique_ptr<LocalSystem> system;
   std::unique_ptr<Solver> solver;
   double copy_seconds = 0;
-  std::vector<char> held;  ///< ndof: by a Dirichlet condition
+  std::vector<char> held;  ///< per dof: by a Dirichlet condition
 
+  long ndof() const { return dofs.count; }
   const BoundaryNode& contact_point(Index k) const { return nodes[system->node(k).point]; }
   /// Whether contact node k is the first at its node of the mesh: a corner has several.
   bool starts_node(Index k) const {
     return k == 0 || contact_point(k).point.dof[0] != contact_point(k - 1).point.dof[0];
   }
 
+  /// Finds the contact nodes of two bodies.
+  void face(const Triplets& A, const mortar::Options& options);
   /// Copies A into the local frames; the nodes carry their normals and whether they have friction.
   void assemble(const Triplets& A);
 };
@@ -51,17 +56,28 @@ inline std::vector<char> held_dofs(const Basis& basis) {
   return held;
 }
 
+inline void Scene::face(const Triplets& A, const mortar::Options& options) {
+  const double start = cpu_seconds();
+  nodes = pairing->face(A, d, options);
+  copy_seconds = cpu_seconds() - start;
+}
+
 inline void Scene::assemble(const Triplets& A) {
   const double start = cpu_seconds();
   std::vector<ContactPoint> points;
   for (const BoundaryNode& n : nodes) points.push_back(n.point);
-  const auto modes = [places = places, d = d, n = static_cast<Index>(ndof)] {
+  const auto modes = [places = places, d = d, n = static_cast<Index>(ndof())] {
     return rigid_modes(places(), d, n);
   };
-  system = std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, modes);
+  try {
+    system = pairing ? pairing->system(A, d, std::move(points), mesh_node, modes)
+                     : std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, modes);
+  } catch (const DependentNormals& e) {
+    throw DependentNormals(e.point, "the obstacles at " + place(nodes[e.point], d));
+  }
   solver = std::make_unique<Solver>(system->system());
   held = held_dofs(system->basis());
-  copy_seconds = cpu_seconds() - start;
+  copy_seconds += cpu_seconds() - start;
 }
 
 /// Which node of the mesh each dof belongs to.
@@ -101,25 +117,73 @@ std::vector<NodePlace> node_places(const Space& Vh) {
   return places;
 }
 
-/// The geometry of a scene: the contact nodes of the labels, and how to evaluate expressions there.
-template <class V>
-std::shared_ptr<Scene> make_scene(typename V::pfes* pVh, const std::vector<long>& labels) {
-  using Space = typename V::FESpace;
-  Space* Vh = pVh && *pVh ? static_cast<Space*>(**pVh) : nullptr;
-  if (!Vh) throw IllegalInput("Vh is not a finite-element space");
-  auto scene = std::make_shared<Scene>();
-  scene->d = Dimension<Space>::d;
-  scene->ndof = Vh->NbOfDF;
-  scene->nodes = contact_points(*Vh, labels);
-  scene->mesh_node = mesh_nodes(*Vh);
-  const CountPointer<Space> keep(Vh);
-  scene->go_to = [keep](MeshPoint* mp, const BoundaryNode& node) {
-    const Space* space = keep;
-    Dimension<Space>::set_point(mp, *space, node);
+/// How to evaluate expressions at the nodes of a space, and where they are.
+template <class FESpaceType>
+void observe(const FESpaceType& Vh, Scene& scene) {
+  scene.mesh_node = mesh_nodes(Vh);
+  const CountPointer<FESpaceType> keep(const_cast<FESpaceType*>(&Vh));
+  scene.go_to = [keep](MeshPoint* mp, const BoundaryNode& node) {
+    const FESpaceType* space = keep;
+    Dimension<FESpaceType>::set_point(mp, *space, node);
   };
-  scene->places = [keep] {
-    const Space* space = keep;
+  scene.places = [keep] {
+    const FESpaceType* space = keep;
     return node_places(*space);
+  };
+}
+
+/// One body and an obstacle: the contact nodes of the labels.
+template <class FESpaceType>
+std::shared_ptr<Scene> obstacle_scene(const FESpaceType& Vh, const std::vector<long>& labels) {
+  auto scene = std::make_shared<Scene>();
+  scene->d = Dimension<FESpaceType>::d;
+  scene->dofs = dofs_of(Vh.NbOfDF);
+  scene->nodes = contact_points(Vh, labels);
+  observe(Vh, *scene);
+  return scene;
+}
+
+/// Two bodies in one space: two parts of a mesh, or the faces of a crack.
+template <class FESpaceType>
+std::shared_ptr<Scene> pair_scene(const FESpaceType& Vh, const std::vector<long>& slave,
+                                  const std::vector<long>& master) {
+  auto scene = std::make_shared<Scene>();
+  scene->d = Dimension<FESpaceType>::d;
+  scene->dofs = dofs_of(Vh.NbOfDF);
+  const NamedSpace<FESpaceType> space{Vh, "Vh", "the mesh", pair_inside};
+  InterfaceBuilder faces;
+  faces.add_slave(BoundaryNodes<FESpaceType>(space, slave), slave);
+  faces.add_master(BoundaryNodes<FESpaceType>(space, master), master, 0);
+  scene->pairing = std::make_unique<Pairing>(faces.take());
+  observe(Vh, *scene);
+  return scene;
+}
+
+/// Two bodies in spaces of their own: the dofs of V2 follow those of V1.
+template <class FESpaceType>
+std::shared_ptr<Scene> pair_scene(const FESpaceType& V1, const std::vector<long>& slave,
+                                  const FESpaceType& V2, const std::vector<long>& master) {
+  auto scene = std::make_shared<Scene>();
+  scene->d = Dimension<FESpaceType>::d;
+  scene->dofs = dofs_of(V1.NbOfDF, V2.NbOfDF);
+  const Index offset = V1.NbOfDF;
+  InterfaceBuilder faces;
+  faces.add_slave(BoundaryNodes<FESpaceType>({V1, "V1", "the mesh of V1", pair_inside}, slave),
+                  slave);
+  faces.add_master(BoundaryNodes<FESpaceType>({V2, "V2", "the mesh of V2", pair_inside}, master),
+                   master, offset);
+  scene->pairing = std::make_unique<Pairing>(faces.take());
+  observe(V1, *scene);
+  for (Index node : mesh_nodes(V2)) scene->mesh_node.push_back(V1.NbOfNodes + node);
+  const CountPointer<FESpaceType> keep(const_cast<FESpaceType*>(&V2));
+  scene->places = [of_first = scene->places, keep, offset, d = scene->d] {
+    std::vector<NodePlace> places = of_first();
+    const FESpaceType* space = keep;
+    for (NodePlace n : node_places(*space)) {
+      for (int c = 0; c < d; ++c) n.dof[c] += offset;
+      places.push_back(n);
+    }
+    return places;
   };
   return scene;
 }

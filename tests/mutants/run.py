@@ -10,8 +10,8 @@ list.txt holds them:
   + text                               what stands there instead
   ? reason                             only where no test can notice: the same answers, other costs
 
-The unit tests are tried first, the quick ones before the long ones, then the scripts; without a fault all of them
-must pass. BUILD holds the objects and the plugin of a build at -O1, and unit_tests. Prints a line each, and those
+The unit tests are tried first, those of the file's own folder, the other quick ones, the long ones, and then the
+scripts; without a fault all of them must pass. Faults with a reason are tried only with EXPLAINED=1. BUILD holds the objects and the plugin of a build at -O1, and unit_tests. Prints a line each, and those
 that nothing noticed again at the end.
 """
 import functools
@@ -25,10 +25,10 @@ from concurrent.futures import ThreadPoolExecutor
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
-LONG = ":".join(["RandomScenes.*", "*200RandomScenes*", "Faults.*", "*LargeFriction*", "*LargeSlip*", "Arrival*",
+LONG = ":".join(["RandomScenes.*", "*200RandomScenes*", "Hierarchy.*", "Faults.*", "*LargeFriction*", "*LargeSlip*", "Arrival*",
                  "Held.*", "MortarSearch.Steps*", "MortarPatch.*", "MortarContact.*", "MortarPartlyCovered.Uniform*",
                  "MortarGap.*", "Multigrid*"])
-SECONDS = {"-" + LONG: 90, LONG: 300}  # a fault that makes a test run for ever is noticed, too
+SECONDS = 300  # a fault that makes a test run for ever is noticed, too
 
 
 class Mutant:
@@ -99,13 +99,27 @@ class Build:
         return line
 
 
-def unit_tests_notice(folder, log):
+@functools.lru_cache(None)
+def suites(room):
+    """The unit tests of one folder, as a filter; every name of a folder's path counts."""
+    names = set()
+    for folder, _, files in os.walk(os.path.join(ROOT, "tests/unit")):
+        if os.path.basename(folder) == room:
+            for name in files:
+                with open(os.path.join(folder, name)) as f:
+                    names.update(re.findall(r"^TEST\((\w+),", f.read(), re.M))
+    return ":".join(sorted(f"{name}.*" for name in names))
+
+
+def unit_tests_notice(folder, log, path=""):
+    own = suites(os.path.basename(os.path.dirname(path)))
+    filters = [f"{own}-{LONG}", f"-{LONG}:{own}"] if own else [f"-{LONG}"]
     unit = os.path.join(folder, "unit_tests")
-    return not all(run([unit, f"--gtest_filter={tests}", "--gtest_fail_fast"], log, seconds, cwd=folder)
-                   for tests, seconds in SECONDS.items())
+    return not all(run([unit, f"--gtest_filter={tests}", "--gtest_fail_fast"], log, SECONDS, cwd=folder)
+                   for tests in filters + [LONG])
 
 
-def scripts_notice(folder, log):
+def scripts_notice(folder, log, path=""):
     env = dict(os.environ, BUILD=os.path.relpath(folder, ROOT))
     plugins = os.environ.get("FF_PLUGINS", "/usr/lib/freefem++")
     idp = os.environ.get("FF_IDP", "/usr/include/freefem++/idp")
@@ -117,6 +131,8 @@ def scripts_notice(folder, log):
 
 def noticed(mutant, build):
     """Who notices the fault, or None."""
+    if mutant.reason and not os.environ.get("EXPLAINED"):
+        return None
     source = os.path.join(ROOT, "plugin", mutant.path)
     with open(source) as f:
         text = f.read()
@@ -147,7 +163,7 @@ def noticed(mutant, build):
                     return "linker"
                 for idp in os.listdir(os.path.join(ROOT, "edp")):
                     shutil.copy(os.path.join(ROOT, "edp", idp), folder)
-                if notice(folder, log):
+                if notice(folder, log, mutant.path):
                     return name
             return None
     finally:
@@ -182,4 +198,5 @@ def main():
     sys.exit(bool(left or broken))
 
 
-main()
+if __name__ == "__main__":
+    main()

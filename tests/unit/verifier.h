@@ -21,100 +21,12 @@ struct Verdict {
 };
 
 /// Diagonal of A where a dof is free, 0 where Dirichlet conditions hold it.
-inline Eigen::VectorXd free_diagonal(const Scene& s) {
-  Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(s.n), others = Eigen::VectorXd::Zero(s.n);
-  for (std::size_t k = 0; k < s.a.size(); ++k)
-    if (s.i[k] == s.j[k])
-      diagonal[s.i[k]] = s.a[k];
-    else
-      others[s.i[k]] = std::max(others[s.i[k]], std::abs(s.a[k]));
-  for (Index i = 0; i < s.n; ++i)
-    if (diagonal[i] > 1e20 || others[i] == 0) diagonal[i] = 0;
-  return diagonal;
-}
+Eigen::VectorXd free_diagonal(const Scene& s);
 
 /// Violations of contact and friction at point p: u_N and F_N along its normal, and the rest.
-inline void verify_point(const Scene& s, std::size_t p, const Vector& u, const Vector& force,
-                         double k, double unit, Verdict& v) {
-  const ContactPoint& point = s.points[p];
-  double u_N = 0, F_N = 0, slip_N = 0;
-  Eigen::Vector3d u_T = Eigen::Vector3d::Zero(), F_T = Eigen::Vector3d::Zero();
-  for (int c = 0; c < s.d; ++c) {
-    const Index i = point.dof[c];
-    u_N += point.normal[c] * u[i];
-    F_N += point.normal[c] * force[i];
-    u_T[c] = u[i] - (s.u_old.size() ? s.u_old[i] : 0);
-    F_T[c] = force[i];
-    slip_N += point.normal[c] * u_T[c];
-  }
-  const Eigen::Vector3d normal(point.normal.data());
-  u_T -= slip_N * normal;
-  F_T -= F_N * normal;
-  const double per_force = 1 / (std::sqrt(k) * unit), per_length = std::sqrt(k) / unit;
-  v.penetration = std::max(v.penetration, (u_N - s.gap[p]) * per_length);
-  v.tension = std::max(v.tension, F_N * per_force);
-  v.complementarity = std::max(v.complementarity, std::min(std::abs(F_N) * per_force,
-                                                           std::abs(s.gap[p] - u_N) * per_length));
-  const double g = s.law == Law::coulomb  ? s.friction[p] * std::max(-F_N, 0.0)
-                   : s.law == Law::tresca ? s.friction[p]
-                                          : 0;
-  // orthotropic friction: an ellipse with the half-axes g along e and g across in the plane's
-  // other direction; the slip that goes with a force on it is its outward normal, reversed
-  const double q = point.across;
-  Eigen::Vector3d e(point.direction.data());
-  e -= normal * normal.dot(e);
-  if (q == 1) e = F_T;
-  if (e.norm() > 0) e.normalize();
-  const Eigen::Vector3d cross = normal.cross(e);
-  const Eigen::Vector3d F_unit = F_T + (1 / q - 1) * F_T.dot(cross) * cross;
-  const Eigen::Vector3d u_unit = u_T + (q - 1) * u_T.dot(cross) * cross;
-  v.cone = std::max(v.cone, (F_unit.norm() - g) * per_force);
-  // where it slips, the force is at its limit and against the slip
-  const double against = (F_unit + g * u_unit / std::max(u_unit.norm(), 1e-300)).norm();
-  v.slip = std::max(v.slip, std::min(u_T.norm() * per_length, against * per_force));
-}
+void verify_point(const Scene& s, std::size_t p, const Vector& u, const Vector& force, double k,
+                  double unit, Verdict& v);
 
-inline Verdict verify(const Scene& s, const Vector& u, const Vector& force) {
-  const Eigen::VectorXd diagonal = free_diagonal(s);
-  Eigen::VectorXd balance = s.b + force;  // b + f - A u = 0 on free dofs
-  for (std::size_t k = 0; k < s.a.size(); ++k) balance[s.i[k]] -= s.a[k] * u[s.j[k]];
-  double load = 0, contact = 0, internal = 0;
-  std::vector<double> stiffness(s.points.size(), 0);
-  std::vector<char> may_touch(s.n, 0);
-  for (std::size_t p = 0; p < s.points.size(); ++p) {
-    double squares = 0;
-    int free = 0;
-    for (int c = 0; c < s.d; ++c) {
-      const Index i = s.points[p].dof[c];
-      may_touch[i] = 1;
-      squares += force[i] * force[i];
-      stiffness[p] += diagonal[i];
-      free += diagonal[i] > 0;
-    }
-    if (free == 0) continue;
-    stiffness[p] /= free;
-    contact = std::max(contact, std::sqrt(squares / stiffness[p]));
-  }
-  for (Index i = 0; i < s.n; ++i)
-    if (diagonal[i] > 0) load = std::max(load, std::abs(s.b[i]) / std::sqrt(diagonal[i]));
-  Eigen::VectorXd sizes = Eigen::VectorXd::Zero(s.n);
-  for (std::size_t k = 0; k < s.a.size(); ++k) sizes[s.i[k]] += std::abs(s.a[k] * u[s.j[k]]);
-  for (Index i = 0; i < s.n; ++i)
-    if (diagonal[i] > 0) internal = std::max(internal, sizes[i] / std::sqrt(diagonal[i]));
-  // a hundredth of the load: contact forces may vanish; no forces but rounding: those that move it
-  double unit = std::max(contact, 0.01 * load);
-  if (unit <= 1e-13 * internal) unit = internal;
-  unit = std::max(unit, 1e-300);
-  Verdict v;
-  for (std::size_t p = 0; p < s.points.size(); ++p)
-    if (stiffness[p] > 0) verify_point(s, p, u, force, stiffness[p], unit, v);
-
-  for (Index i = 0; i < s.n; ++i) {
-    if (diagonal[i] == 0) continue;
-    const double error = std::max(std::abs(balance[i]), may_touch[i] ? 0 : std::abs(force[i]));
-    v.equilibrium = std::max(v.equilibrium, error / std::sqrt(diagonal[i]) / std::max(unit, load));
-  }
-  return v;
-}
+Verdict verify(const Scene& s, const Vector& u, const Vector& force);
 
 }  // namespace frictioncg::test

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
+#include <string>
 
 namespace frictioncg {
 
@@ -12,6 +12,7 @@ constexpr Real aligned = 1e-14;  ///< components of a direction below this are t
 constexpr Real blocked = 1e-6;   ///< projected normals shorter than this are no contact
 constexpr Real dependent =
     1e-3;  ///< sine of the angle to the other normals below which one adds none
+constexpr Real parallel = 1e-12;  ///< sine of the angle that rounding makes
 
 using Entries = std::vector<Eigen::Triplet<Real>>;
 
@@ -47,41 +48,55 @@ void Frames::add_frame(const std::vector<Index>& points) {
   f.to_local.setZero(d_, d_);
   for (int c = 0; c < d_; ++c) f.free += !dirichlet_.holds(f.dof[c]);
   for (Index p : points)
-    if (add_normal(f, p)) f.friction = f.nodes.size() == 1 && points_[p].friction;
+    if (add_normal(f, p)) f.friction = points_[p].friction;
   if (f.nodes.empty()) return;
-  for (ContactNode& node : f.nodes) node.shared = f.nodes.size() > 1;
+  for (ContactNode& node : f.nodes) node.shared = f.nodes.size() > 1 || !node.rivals.empty();
+  f.friction &= !f.nodes.front().shared;
   complete(f);
   frames_.push_back(f);
 }
 
-/// The row of one more normal, unless Dirichlet conditions hold it.
-bool Frames::add_normal(Frame& f, Index point) const {
-  const ContactPoint& p = points_[point];
+/// What Dirichlet conditions leave free of a normal.
+Eigen::Vector3d Frames::free_part(const ContactPoint& p) const {
   Eigen::Vector3d free = Eigen::Vector3d::Zero();
   for (int c = 0; c < d_; ++c)
     if (!dirichlet_.holds(p.dof[c])) free[c] = cleaned(p.normal[c]);
+  return free;
+}
+
+/// The row of one more normal, unless Dirichlet conditions hold it, or leave it parallel to one
+/// before.
+bool Frames::add_normal(Frame& f, Index point) const {
+  const ContactPoint& p = points_[point];
+  const Eigen::Vector3d free = free_part(p);
   const Real share = free.norm();
   if (share < blocked) return false;
+  if (add_rival(f, point, free)) return false;
   Eigen::Vector3d rest = free / share;
   const int before = static_cast<int>(f.nodes.size());
   if (before > 0) {  // what it adds to the normals before
-    Eigen::Matrix<Real, 3, Eigen::Dynamic, 0, 3, 3> others =
-        Eigen::Matrix<Real, 3, Eigen::Dynamic, 0, 3, 3>::Zero(3, before);
-    for (int k = 0; k < before; ++k)
-      for (int c = 0; c < d_; ++c)
-        if (!dirichlet_.holds(p.dof[c])) others(c, k) = f.to_local(k, c);
+    Eigen::Matrix<Real, 3, Eigen::Dynamic, 0, 3, 3> others(3, before);
+    for (int k = 0; k < before; ++k) others.col(k) = free_part(points_[f.nodes[k].point]);
     rest -= others * others.colPivHouseholderQr().solve(rest);
   }
   if (before == f.free || rest.norm() < dependent) {
-    std::ostringstream m;
-    m << "the obstacles at the node of dof " << p.dof[0]
-      << " have linearly dependent normals on what is free to move there; leave one of their "
-         "labels out, or give one normal";
-    throw IllegalInput(m.str());
+    throw DependentNormals(point, "the obstacles at the node of dof " + std::to_string(p.dof[0]));
   }
   for (int c = 0; c < d_; ++c) f.to_local(before, c) = cleaned(p.normal[c]);
   f.nodes.push_back({point, false});
   return true;
+}
+
+/// Along one direction the nearest of several obstacles is felt alone.
+bool Frames::add_rival(Frame& f, Index point, const Eigen::Vector3d& free) const {
+  for (ContactNode& node : f.nodes) {
+    const Eigen::Vector3d own = free_part(points_[node.point]);
+    const Real along = own.dot(free) / own.squaredNorm();
+    if (!(along > 0) || (free - along * own).norm() > parallel * free.norm()) continue;
+    node.rivals.push_back({point, 1 / along});
+    return true;
+  }
+  return false;
 }
 
 /// Tangents: Gram-Schmidt on the axes, that least along the normals first; then the dual basis.

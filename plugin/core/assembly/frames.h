@@ -2,15 +2,34 @@
 #include "assembly/basis.h"
 #include <Eigen/Dense>
 #include <memory>
+#include <string>
 
 #include "assembly/dirichlet.h"
 
 namespace frictioncg {
 
+/// A further obstacle of a contact node: what Dirichlet conditions leave free of the node's own
+/// normal is factor times what they leave of this one's.
+struct Rival {
+  Index point = 0;  ///< contact point
+  Real factor = 1;  ///< > 0
+};
+
 /// A contact node as the laws see it: one normal, and the tangents where it has friction.
 struct ContactNode {
   Index point = 0;      ///< contact point
-  bool shared = false;  ///< one of several normals of its mesh node: it slides without friction
+  bool shared = false;  ///< its mesh node has several normals: it slides without friction
+  std::vector<Rival> rivals = {};  ///< the nearest of all its obstacles counts
+};
+
+/// The normals of one mesh node ask for what its free directions cannot give.
+struct DependentNormals : IllegalInput {
+  DependentNormals(Index point_, const std::string& where)
+      : IllegalInput(where +
+                     " have linearly dependent normals on what is free to move there; leave one of "
+                     "their labels out, or give one normal"),
+        point(point_) {}
+  Index point;  ///< contact point: the last of the mesh node
 };
 
 /// Local frames at the contact points.
@@ -22,7 +41,9 @@ struct ContactNode {
 ///
 /// Several normals at one node (a corner): w_j = n_j.u for each, and the rest of an orthonormal
 /// basis of what is orthogonal to them all: rows of W are the normals, columns of T their dual
-/// basis. Throws IllegalInput where they are linearly dependent.
+/// basis. Where Dirichlet conditions leave two of them parallel (the tip of a groove held along it)
+/// they are rivals for one direction. Throws DependentNormals where they depend on each other
+/// otherwise.
 class Frames {
  public:
   /// n dofs in all.
@@ -48,6 +69,8 @@ class Frames {
   std::vector<std::vector<Index>> points_by_node(Index n) const;
   void add_frame(const std::vector<Index>& points);
   bool add_normal(Frame& frame, Index point) const;
+  bool add_rival(Frame& frame, Index point, const Eigen::Vector3d& free) const;
+  Eigen::Vector3d free_part(const ContactPoint& point) const;
   void complete(Frame& frame) const;
   Square on_free_components(const Frame& frame) const;
   void orient(Frame& frame) const;

@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "assembly/transform.h"
+#include "model/validate.h"
 
 namespace frictioncg {
 
@@ -31,6 +32,7 @@ void LocalSystem::assemble(const Triplets& A, int dimension, const std::vector<I
   system->first = basis_->first;
   transform(A, *basis_, system->A, K_);
   system->D = system->A.diagonal();
+  check_stiffness(*system);
   if (!A.half) check_symmetry(system->A, system->D, basis_->origin);
   if (!mesh_node.empty())
     for (Index dof : basis_->origin) system->mesh_node.push_back(mesh_node[dof]);
@@ -40,6 +42,19 @@ void LocalSystem::assemble(const Triplets& A, int dimension, const std::vector<I
       return Eigen::MatrixXd(basis->W * modes());
     };
   system_ = system;
+}
+
+/// By the numbering of A.
+void LocalSystem::check_stiffness(const System& system) const {
+  for (Index p = 0; p < system.dofs(); ++p) {
+    if (has_squares(system.D[p])) continue;
+    const Index i = basis_->origin[p];
+    std::ostringstream m;
+    m << "A(" << i << "," << i << ") = " << system.D[p] << "; a stiffness lies between " << smallest
+      << " and " << largest << " (squares must not overflow): check the coefficients, or choose "
+      << "other units";
+    throw IllegalInput(m.str());
+  }
 }
 
 /// Each vector of a call has a value for each dof, or for each contact point.
@@ -83,7 +98,7 @@ LocalIncrement LocalSystem::increment(const Vector& b, const Vector& u_old,
 
   increment.gap.resize(nodes());
   for (Index k = 0; k < nodes(); ++k)
-    increment.gap[k] = laws.gap[nodes_[k].point] - start[system_->first[k]];
+    increment.gap[k] = nearest_obstacle(nodes_[k], laws.gap, start) - start[system_->first[k]];
   increment.law = laws.law;
   increment.bilateral = laws.bilateral;
   increment.force_scale = std::max(total_load, driving_norm(*system_, increment));
@@ -94,6 +109,25 @@ LocalIncrement LocalSystem::increment(const Vector& b, const Vector& u_old,
   for (Index k = 0; k < nodes(); ++k)
     coefficient[k] = nodes_[k].shared ? 0 : laws.friction[nodes_[k].point];
   return result;
+}
+
+/// The bound on w_N = n.u: the gap, or a rival's, n_r.u <= gap_r on the free components: with the
+/// held ones prescribed, n.u <= factor (gap_r - n_r.u_D) + n.u_D.
+Real LocalSystem::nearest_obstacle(const ContactNode& node, const Vector& gap,
+                                   const Vector& start) const {
+  const auto prescribed = [&](Index point) {
+    const ContactPoint& p = points_[point];
+    Real sum = 0;
+    for (int c = 0; c < system_->dimension; ++c)
+      if (dirichlet_.holds(p.dof[c]))
+        sum += p.normal[c] * start[basis_->local_dofs() + dirichlet_.number(p.dof[c])];
+    return sum;
+  };
+  Real nearest = gap[node.point];
+  for (const Rival& r : node.rivals)
+    nearest =
+        std::min(nearest, r.factor * (gap[r.point] - prescribed(r.point)) + prescribed(node.point));
+  return nearest;
 }
 
 Vector LocalSystem::to_global(const Vector& x, const Vector& u0) const {

@@ -61,6 +61,8 @@ class LocalSystem {
  private:
   void assemble(const Triplets& A, int dimension, const std::vector<Index>& mesh_node,
                 const Coupling* coupling, RigidModes modes);
+  void check_stiffness(const System& system) const;
+  Real nearest_obstacle(const ContactNode& node, const Vector& gap, const Vector& start) const;
   void check_sizes(const Vector& b, const Vector& u_old, const PointLaws& laws) const;
 
   std::vector<ContactPoint> points_;

@@ -4,13 +4,14 @@
 #include <limits>
 
 #include "clock.h"
+#include "condensed/bounded_pressure.h"
 #include "condensed/cholmod_elimination.h"
 #include "condensed/continuation.h"
-#include "condensed/equilibrium.h"
 #include "condensed/proximal.h"
 #include "condensed/regularized.h"
 #include "condensed/rigid_motions.h"
 #include "condensed/undetermined.h"
+#include "statics/floating.h"
 
 namespace frictioncg {
 
@@ -62,7 +63,7 @@ Solution CondensedSolver::solve(const ContactProblem& problem, const Settings& s
           {}};
   Solution& s = run.s;
   s.route = Route::condensed;
-  if (unheld(run, elimination_->floating()))
+  if (unheld(run, balance(elimination_->floating(), problem)))
     s.status = Status::no_equilibrium;
   else
     refine(run, x0.size() > 0 ? Vector(x0.tail(problem.contact_dofs())) : Vector());
@@ -144,7 +145,7 @@ Attempt CondensedSolver::solve_laws(Run& run, const CondensedProblem& condensed,
   }
   a = by_newton(run, condensed, start);
   if (a.solved) return answered(Layer::newton);
-  if (!run.asked && unheld(run, rigid_motions_of_A(run))) {
+  if (!run.asked && unheld_by_anything(run, condensed)) {
     a.status = Status::no_equilibrium;
     return a;
   }
@@ -204,17 +205,26 @@ Attempt CondensedSolver::by_gradient(Run& run, const CondensedProblem& condensed
   return a;
 }
 
-/// Whether one of the motions shows that contact and friction cannot hold the load.
-bool CondensedSolver::unheld(Run& run, const DenseMatrix& motions) {
-  const Statics statics = balance(motions, run.problem);
+/// Whether a motion is a proof that contact and friction cannot hold the load.
+bool CondensedSolver::unheld(Run& run, const Statics& statics) {
   if (statics.balance != Balance::unheld) return false;
   run.s.unheld_motion = statics.motion;
   return true;
 }
 
-/// The kernel of A: what floats, and what S leaves free, as far as A confirms it.
+/// The same of all rigid motions, by the laws, or by the stiffness that bounds bilateral contact.
+bool CondensedSolver::unheld_by_anything(Run& run, const CondensedProblem& condensed) {
+  const DenseMatrix& W = rigid_motions_of_A(run);
+  return unheld(run, balance(W, run.problem)) ||
+         unheld(run, balance_at_bounded_pressure(W, condensed));
+}
+
+/// The kernel of A: of its bodies, where the system knows their motions; else what floats, and what
+/// S leaves free, as far as A confirms it.
 const DenseMatrix& CondensedSolver::rigid_motions_of_A(Run& run) {
   if (run.rigid.rows() > 0) return run.rigid;
+  run.rigid = floating_motions(*system_);
+  if (run.rigid.cols() > 0) return run.rigid;
   const DenseMatrix W_C =
       rigid_motions(elimination_->S(), system_->weight.tail(system_->contact_dofs()));
   run.rigid = elimination_->floating();
@@ -230,14 +240,37 @@ const DenseMatrix& CondensedSolver::rigid_motions_of_A(Run& run) {
 /// Takes out of x the rigid motions that nothing determines, where the laws allow it.
 void CondensedSolver::settle(Run& run) {
   Solution& s = run.s;
-  s.undetermined = run.undetermined ? left_free(rigid_motions_of_A(run), run.problem, last_)
-                                    : elimination_->floating();
-  if (s.undetermined.cols() == 0) return;
-  const Vector x = least(s.x, s.undetermined, system_->D);
-  Certificate certificate = certify(run.problem, x);
-  if (certificate.residual > std::max(run.settings.tol, s.certificate.residual)) return;
-  s.x = x;
-  s.certificate = std::move(certificate);
+  if (run.undetermined || may_be_idle(run)) {
+    const auto branches = branches_of(run.problem, s.x, s.certificate);
+    s.undetermined = left_free(rigid_motions_of_A(run), run.problem, branches);
+  } else {
+    s.undetermined = elimination_->floating();
+  }
+  leave_least(run.problem, run.settings.tol, s);
+}
+
+/// Whether some body among those that can touch is held by no force at all: then stick put it where
+/// it is. Nodes that S couples belong to one body.
+bool CondensedSolver::may_be_idle(const Run& run) const {
+  const DenseMatrix& S = elimination_->S();
+  const auto branches = branches_of(run.problem, run.s.x, run.s.certificate);
+  const Index nodes = run.problem.nodes(), interior = run.problem.interior();
+  const auto place = [&](Index i) { return system_->first[i] - interior; };
+  std::vector<char> seen(nodes, 0);
+  for (Index i = 0; i < nodes; ++i) {
+    if (seen[i]) continue;
+    bool held = false;
+    for (Index j = i; j < nodes; ++j) {
+      const bool coupled =
+          j == i ||
+          !S.block(place(j), place(i), place(j + 1) - place(j), place(i + 1) - place(i)).isZero(0);
+      if (!coupled) continue;
+      seen[j] = 1;
+      held = held || branches[j].closed || branches[j].g > 0;
+    }
+    if (!held) return true;
+  }
+  return false;
 }
 
 }  // namespace frictioncg

@@ -3,6 +3,7 @@
 
 #include "condensed/attempt.h"
 #include "condensed/elimination.h"
+#include "condensed/equilibrium.h"
 #include "solution.h"
 
 namespace frictioncg {
@@ -32,9 +33,11 @@ class CondensedSolver {
   Attempt solve_laws(Run& run, const CondensedProblem& condensed, const Vector& start);
   Attempt by_newton(Run& run, const CondensedProblem& condensed, const Vector& start);
   Attempt by_gradient(Run& run, const CondensedProblem& condensed, const Vector& start);
-  bool unheld(Run& run, const DenseMatrix& motions);
+  bool unheld(Run& run, const Statics& statics);
+  bool unheld_by_anything(Run& run, const CondensedProblem& condensed);
   const DenseMatrix& rigid_motions_of_A(Run& run);
   void settle(Run& run);
+  bool may_be_idle(const Run& run) const;
 
   SystemPtr system_;
   std::unique_ptr<Elimination> elimination_;

@@ -9,6 +9,7 @@ namespace {
 
 constexpr Real rounding = 1e-9;      ///< of a load, up to which it counts as balanced
 constexpr Real most_pressure = 1e6;  ///< over the load: larger forces are neither held nor excluded
+constexpr Real any_pressure = 1e9;   ///< over the load: what takes this much is excluded at once
 constexpr Real no_descent = 1e-14;   ///< cosine up to which a column does not lead to the target
 constexpr int most_rounds =
     300;  ///< 2D ends by itself; tangents to cones in 3D converge like Newton
@@ -26,20 +27,25 @@ class NearestInCone {
     return sum;
   }
 
-  /// Takes the columns into the cone that bring it nearer to the target. False where none does.
+  /// Takes the columns into the cone that bring it nearer to the target. False where none does: a
+  /// column that rounding keeps out is passed over for the next.
   bool add(const std::vector<Vector>& columns) {
     bool any = false;
+    std::vector<char> failed(columns.size(), 0);
     for (std::size_t pass = 0; pass <= columns.size(); ++pass) {
       std::size_t best = columns.size();
       Real steepest = no_descent * rest_.norm();
       for (std::size_t k = 0; k < columns.size(); ++k) {
+        if (failed[k]) continue;
         const Real size = columns[k].norm(), slope = size > 0 ? columns[k].dot(rest_) / size : 0;
         if (slope <= steepest) continue;
         steepest = slope;
         best = k;
       }
-      if (best == columns.size() || !add(columns[best])) break;
-      any = true;
+      if (best == columns.size()) break;
+      const bool nearer = add(columns[best]);
+      failed[best] = !nearer;
+      any = any || nearer;
     }
     return any;
   }
@@ -53,8 +59,7 @@ class NearestInCone {
     weight_.push_back(0);
     while (!columns_.empty() && !step()) {
     }
-    Vector rest = target_;
-    for (std::size_t k = 0; k < columns_.size(); ++k) rest -= weight_[k] * columns_[k];
+    const Vector rest = orthogonal_rest();
     if (rest.norm() < before) {
       rest_ = rest;
       return true;
@@ -85,14 +90,27 @@ class NearestInCone {
     return columns_.empty();
   }
 
-  Vector least_squares() const {
+  DenseMatrix unit_columns() const {
     DenseMatrix G(target_.size(), columns_.size());
-    Vector size(columns_.size());
-    for (std::size_t k = 0; k < columns_.size(); ++k) {
-      size[k] = columns_[k].norm();
-      G.col(k) = columns_[k] / size[k];
-    }
-    return (G.colPivHouseholderQr().solve(target_).array() / size.array()).matrix();
+    for (std::size_t k = 0; k < columns_.size(); ++k) G.col(k) = columns_[k].normalized();
+    return G;
+  }
+
+  Vector least_squares() const {
+    Vector best = unit_columns().colPivHouseholderQr().solve(target_);
+    for (std::size_t k = 0; k < columns_.size(); ++k) best[k] /= columns_[k].norm();
+    return best;
+  }
+
+  /// target - nearest point, orthogonal to the columns to rounding of itself, not of the target: as
+  /// a proof it is as good as that.
+  Vector orthogonal_rest() const {
+    Vector rest = target_;
+    for (std::size_t k = 0; k < columns_.size(); ++k) rest -= weight_[k] * columns_[k];
+    if (columns_.empty()) return rest;
+    const DenseMatrix G = unit_columns();
+    const Eigen::ColPivHouseholderQR<DenseMatrix> qr(G);
+    return rest - G * qr.solve(rest);
   }
 
   const Vector target_;
@@ -148,7 +166,9 @@ class Resistance {
       most = std::max(most, sense * w[N] + mu * slide);
       columns.push_back(column);
     }
-    if (given_) columns.push_back(friction);
+    if (!given_) return;
+    columns.push_back(friction);
+    columns.push_back(unit_ * Vector::Unit(k + 1, k));  // no friction at all
   }
 
   std::vector<Vector> columns;
@@ -174,20 +194,22 @@ Statics balance(const DenseMatrix& W, const ContactProblem& problem) {
   if (work.norm() <= noise) return statics;
   Resistance resistance(W, work, problem);
   NearestInCone nearest(resistance.target());
+  const auto proven = [&](Real pressures) {
+    resistance.meet(nearest.rest());
+    return resistance.pull > 0 && pressures * load * resistance.most <= resistance.pull;
+  };
+  bool unheld = false, balanced = false;
+  for (int round = 0; round < most_rounds && !unheld && !balanced; ++round) {
+    unheld = proven(any_pressure);
+    if (unheld || !nearest.add(resistance.columns)) break;
+    balanced = nearest.rest().norm() <= noise;
+  }
   statics.balance = Balance::at_limit;
-  for (int round = 0; round < most_rounds; ++round) {
-    const Vector rest = nearest.rest();
-    if (rest.norm() <= noise) {
-      if (nearest.pressure() <= most_pressure * load) statics.balance = Balance::held;
-      break;
-    }
-    resistance.meet(rest);
-    if (resistance.pull > 0 && most_pressure * load * resistance.most <= resistance.pull) {
-      statics.balance = Balance::unheld;
-      statics.motion = W * rest.head(W.cols());
-      break;
-    }
-    if (!nearest.add(resistance.columns)) break;
+  if (balanced) {
+    if (nearest.pressure() <= most_pressure * load) statics.balance = Balance::held;
+  } else if (unheld || proven(most_pressure)) {
+    statics.balance = Balance::unheld;
+    statics.motion = W * nearest.rest().head(W.cols());
   }
   return statics;
 }

@@ -6,12 +6,16 @@ namespace frictioncg {
 
 namespace {
 constexpr Real forbidden = 1e-9;  ///< part of a unit motion that the laws stand against
-}
+constexpr Real forceless = 1e-9;  ///< of the forces at work: a touch that bears no more bears none
+constexpr Real margin = 10;       ///< over what rounding leaves of a force
+}  // namespace
 
 DenseMatrix left_free(const DenseMatrix& W, const ContactProblem& problem,
                       const std::vector<SemismoothNewton::Branch>& branches) {
+  if (W.cols() == 0) return W;
   const DenseMatrix W_C = W.bottomRows(problem.contact_dofs());
-  DenseMatrix barred = DenseMatrix::Zero(W_C.rows(), W_C.cols());
+  const Index k = static_cast<Index>(W.cols());
+  DenseMatrix barred = DenseMatrix::Zero(std::max<Index>(problem.contact_dofs(), k), k);
   for (Index i = 0; i < problem.nodes(); ++i) {
     const SemismoothNewton::Branch& b = branches[i];
     const Index N = problem.system->first[i] - problem.interior(), t = problem.tangents(i);
@@ -22,10 +26,47 @@ DenseMatrix left_free(const DenseMatrix& W, const ContactProblem& problem,
     if (!b.stick && b.g > 0 && t == 2)
       barred.row(N + 1) = unit * (b.d[1] * slide.row(0) - b.d[0] * slide.row(1));
   }
-  const Eigen::JacobiSVD<DenseMatrix> svd(barred, Eigen::ComputeFullV);
+  // a QR of our own before it: the one inside JacobiSVD frees twice where memory runs out
+  const DenseMatrix R = Eigen::HouseholderQR<DenseMatrix>(barred)
+                            .matrixQR()
+                            .topRows(k)
+                            .triangularView<Eigen::Upper>();
+  const Eigen::JacobiSVD<DenseMatrix, Eigen::NoQRPreconditioner> svd(R, Eigen::ComputeFullV);
   Index held = 0;
   while (held < svd.singularValues().size() && svd.singularValues()[held] > forbidden) ++held;
   return W * svd.matrixV().rightCols(W.cols() - held);
+}
+
+std::vector<SemismoothNewton::Branch> branches_of(const ContactProblem& problem, const Vector& x,
+                                                  const Certificate& certificate) {
+  const System& system = *problem.system;
+  const Vector& r = certificate.r;
+  const Real none = std::max(forceless, margin * certificate.attainable) * certificate.scale;
+  std::vector<SemismoothNewton::Branch> branches(problem.nodes());
+  for (Index i = 0; i < problem.nodes(); ++i) {
+    SemismoothNewton::Branch& b = branches[i];
+    const Index N = system.first[i], t = problem.tangents(i);
+    const NodeLaw law = law_of(problem.increment, i);
+    const Real closing = system.weight[N] * (problem.increment.gap[i] - x[N]);
+    const bool pressed = law.closed(closing, r[N]) && r[N] > none * std::sqrt(system.weight[N]);
+    b.closed = law.bilateral || pressed;
+    b.g = law.limit(b.closed ? r[N] : 0);
+    b.stick = false;
+    if (t == 0 || b.g == 0) continue;
+    const Tangent y = r.segment(N + 1, t) + system.weight[N + 1] * x.segment(N + 1, t);
+    b.stick = y.norm() <= b.g;
+    b.d.head(t) = y / y.norm();
+  }
+  return branches;
+}
+
+void leave_least(const ContactProblem& problem, Real tol, Solution& s) {
+  if (s.undetermined.cols() == 0) return;
+  const Vector x = least(s.x, s.undetermined, problem.system->D);
+  Certificate certificate = certify(problem, x);
+  if (!(certificate.residual <= std::max(tol, s.certificate.residual))) return;
+  s.x = x;
+  s.certificate = std::move(certificate);
 }
 
 Vector least(const Vector& x, const DenseMatrix& motions, const Vector& D) {

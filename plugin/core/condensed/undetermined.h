@@ -1,5 +1,6 @@
 #pragma once
 #include "condensed/semismooth_newton.h"
+#include "solution.h"
 
 namespace frictioncg {
 
@@ -7,6 +8,14 @@ namespace frictioncg {
 /// nodes keep x_N, stuck nodes x_T, sliding nodes the direction of x_T.   n x (0 .. k)
 DenseMatrix left_free(const DenseMatrix& W, const ContactProblem& problem,
                       const std::vector<SemismoothNewton::Branch>& branches);
+
+/// The branches that an answer is on. A node that touches without a force is open: nothing keeps it
+/// there.
+std::vector<SemismoothNewton::Branch> branches_of(const ContactProblem& problem, const Vector& x,
+                                                  const Certificate& certificate);
+
+/// Takes the undetermined motions of s out of s.x, where the laws allow it within tol.
+void leave_least(const ContactProblem& problem, Real tol, Solution& s);
 
 /// x (n) less its part along the motions (n x k), in the product of D: the least that differs from
 /// x by them.

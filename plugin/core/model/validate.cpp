@@ -7,9 +7,6 @@ namespace frictioncg {
 
 namespace {
 
-/// Sizes whose squares, and those of 1e-16 of them, are normal numbers.
-constexpr Real smallest = 1e-80, largest = 1e80;
-
 template <class... Part>
 [[noreturn]] void refuse(const Part&... part) {
   std::ostringstream m;
@@ -101,12 +98,11 @@ void validate(const System& s) {
   require_size("D", Index(s.D.size()), n, "dof");
   require_size("weight", Index(s.weight.size()), n, "dof");
   if (!s.mesh_node.empty()) require_size("mesh_node", Index(s.mesh_node.size()), n, "dof");
-  const auto stiffness = [](Real value) { return value >= smallest && value <= largest; };
   require_each(
-      "D", s.D, "dof", stiffness,
+      "D", s.D, "dof", has_squares,
       "the diagonal of A is > 0, between 1e-80 and 1e80 (squares must not overflow): check "
       "the coefficients, or choose other units");
-  require_each("weight", s.weight, "dof", stiffness,
+  require_each("weight", s.weight, "dof", has_squares,
                "a weight is a stiffness between 1e-80 and 1e80: take node_weights");
   for (Index i = 0; i < Index(s.mesh_node.size()); ++i)
     if (s.mesh_node[i] < 0)
@@ -134,12 +130,12 @@ void validate(const Increment& increment, const System& system) {
     require_each("g", increment.g, "contact node", is_nonnegative,
                  "a sliding limit is a force >= 0: give 0 where nothing rubs");
   }
+  validate_load(increment, system);
   const Vector norms =
       Eigen::Vector3d(increment.load_norm, increment.rounding, increment.force_scale);
   if (!norms.allFinite() || norms.minCoeff() < 0)
     refuse("load_norm, rounding and force_scale = ", norms[0], ", ", norms[1], ", ", norms[2],
            "; norms of forces are finite and >= 0");
-  validate_load(increment, system);
 }
 
 void validate(const Settings& s) {
@@ -147,9 +143,9 @@ void validate(const Settings& s) {
   if (!(s.regeps >= 0 && std::isfinite(s.regeps)))
     refuse("regeps = ", s.regeps,
            "; the regularization is a length > 0: leave it out (0) to scale it from the scene");
-  if (!(s.omega >= 0 && s.omega < 2))
-    refuse("omega = ", s.omega,
-           "; a relaxation lies between 0 and 2: leave it out (0) to take that of the method");
+  if (s.omega != 0 && !(s.omega >= least_omega && s.omega < 2))
+    refuse("omega = ", s.omega, "; a relaxation lies between ", least_omega,
+           " and 2: leave it out (0) to take that of the method");
   if (s.nbiter < 0)
     refuse("nbiter = ", s.nbiter,
            "; the bound on the iterations is >= 1: leave it out (0) to take that of the scene");

@@ -4,6 +4,14 @@
 
 namespace frictioncg {
 
+/// Sizes whose squares, and those of 1e-16 of them, are normal numbers.
+constexpr Real smallest = 1e-80, largest = 1e80;
+
+/// Below it SSOR divides rounding by omega, and relaxes nothing.
+constexpr Real least_omega = 0.01;
+
+inline bool has_squares(Real stiffness) { return stiffness >= smallest && stiffness <= largest; }
+
 // What the core refuses, whoever calls it. Each throws IllegalInput with one sentence: what, its
 // value, where (contact nodes and dofs by their index), the rule, the remedy.
 

@@ -1,42 +1,17 @@
 #include "multigrid/multigrid_solver.h"
 
-#include <Eigen/Eigenvalues>
-
 #include "clock.h"
 #include "condensed/equilibrium.h"
 #include "condensed/undetermined.h"
 #include "multigrid/inexact_newton.h"
+#include "statics/floating.h"
 
 namespace frictioncg {
 
 namespace {
 
-constexpr Real rigid = 1e-11;            ///< <Aw,w>/<Dw,w> of a rigid motion
-constexpr Real dependent = 1e-10;        ///< of a mode on the others, in the product of D
 constexpr Index most_iterations = 2000;  ///< what takes more is better left to another route
 constexpr Index most_unnamed = 80;       ///< the same where method auto chose this one
-
-/// A basis of the modes, orthonormal in the product of D: supports may have left some of them
-/// without a dof, or alike.
-Eigen::MatrixXd independent(const System& system, const Eigen::MatrixXd& modes) {
-  const Eigen::MatrixXd size = modes.transpose() * system.D.asDiagonal() * modes;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of(size);
-  const Vector& lambda = of.eigenvalues();
-  Eigen::Index lost = 0;
-  while (lost < lambda.size() && !(lambda[lost] > dependent * lambda.tail(1)[0])) ++lost;
-  const Eigen::Index rank = lambda.size() - lost;
-  return modes * of.eigenvectors().rightCols(rank) *
-         lambda.tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();
-}
-
-/// Combinations of the modes on which A does no work: none where supports hold the body.
-Eigen::MatrixXd free_motions(const System& system, const Eigen::MatrixXd& modes) {
-  const Eigen::MatrixXd W = independent(system, modes);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz(W.transpose() * (system.A * W));
-  Eigen::Index count = 0;
-  while (count < W.cols() && ritz.eigenvalues()[count] <= rigid) ++count;
-  return W * ritz.eigenvectors().leftCols(count);
-}
 
 /// Whether no mesh node has more dofs than the dimension: what is more is no displacement.
 bool are_displacements(const System& system) {
@@ -46,15 +21,6 @@ bool are_displacements(const System& system) {
     if (++count[node] > system.dimension) return false;
   }
   return !system.mesh_node.empty();
-}
-
-std::vector<SemismoothNewton::Branch> branches_of(const std::vector<Face>& faces) {
-  std::vector<SemismoothNewton::Branch> branches(faces.size());
-  for (std::size_t i = 0; i < faces.size(); ++i) {
-    const Face& face = faces[i];
-    branches[i] = {face.closed, face.stick, face.g, face.w, face.sign, face.d};
-  }
-  return branches;
 }
 
 }  // namespace
@@ -67,7 +33,7 @@ MultigridSolver::MultigridSolver(SystemPtr system) : system_(std::move(system)) 
   hierarchy_ = make_hierarchy(
       system_->A, make_node_blocks(system_->mesh_node, system_->dimension, system_->interior()),
       modes);
-  motions_ = free_motions(*system_, modes);
+  motions_ = floating_motions(*system_);
   setup_ = cpu_seconds() - start;
 }
 
@@ -91,7 +57,10 @@ Solution MultigridSolver::solve(const ContactProblem& problem, const Settings& s
   s.times.contact = cpu_seconds() - start;
   start = cpu_seconds();
   s.certificate = certify(problem, s.x);
-  if (s.status == Status::converged) settle(problem, settings, s);
+  if (s.status == Status::converged && motions_.cols() > 0) {
+    s.undetermined = left_free(motions_, problem, branches_of(problem, s.x, s.certificate));
+    leave_least(problem, settings.tol, s);
+  }
   s.times.certificate = cpu_seconds() - start;
   return s;
 }
@@ -108,19 +77,6 @@ void MultigridSolver::iterate(const ContactProblem& problem, const Settings& set
   s.iterations = newton.iterations();
   s.steps = newton.steps();
   if (s.status == Status::converged) last_ = newton.faces();
-}
-
-/// Takes out of x the rigid motions that nothing determines, where the laws allow it.
-void MultigridSolver::settle(const ContactProblem& problem, const Settings& settings,
-                             Solution& s) const {
-  if (motions_.cols() == 0) return;
-  s.undetermined = left_free(motions_, problem, branches_of(last_));
-  if (s.undetermined.cols() == 0) return;
-  const Vector x = least(s.x, s.undetermined, system_->D);
-  Certificate certificate = certify(problem, x);
-  if (certificate.residual > std::max(settings.tol, s.certificate.residual)) return;
-  s.x = x;
-  s.certificate = std::move(certificate);
 }
 
 }  // namespace frictioncg

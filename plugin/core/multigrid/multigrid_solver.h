@@ -23,11 +23,10 @@ class MultigridSolver {
  private:
   void iterate(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                Observer* observer, Solution& s);
-  void settle(const ContactProblem& problem, const Settings& settings, Solution& s) const;
 
   SystemPtr system_;
   std::unique_ptr<Hierarchy> hierarchy_;
-  Eigen::MatrixXd motions_;  ///< n x k: those of the modes that A does no work on
+  Eigen::MatrixXd motions_;  ///< n x k: rigid motions that A leaves free
   std::vector<Face> last_;   ///< of the last answer: where an increment starts
   double setup_ = 0;         ///< CPU seconds, until they are reported
 };

@@ -165,6 +165,56 @@ TEST(Frames, EachNormalOfACornerHasItsOwnGapAndNoFriction) {
   EXPECT_EQ(shared, 2);
 }
 
+TEST(Frames, TheNearestOfTwoFlanksHoldsTheTipOfAGrooveWhoseOtherComponentsAreHeld) {
+  for (int flank = 0; flank < 2; ++flank) {
+    BlockOptions o;
+    o.mu = 0.3;
+    o.clamp_side = true;
+    Scene s = block(o);
+    const ContactPoint tip = s.points.front();
+    const Real sine[2] = {0.6, 0.8}, drop[2] = {3e-3, flank == 0 ? 3.5e-3 : 1e-3};
+    s.points.erase(s.points.begin());
+    for (int k = 0; k < 2; ++k) {  // each asks u_y >= -drop, at u_x = 2e-3
+      s.points.push_back(tip);
+      s.points.back().normal = {k == 0 ? -std::sqrt(1 - sine[k] * sine[k]) : 0.6, -sine[k], 0};
+    }
+    for (std::size_t k = 0; k < s.a.size(); ++k)  // a support along x
+      if (s.i[k] == tip.dof[0] && s.j[k] == tip.dof[0]) s.a[k] = 1e30;
+    s.b[tip.dof[0]] = 1e30 * 2e-3;
+    const Index m = Index(s.points.size());
+    s.gap = Vector::Constant(m, INFINITY);
+    for (int k = 0; k < 2; ++k)
+      s.gap[m - 2 + k] = s.points[m - 2 + k].normal[0] * 2e-3 + sine[k] * drop[k];
+    s.friction = Vector::Constant(m, o.mu);
+    const Posed posed = s.system();
+    ASSERT_EQ(posed.nodes(), m - 1);
+    const Solution a = solve(posed.problem(), Settings());
+    ASSERT_EQ(a.status, Status::converged);
+    const Vector u = posed.to_global(a.x);
+    EXPECT_NEAR(u[tip.dof[0]], 2e-3, 1e-15);
+    EXPECT_NEAR(u[tip.dof[1]], -std::min(drop[0], drop[1]), 1e-14);
+    EXPECT_EQ(posed.problem().tangents(m - 2), 0);
+  }
+}
+
+TEST(Frames, NormalsThatFaceEachOtherOnWhatIsFreeAreRefused) {
+  BlockOptions o;
+  o.clamp_side = true;
+  Scene s = block(o);
+  Index tip = -1;
+  for (Index k = 0; k < Index(s.points.size()); ++k) tip = k;
+  for (std::size_t k = 0; k < s.a.size(); ++k)
+    if (s.i[k] == s.points[tip].dof[0] && s.j[k] == s.i[k]) s.a[k] = 1e30;
+  s.points.push_back(s.points[tip]);
+  s.points.back().normal = {0.6, 0.8, 0};
+  try {
+    LocalSystem(s.triplets(), 2, s.points);
+    ADD_FAILURE();
+  } catch (const DependentNormals& e) {
+    EXPECT_EQ(e.point, Index(s.points.size()) - 1);
+  }
+}
+
 TEST(Frames, DependentNormalsAtANodeAreRefused) {
   Scene s = block(BlockOptions());
   s.points.push_back(s.points.front());

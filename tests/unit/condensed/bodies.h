@@ -10,7 +10,7 @@ inline ContactProblem problem_of(const BlockOptions& o) { return block(o).system
 /// nodes.
 inline ContactProblem beside(const ContactProblem& one, int bodies) {
   const Index n = one.dofs(), I = one.interior(), C = one.contact_dofs();
-  const auto place = [&](Index i, int body) {
+  const auto place = [I, C, bodies](Index i, int body) {
     return i < I ? i + body * I : bodies * I + (i - I) + body * C;
   };
   const auto system = std::make_shared<System>();
@@ -28,6 +28,14 @@ inline ContactProblem beside(const ContactProblem& one, int bodies) {
   system->A.setFromTriplets(t.begin(), t.end());
   system->D = system->A.diagonal();
   system->weight = node_weights(*system);
+  if (one.system->rigid_modes)
+    system->rigid_modes = [=] {
+      const Eigen::MatrixXd M = one.system->rigid_modes();
+      Eigen::MatrixXd modes(bodies * n, M.cols());
+      for (int body = 0; body < bodies; ++body)
+        for (Index i = 0; i < n; ++i) modes.row(place(i, body)) = M.row(i);
+      return modes;
+    };
   ContactProblem all{system, one.increment};
   Increment& increment = all.increment;
   increment.F.resize(bodies * n);

@@ -3,8 +3,10 @@
 
 #include "bodies.h"
 #include "by_hand.h"
+#include "core/condensed/bounded_pressure.h"
 #include "core/condensed/equilibrium.h"
 #include "core/condensed/rigid_motions.h"
+#include "core/solver.h"
 
 using namespace frictioncg;
 using namespace frictioncg::test;
@@ -120,7 +122,7 @@ TEST(Equilibrium, BilateralContactHoldsATensionAndFrictionlessOneNoSlide) {
   EXPECT_EQ(judged(p), Balance::unheld);
 }
 
-TEST(Equilibrium, DISABLED_AGivenLimitHoldsUpToItsSum) {
+TEST(Equilibrium, AGivenLimitHoldsUpToItsSum) {
   for (int d : {2, 3}) {
     BlockOptions o;
     o.d = d;
@@ -151,7 +153,7 @@ TEST(Equilibrium, NodesThatCannotTouchHoldNothing) {
   EXPECT_EQ(judged(p), Balance::held);
 }
 
-TEST(Equilibrium, DISABLED_WhereOnlyAMillionTimesTheLoadWouldHoldNeitherIsSaid) {
+TEST(Equilibrium, WhereOnlyAMillionTimesTheLoadWouldHoldNeitherIsSaid) {
   // a wedge of two faces, almost parallel, without friction: pressures are load over their angle
   for (Real angle : {1e-3, 1e-8}) {
     DenseMatrix S(4, 4);
@@ -164,5 +166,51 @@ TEST(Equilibrium, DISABLED_WhereOnlyAMillionTimesTheLoadWouldHoldNeitherIsSaid) 
     p.increment.F = vec({0, 0, 0, -1});
     const Balance b = balance(W, p).balance;
     EXPECT_EQ(b, angle > 1e-6 ? Balance::held : Balance::at_limit) << angle;
+  }
+}
+
+TEST(Equilibrium, TheStiffnessOfABodyBoundsTheFrictionOfBilateralContact) {
+  // a block glued normally, with little friction: pressures and tensions that cancel would hold it,
+  // but it is too soft for them
+  for (int d : {2, 3})
+    for (Real shear : {0.3, 2.0}) {
+      BlockOptions o;
+      o.d = d;
+      o.cells = 4;
+      o.mu = 0.05;
+      o.shear = shear;
+      ContactProblem p = problem_of(o);
+      p.increment.bilateral = true;
+      EXPECT_NE(judged(p), Balance::unheld);
+      const Solution s = solve(p, Settings());
+      EXPECT_EQ(s.status, shear > 1 ? Status::no_equilibrium : Status::converged);
+      ASSERT_EQ(s.unheld_motion.size(), shear > 1 ? p.dofs() : 0);
+      if (shear < 1) continue;
+      const Vector& w = s.unheld_motion;
+      EXPECT_GT(p.increment.F.dot(w), 0);
+      for (Index i = 0; i < p.nodes(); ++i)
+        EXPECT_LT(std::abs(w[p.system->first[i]]), 1e-9 * w.lpNorm<Eigen::Infinity>());
+    }
+}
+
+TEST(Equilibrium, AnAnswerOfBilateralContactIsWithinItsBound) {
+  // whatever the verdict, a load whose answer exists is not called impossible
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    std::srand(seed);
+    const DenseMatrix Q = DenseMatrix::Random(8, 8);
+    DenseMatrix S = Q * Q.transpose();
+    DenseMatrix W = DenseMatrix::Zero(8, 1);  // all slide along alike
+    for (int i = 1; i < 8; i += 2) W(i, 0) = 0.5;
+    const DenseMatrix P = DenseMatrix::Identity(8, 8) - W * W.transpose();
+    S = P * S * P;
+    ContactProblem p = ByHand(2, S, Vector::Random(8)).mu(0.02 * seed).bilateral().problem;
+    Vector r = Vector::Zero(8);  // of x = 0, stuck: |r_T| <= mu |r_N|
+    for (int i = 0; i < 8; i += 2) {
+      r[i] = 1 - 2.0 * (std::rand() % 2);
+      r[i + 1] = 0.02 * seed * (2.0 * std::rand() / RAND_MAX - 1);
+    }
+    p.increment.F = r;
+    const CondensedProblem condensed{S, p.increment.F, p.system->weight, p};
+    EXPECT_NE(balance_at_bounded_pressure(W, condensed).balance, Balance::unheld) << seed;
   }
 }

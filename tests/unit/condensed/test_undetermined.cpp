@@ -12,10 +12,11 @@ using namespace frictioncg::test;
 namespace {
 
 /// Solves, and expects so many motions, none of which x has a part along.
-Solution expect_undetermined(const ContactProblem& p, Index count) {
-  const Solution s = solve(p, Settings());
+Solution expect_undetermined(const ContactProblem& p, Index count, const Settings& by = Settings(),
+                             Real residual = 1e-10) {
+  const Solution s = solve(p, by);
   EXPECT_EQ(s.status, Status::converged);
-  EXPECT_LT(s.certificate.residual, 1e-10);
+  EXPECT_LT(s.certificate.residual, residual);
   EXPECT_EQ(s.undetermined.cols(), count);
   if (s.undetermined.cols() == 0) return s;
   const Vector part = s.undetermined.transpose() * p.system->D.cwiseProduct(s.x);
@@ -26,6 +27,42 @@ Solution expect_undetermined(const ContactProblem& p, Index count) {
     EXPECT_LT((p.system->A * v).norm(), 1e-9 * (p.system->A * s.x).norm() / size);
   }
   return s;
+}
+
+struct Way {
+  std::string name;
+  Settings settings;
+  Layer layer;
+};
+
+/// Every method on A itself; auto without the memory for a factor among them.
+std::vector<Way> ways_on_A() {
+  std::vector<Way> ways;
+  const auto add = [&](const char* name, Method method, Layer layer, double memory) {
+    Settings s;
+    s.method = method;
+    s.memory = memory;
+    ways.push_back({name, s, layer});
+  };
+  add("GC1", Method::gc1, Layer::gc, 8e9);
+  add("GC2", Method::gc2, Layer::gc, 8e9);
+  add("GC3", Method::gc3, Layer::gc, 8e9);
+  add("GCX", Method::gcx, Layer::gcx, 8e9);
+  add("SORP", Method::sorp, Layer::sorp, 8e9);
+  add("auto without memory", Method::automatic, Layer::gcx, 10);
+  return ways;
+}
+
+/// A body that is pressed and rubbed, and one without a load, its bottom at the gap.
+ContactProblem above_the_obstacle(Real gap) {
+  BlockOptions o;
+  o.cells = 3;
+  ContactProblem p = beside(problem_of(o), 2);
+  const Index n = p.dofs() / 2, I = p.interior() / 2;
+  p.increment.F.segment(I, I).setZero();
+  p.increment.F.tail(n - I).setZero();
+  p.increment.gap.tail(p.nodes() / 2).setConstant(gap);
+  return p;
 }
 
 }  // namespace
@@ -42,6 +79,47 @@ TEST(Undetermined, ABlockOnAFrictionlessPlaneFloatsAlongIt) {
     const Scene with_tangents = block(o);
     const Solution t = expect_undetermined(problem_of(o), d == 2 ? 1 : 3);
     EXPECT_LT((s.x.norm() - t.x.norm()), 1e-9 * s.x.norm());
+  }
+}
+
+TEST(Undetermined, TheMethodsOnANameItTooAndReturnTheSameField) {
+  for (int d : {2, 3})
+    for (const Way& way : ways_on_A()) {
+      SCOPED_TRACE(way.name + " " + std::to_string(d) + "D");
+      BlockOptions o;
+      o.d = d;
+      o.cells = 3;
+      o.law = Law::frictionless;
+      o.shear = 0;
+      const ContactProblem p = problem_of(o);
+      const Solution s = expect_undetermined(p, d == 2 ? 1 : 3, way.settings, 1e-8);
+      EXPECT_EQ(s.layer, way.layer);
+      EXPECT_LT((s.x - solve(p, Settings()).x).norm(), 1e-6 * s.x.norm());
+    }
+}
+
+TEST(Undetermined, AnUnloadedBodyAboveTheObstacleStaysWhereItIs) {
+  std::vector<Way> ways = ways_on_A();
+  ways.push_back({"auto", Settings(), Layer::newton});
+  for (const Way& way : ways) {
+    SCOPED_TRACE(way.name);
+    const ContactProblem p = above_the_obstacle(0.01);
+    const Solution s = expect_undetermined(p, 3, way.settings, 1e-8);
+    EXPECT_EQ(s.layer, way.layer);
+    const Vector motion = s.undetermined.rowwise().norm();
+    for (Index i = 0; i < p.dofs(); ++i) EXPECT_LT(motion[i] > 0 ? std::abs(s.x[i]) : 0, 1e-12);
+    for (Index i = p.nodes() / 2; i < p.nodes(); ++i) EXPECT_EQ(s.state[i], NodeState::separated);
+  }
+}
+
+TEST(Undetermined, ABodyThatTheObstaclePushesIsNotLeftBehind) {
+  const ContactProblem p = above_the_obstacle(-0.01);
+  for (const Way& way : ways_on_A()) {
+    SCOPED_TRACE(way.name);
+    const Solution s = solve(p, way.settings);
+    EXPECT_EQ(s.status, Status::converged);
+    for (Index i = p.nodes() / 2; i < p.nodes(); ++i)
+      EXPECT_LT(s.x[p.system->first[i]], p.increment.gap[i] + 1e-9);
   }
 }
 
@@ -72,6 +150,24 @@ TEST(Undetermined, ATouchOfLoadAlongTheFloatingMotionIsNoEquilibrium) {
     ASSERT_EQ(s.unheld_motion.size(), s.x.size());
     EXPECT_GT(problem_of(o).increment.F.dot(s.unheld_motion), 0);
   }
+}
+
+TEST(Undetermined, TheMethodsOnAGiveTheProofThatNothingHoldsALoad) {
+  for (int d : {2, 3})
+    for (const Way& way : ways_on_A()) {
+      SCOPED_TRACE(way.name + " " + std::to_string(d) + "D");
+      BlockOptions o;
+      o.d = d;
+      o.cells = 2;
+      o.shear = 0.4 * o.pressure;  // mu = 0.3
+      const ContactProblem p = problem_of(o);
+      const Solution s = solve(p, way.settings);
+      EXPECT_EQ(s.status, Status::no_equilibrium);
+      ASSERT_EQ(s.unheld_motion.size(), p.dofs());
+      EXPECT_GT(p.increment.F.dot(s.unheld_motion), 0);
+      o.shear = 0.2 * o.pressure;
+      EXPECT_EQ(solve(problem_of(o), way.settings).status, Status::converged);
+    }
 }
 
 TEST(Undetermined, BranchesBarTheMotionsThatTheyStandAgainst) {

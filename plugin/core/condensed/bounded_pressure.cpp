@@ -1,0 +1,79 @@
+#include "condensed/bounded_pressure.h"
+
+#include "condensed/undetermined.h"
+
+namespace frictioncg {
+
+namespace {
+
+constexpr Real least_share = 1e-6;  ///< of the mean |N0|: every node has a bound above 0
+constexpr Real margin = 1e-6;       ///< of p, for what rounding leaves of H
+
+/// The dofs of contact: normal ones, and tangential ones node by node.
+struct Layout {
+  explicit Layout(const CondensedProblem& problem) {
+    for (Index i = 0; i < problem.laws.nodes(); ++i) {
+      N.push_back(problem.normal(i));
+      begin.push_back(static_cast<Index>(T.size()));
+      for (Index k = 1; k <= problem.laws.tangents(i); ++k) T.push_back(problem.normal(i) + k);
+    }
+    begin.push_back(static_cast<Index>(T.size()));
+  }
+  std::vector<Index> N, T;
+  std::vector<Index> begin;  ///< m + 1, in T
+};
+
+/// S_TT with stiffness against its kernel, the motions along the obstacle.
+DenseMatrix held_along(const CondensedProblem& problem, const DenseMatrix& W, const Layout& dofs) {
+  std::vector<SemismoothNewton::Branch> glued(problem.laws.nodes());
+  for (SemismoothNewton::Branch& b : glued) b.stick = false;
+  const DenseMatrix Z = left_free(W, problem.laws, glued).bottomRows(problem.D.size());
+  const Vector root = problem.D(dofs.T).cwiseSqrt();
+  DenseMatrix M = problem.S(dofs.T, dofs.T);
+  if (Z.cols() == 0) return M;
+  const DenseMatrix scaled = root.asDiagonal() * Z(dofs.T, Eigen::all);
+  const DenseMatrix along = root.asDiagonal() * scaled.colwise().normalized();
+  M.noalias() += along * along.transpose();
+  return M;
+}
+
+/// p, m; empty where there is none.
+Vector bounds(const CondensedProblem& problem, const DenseMatrix& W) {
+  const Layout dofs(problem);
+  const Increment& increment = problem.laws.increment;
+  const Index m = problem.laws.nodes();
+  const Eigen::LLT<DenseMatrix> factor(held_along(problem, W, dofs));
+  if (dofs.T.empty() || factor.info() != Eigen::Success) return {};
+  const DenseMatrix S_TN = problem.S(dofs.T, dofs.N);
+  const DenseMatrix H = factor.solve(S_TN);  // transposed
+  const Vector b = problem.f(dofs.T) - S_TN * increment.gap;
+  Vector N0 = problem.f(dofs.N) - problem.S(dofs.N, dofs.N) * increment.gap - H.transpose() * b;
+  N0 = N0.cwiseAbs();
+  N0.array() += least_share * N0.mean();
+  DenseMatrix M = DenseMatrix::Identity(m, m);
+  for (Index i = 0; i < m; ++i)
+    for (Index j = 0; j < m; ++j) {
+      const Index first = dofs.begin[j], t = dofs.begin[j + 1] - first;
+      M(i, j) -= increment.mu[j] * H.col(i).segment(first, t).norm();
+    }
+  const Vector p = M.partialPivLu().solve(N0);
+  if (!p.allFinite() || !(p.array() > 0).all()) return {};
+  return (1 + margin) * p;  // M p > 0 with p > 0: the sum of what follows from N0 is finite
+}
+
+}  // namespace
+
+Statics balance_at_bounded_pressure(const DenseMatrix& W, const CondensedProblem& problem) {
+  Statics open;
+  open.balance = Balance::at_limit;
+  const Increment& increment = problem.laws.increment;
+  if (!increment.bilateral || increment.law != Law::coulomb || W.cols() == 0) return open;
+  const Vector p = bounds(problem, W);
+  if (p.size() == 0) return open;
+  ContactProblem limited = problem.laws;
+  limited.increment.law = Law::tresca;
+  limited.increment.g = increment.mu.cwiseProduct(p);
+  return balance(W, limited);
+}
+
+}  // namespace frictioncg

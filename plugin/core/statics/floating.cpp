@@ -1,0 +1,89 @@
+#include "statics/floating.h"
+
+#include <Eigen/Eigenvalues>
+
+#include <numeric>
+
+namespace frictioncg {
+
+namespace {
+
+using DenseMatrix = Eigen::MatrixXd;
+
+constexpr Real dependent = 1e-13;    ///< of the largest <Dw,w>: a candidate that the others make up
+constexpr Real nearly_rigid = 1e-6;  ///< <Aw,w>/<Dw,w>, with what rounding leaves of small bodies
+constexpr Real rigid = 1e-12;        ///< the same, of motions that are made and tried
+
+/// The motions of one body: combinations (k x j) of the candidates, from their Gram matrices in A
+/// and D. Those nearly in the kernel, <Dw,w> = 1.
+DenseMatrix candidates_of_a_body(const DenseMatrix& in_A, const DenseMatrix& in_D) {
+  const Eigen::SelfAdjointEigenSolver<DenseMatrix> sizes(in_D);
+  const Vector& size = sizes.eigenvalues();
+  const Index k = static_cast<Index>(size.size());
+  Index first = 0;
+  while (first < k && !(size[first] > dependent * size[k - 1])) ++first;
+  const DenseMatrix V = sizes.eigenvectors().rightCols(k - first) *
+                        size.tail(k - first).cwiseSqrt().cwiseInverse().asDiagonal();
+  if (V.cols() == 0) return V;
+  const Eigen::SelfAdjointEigenSolver<DenseMatrix> ritz(V.transpose() * in_A * V);
+  Index count = 0;
+  while (count < V.cols() && ritz.eigenvalues()[count] <= nearly_rigid) ++count;
+  return V * ritz.eigenvectors().leftCols(count);
+}
+
+/// Sums over each body's dofs of left_i right_j: one k x k matrix a body.
+std::vector<DenseMatrix> gram(const Bodies& bodies, const DenseMatrix& left,
+                              const DenseMatrix& right) {
+  std::vector<DenseMatrix> sum(bodies.count, DenseMatrix::Zero(left.cols(), left.cols()));
+  for (Index i = 0; i < static_cast<Index>(bodies.of.size()); ++i)
+    sum[bodies.of[i]].noalias() += left.row(i).transpose() * right.row(i);
+  return sum;
+}
+
+}  // namespace
+
+Bodies bodies_of(const Matrix& A) {
+  const Index n = static_cast<Index>(A.rows());
+  std::vector<Index> root(n);
+  std::iota(root.begin(), root.end(), 0);
+  const auto find = [&](Index i) {
+    while (root[i] != i) i = root[i] = root[root[i]];
+    return i;
+  };
+  for (Index i = 0; i < n; ++i)
+    for (Matrix::InnerIterator e(A, i); e && e.col() < i; ++e) {
+      if (e.value() == 0) continue;
+      const Index p = find(i), q = find(static_cast<Index>(e.col()));
+      root[std::max(p, q)] = std::min(p, q);
+    }
+  Bodies bodies{std::vector<Index>(n), 0};
+  for (Index i = 0; i < n; ++i)  // a root comes before the dofs it stands for
+    bodies.of[i] = find(i) == i ? bodies.count++ : bodies.of[find(i)];
+  return bodies;
+}
+
+Eigen::MatrixXd floating_motions(const System& system) {
+  const Index n = system.dofs();
+  DenseMatrix W(n, 0);
+  if (!system.rigid_modes || n == 0) return W;
+  const DenseMatrix M = system.rigid_modes();
+  if (M.cols() == 0 || !M.allFinite()) return W;
+  const Bodies bodies = bodies_of(system.A);
+  const auto in_A = gram(bodies, M, system.A * M);
+  const auto in_D = gram(bodies, M, system.D.asDiagonal() * M);
+  for (Index body = 0; body < bodies.count; ++body) {
+    const DenseMatrix c = candidates_of_a_body(in_A[body], in_D[body]);
+    for (Index k = 0; k < c.cols(); ++k) {
+      Vector w = M * c.col(k);
+      for (Index i = 0; i < n; ++i)
+        if (bodies.of[i] != body) w[i] = 0;
+      const Real size = w.dot(system.D.cwiseProduct(w));
+      if (!(size > 0) || w.dot(system.A * w) > rigid * size) continue;
+      W.conservativeResize(n, W.cols() + 1);
+      W.rightCols(1) = w / std::sqrt(size);
+    }
+  }
+  return W;
+}
+
+}  // namespace frictioncg

@@ -1,0 +1,113 @@
+#pragma once
+#include "freefem.h"
+
+#include <map>
+
+#include "../core/assembly/mortar/coupling.h"
+#include "../core/assembly/mortar/topology.h"
+#include "contact_boundary.h"
+
+namespace frictioncg {
+
+/// Slave and master as their meshes have them, in one numbering of nodes: those of the slave first.
+struct Interface {
+  struct MidEdge {
+    Index node, a, b;  ///< between the vertices a and b
+  };
+  std::vector<mortar::Vec3> X;
+  mortar::NodeDofs dof;
+  mortar::Pair pair;
+  std::vector<SharedNode> slave;      ///< the slave's nodes
+  std::vector<MidEdge> slave_edges;   ///< of a P2 slave
+  std::map<Index, Index> body_count;  ///< facet-connected groups of elements at nodes of both sides
+};
+
+/// Fills an Interface from the two sides.
+class InterfaceBuilder {
+ public:
+  template <class FESpaceType>
+  void add_slave(const BoundaryNodes<FESpaceType>& side, const std::vector<long>& labels) {
+    all_.slave = side.nodes();
+    add(side, labels, 0, all_.pair.slave);
+    for (const mortar::Facet& f : all_.pair.slave.facets) add_edges(Dimension<FESpaceType>::d, f);
+  }
+  /// dof_offset: of the master's dofs among those of the call.
+  template <class FESpaceType>
+  void add_master(const BoundaryNodes<FESpaceType>& side, const std::vector<long>& labels,
+                  Index dof_offset) {
+    add(side, labels, dof_offset, all_.pair.master);
+    if (dof_offset == 0) count_bodies(side);
+  }
+  Interface take() { return std::move(all_); }
+
+ private:
+  template <class FESpaceType>
+  void add(const BoundaryNodes<FESpaceType>& side, const std::vector<long>& labels,
+           Index dof_offset, mortar::Surface& surface) {
+    constexpr int d = Dimension<FESpaceType>::d;
+    std::vector<Index> number;
+    for (const SharedNode& n : side.nodes()) number.push_back(node(n, d, dof_offset));
+    surface.labels = labels;
+    for (const BoundaryFacet& f : side.facets()) {
+      mortar::Facet facet;
+      facet.label = f.label;
+      facet.outward = {f.normal.x, f.normal.y, f.normal.z};
+      for (std::size_t k = 0; k < f.node.size(); ++k) facet.node[k] = number[f.node[k]];
+      surface.quadratic = static_cast<int>(f.node.size()) > d;
+      surface.facets.push_back(facet);
+    }
+  }
+
+  /// The number of a node, a new one if need be.
+  Index node(const SharedNode& n, int d, Index dof_offset) {
+    std::array<Index, 3> dof = n.dof;
+    for (int c = 0; c < d; ++c) dof[c] += dof_offset;
+    const auto [entry, is_new] = number_.emplace(dof[0], static_cast<Index>(all_.X.size()));
+    if (is_new) {
+      all_.X.emplace_back(n.x.x, n.x.y, n.x.z);
+      all_.dof.push_back(dof);
+    }
+    return entry->second;
+  }
+
+  void add_edges(int d, const mortar::Facet& f) {
+    for (int k = 0; k < mortar::edges_of_facet(d) && f.node[d + k] >= 0; ++k) {
+      const auto [a, b] = mortar::edge_ends(d, k);
+      if (has_edge_.insert(f.node[d + k]).second)
+        all_.slave_edges.push_back({f.node[d + k], f.node[a], f.node[b]});
+    }
+  }
+
+  /// How many bodies meet at each vertex that both sides have.
+  template <class FESpaceType>
+  void count_bodies(const BoundaryNodes<FESpaceType>& master) {
+    using D = Dimension<FESpaceType>;
+    const auto& Th = master.space().Th;
+    std::map<long, Index> shared;  // vertex of the mesh -> node
+    for (const SharedNode& n : master.nodes()) {
+      const Index i = number_.at(n.dof[0]);
+      const AdjacentFacet& f = n.facets.front();
+      const int corner = corner_at(f.hat, D::d);
+      if (i < static_cast<Index>(all_.slave.size()) && corner >= 0)
+        shared[Th(f.element, corner)] = i;
+    }
+    if (shared.empty()) return;
+    std::map<Index, std::vector<std::array<Index, 4>>> around;
+    for (int k = 0; k < Th.nt; ++k)
+      for (int v = 0; v <= D::d; ++v) {
+        const auto found = shared.find(Th(k, v));
+        if (found == shared.end()) continue;
+        std::array<Index, 4> element{{-1, -1, -1, -1}};
+        for (int w = 0; w <= D::d; ++w) element[w] = Th(k, w);
+        around[found->second].push_back(element);
+      }
+    for (const auto& [i, elements] : around)
+      all_.body_count[i] = mortar::facet_connected_groups(D::d, elements);
+  }
+
+  Interface all_;
+  std::map<Index, Index> number_;  ///< first dof of a node -> its number
+  std::set<Index> has_edge_;
+};
+
+}  // namespace frictioncg

@@ -1,0 +1,87 @@
+#pragma once
+#include "freefem.h"
+
+#include <memory>
+
+#include "labels.h"
+#include "scene.h"
+
+namespace frictioncg {
+
+/// Where a call looks for contact: its arguments between b and the options.
+class Site {
+ public:
+  virtual ~Site() = default;
+  virtual int dimension() const = 0;
+  virtual bool two_bodies() const { return false; }
+  /// The geometry as it is now.
+  virtual std::shared_ptr<Scene> scene(Stack stack) const = 0;
+};
+
+/// The space that an expression of the script stands for, made anew where its mesh has changed.
+template <class V>
+const typename V::FESpace& space_of(Stack stack, Expression e, const char* name) {
+  typename V::pfes* p = GetAny<typename V::pfes*>((*e)(stack));
+  const typename V::FESpace* Vh = p && *p ? static_cast<typename V::FESpace*>(**p) : nullptr;
+  if (!Vh) throw IllegalInput(std::string(name) + " is not a finite-element space");
+  return *Vh;
+}
+
+/// Vh, labels: one body, and an obstacle given by gap and normal.
+template <class V>
+class ObstacleSite final : public Site {
+ public:
+  ObstacleSite(const basicAC_F0& args, int first, LabelForm form)
+      : Vh_(to<typename V::pfes*>(args[first])), labels_(args[first + 1], form) {}
+  int dimension() const override { return Dimension<typename V::FESpace>::d; }
+  std::shared_ptr<Scene> scene(Stack stack) const override {
+    return obstacle_scene(space_of<V>(stack, Vh_, "Vh"), labels_(stack, "labels"));
+  }
+
+ private:
+  Expression Vh_;
+  Labels labels_;
+};
+
+/// Vh, slave, master: two bodies in one space.
+template <class V>
+class OneSpaceSite final : public Site {
+ public:
+  OneSpaceSite(const basicAC_F0& args, int first, LabelForm slave, LabelForm master)
+      : Vh_(to<typename V::pfes*>(args[first])),
+        slave_(args[first + 1], slave),
+        master_(args[first + 2], master) {}
+  int dimension() const override { return Dimension<typename V::FESpace>::d; }
+  bool two_bodies() const override { return true; }
+  std::shared_ptr<Scene> scene(Stack stack) const override {
+    return pair_scene(space_of<V>(stack, Vh_, "Vh"), slave_(stack, "slave"),
+                      master_(stack, "master"));
+  }
+
+ private:
+  Expression Vh_;
+  Labels slave_, master_;
+};
+
+/// V1, slave, V2, master: two bodies in spaces of their own.
+template <class V>
+class TwoSpaceSite final : public Site {
+ public:
+  TwoSpaceSite(const basicAC_F0& args, int first, LabelForm slave, LabelForm master)
+      : V1_(to<typename V::pfes*>(args[first])),
+        V2_(to<typename V::pfes*>(args[first + 2])),
+        slave_(args[first + 1], slave),
+        master_(args[first + 3], master) {}
+  int dimension() const override { return Dimension<typename V::FESpace>::d; }
+  bool two_bodies() const override { return true; }
+  std::shared_ptr<Scene> scene(Stack stack) const override {
+    return pair_scene(space_of<V>(stack, V1_, "V1"), slave_(stack, "slave"),
+                      space_of<V>(stack, V2_, "V2"), master_(stack, "master"));
+  }
+
+ private:
+  Expression V1_, V2_;
+  Labels slave_, master_;
+};
+
+}  // namespace frictioncg

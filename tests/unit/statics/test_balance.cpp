@@ -1,0 +1,112 @@
+// The conic test against linear programs, on random bodies of a few nodes in the plane: verdicts by
+// the thousand. BALANCE_SCENES and BALANCE_SEED in the environment choose how many, and which.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <iostream>
+#include <random>
+
+#include "../statics.h"
+#include "core/condensed/equilibrium.h"
+
+using namespace frictioncg;
+using namespace frictioncg::test;
+
+namespace {
+
+struct RandomBody {
+  ContactProblem problem;
+  DenseMatrix W;  // 2 m x 3
+
+  explicit RandomBody(unsigned seed) {
+    std::mt19937 random(seed);
+    const auto uniform = [&](Real a, Real b) {
+      return std::uniform_real_distribution<Real>(a, b)(random);
+    };
+    const Index m = 1 + Index(uniform(0, 8));
+    W.resize(2 * m, 3);
+    Increment& now = problem.increment;
+    now.mu.resize(m);
+    now.g.resize(m);
+    // few directions: floors, walls, ceilings and corners are the rule, not the exception
+    const Real base = uniform(0, 6.3);
+    for (Index i = 0; i < m; ++i) {
+      const Real turn = uniform(0, 1) < 0.8 ? M_PI / 2 * int(uniform(0, 4)) : uniform(0, 6.3);
+      const Real nx = std::cos(base + turn), ny = std::sin(base + turn);
+      const Real x = uniform(-1, 1), y = uniform(0, 1) < 0.5 ? 0 : uniform(-1, 1);
+      W.row(2 * i) << nx, ny, x * ny - y * nx;
+      W.row(2 * i + 1) << -ny, nx, x * nx + y * ny;
+      now.mu[i] = uniform(0, 1) < 0.3 ? 0 : uniform(0, 1.2);
+      now.g[i] = uniform(0, 1) < 0.3 ? 0 : uniform(0, 1);
+    }
+    now.law = uniform(0, 1) < 0.5 ? Law::coulomb : Law::tresca;
+    now.bilateral = uniform(0, 1) < 0.3;
+    now.gap = Vector::Zero(m);
+    now.F.resize(2 * m);
+    for (Index k = 0; k < 2 * m; ++k) now.F[k] = uniform(-1, 1);
+    const auto system = std::make_shared<System>();
+    for (Index first = 0; first <= 2 * m; first += 2) system->first.push_back(first);
+    problem.system = system;
+  }
+
+  /// By the linear program, with friction times a factor.
+  bool held(Real factor) const {
+    const Increment& now = problem.increment;
+    const int m = problem.nodes(), bounded = now.law == Law::tresca ? m : 0;
+    std::vector<Vector> columns;
+    const auto add = [&](const Vector& force, int node) {
+      columns.push_back(Vector::Zero(3 + bounded));
+      columns.back().head(3) = force;
+      if (node >= 0) columns.back()[3 + node] = 1;
+    };
+    Vector load = Vector::Zero(3 + bounded);
+    load.head(3) = W.transpose() * now.F;
+    for (int i = 0; i < m; ++i) {
+      const Vector N = W.row(2 * i), T = W.row(2 * i + 1);
+      for (Real side : {-1.0, 1.0}) {
+        if (bounded == 0) {
+          add(N + side * factor * now.mu[i] * T, -1);
+          if (now.bilateral) add(-N + side * factor * now.mu[i] * T, -1);
+        } else {  // shares of the limit, that sum to at most 1
+          add(side * factor * now.g[i] * T, i);
+        }
+      }
+      if (bounded == 0) continue;
+      add(N, -1);
+      if (now.bilateral) add(-N, -1);
+      add(Vector::Zero(3), i);
+      load[3 + i] = 1;
+    }
+    DenseMatrix G(3 + bounded, columns.size());
+    for (std::size_t k = 0; k < columns.size(); ++k) G.col(k) = columns[k];
+    return distance_to_cone(G, load) < 1e-9;
+  }
+};
+
+}  // namespace
+
+TEST(Balance, AgreesWithALinearProgramOnRandomBodies) {
+  const auto from = [](const char* name, unsigned otherwise) {
+    const char* value = std::getenv(name);
+    return value ? unsigned(std::strtoul(value, nullptr, 10)) : otherwise;
+  };
+  const unsigned count = from("BALANCE_SCENES", 3000), first = from("BALANCE_SEED", 1);
+  unsigned held = 0, unheld = 0, open = 0, unsure = 0;
+  for (unsigned seed = first; seed < first + count; ++seed) {
+    const RandomBody body(seed);
+    const Balance verdict = balance(body.W, body.problem).balance;
+    const bool truth = body.held(1);
+    EXPECT_FALSE(verdict == Balance::unheld && truth) << seed;
+    EXPECT_FALSE(verdict == Balance::held && !truth && !body.held(1 + 1e-6)) << seed;
+    held += verdict == Balance::held;
+    unheld += verdict == Balance::unheld;
+    if (verdict != Balance::at_limit) continue;
+    ++open;
+    const bool at_limit = body.held(1 + 1e-3) != body.held(1 - 1e-3);
+    unsure += !at_limit;
+    if (!at_limit && std::getenv("BALANCE_VERBOSE")) std::cout << "open " << seed << "\n";
+  }
+  std::cout << "balance: " << held << " held, " << unheld << " not, " << open << " open, " << unsure
+            << " of them off the limit\n";
+  EXPECT_LE(unsure, count / 1000);
+}
