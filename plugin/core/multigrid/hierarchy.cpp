@@ -16,12 +16,13 @@ constexpr Real shift = 1e-6;        ///< of the coarsest diagonal: the rounding 
 constexpr Real stalled = 0.8;       ///< share of rows left by a coarsening that is not worth it
 constexpr std::size_t most = 4000;  ///< dofs beyond which no dense factorization is tried
 
-/// Thin layers of elements (aspect 10: couplings of 0.01 beside 1) are not to be aggregated across.
+/// Thin layers of elements (aspect 10: couplings of 0.01 beside 1) are not to be aggregated across;
+/// in 2D, where an aggregate has fewer neighbours, nor those of half that aspect.
 /// Smoothed prolongations widen the graph of coarse levels: there, only the stronger half of the
 /// couplings counts.
 Coarsening coarsening(int dimension, bool fine) {
-  if (fine) return {0.08f, dimension == 2 ? 5.0f : 15.0f};
-  return {0.25f, dimension == 2 ? 4.0f : 8.0f};
+  if (fine) return dimension == 2 ? Coarsening{0.15f, 5} : Coarsening{0.08f, 15};
+  return dimension == 2 ? Coarsening{0.25f, 4} : Coarsening{0.25f, 8};
 }
 
 /// D slots a node on the fine level, K modes a node on the coarse ones.
