@@ -77,12 +77,12 @@ setup: ## install what is missing from Debian's packages
 # The compiler writes what each object includes beside it, so that a header rebuilds what reads it.
 DEPENDS   := -MMD -MP
 
-$(BUILD)/core/%.o: plugin/core/%.cpp
+$(BUILD)/core/%.o: plugin/core/%.cpp Makefile
 	@mkdir -p $(@D)
 	$(CXX) $(FLAGS) $(DEPENDS) $(CORE_FLAGS) -c $< -o $@
 
 # FreeFEM's own operator new confuses this one warning.
-$(BUILD)/frictionCG.o: plugin/frictionCG.cpp
+$(BUILD)/frictionCG.o: plugin/frictionCG.cpp Makefile
 	@mkdir -p $(@D)
 	$(CXX) $(FLAGS) $(DEPENDS) $(FF_HEADER) -Wno-mismatched-new-delete -c $< -o $@
 
@@ -128,7 +128,7 @@ $(BUILD)/unit_tests: $(OBJECTS) $(UNIT:tests/%.cpp=$(BUILD)/%.o)
 # test_faults.cpp counts allocations, and makes them fail
 WRAP := -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
-$(BUILD)/unit/%.o: tests/unit/%.cpp
+$(BUILD)/unit/%.o: tests/unit/%.cpp Makefile
 	@mkdir -p $(@D)
 	$(CXX) $(FLAGS) $(DEPENDS) -O1 -Wno-error -Iplugin -Itests -c $< -o $@
 
