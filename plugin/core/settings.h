@@ -6,8 +6,9 @@
 namespace frictioncg {
 
 enum class Method {
-  automatic,  ///< condensed where it fits in memory, else gcx
+  automatic,  ///< condensed, or multigrid where a factor costs more or does not fit, else gcx
   condensed,  ///< the interior eliminated by one factorization
+  multigrid,  ///< Newton steps on A, preconditioned by multigrid with the contact faces cut out
   gc1,        ///< release tensile nodes at each iteration and restart (Jeusette-Sonzogni)
   gc2,        ///< release tensile nodes at each iteration, keep conjugating (Dilintas)
   gc3,        ///< release tensile nodes after partial convergence (Raous-Barbarin)
@@ -29,7 +30,7 @@ enum class Step {
 struct Settings {
   Method method = Method::automatic;
   bool newton = true;   ///< condensed: semismooth Newton on the unregularized laws
-  double memory = 8e9;  ///< [bytes] that the factor and the dense matrices may take
+  double memory = 8e9;  ///< [bytes] that a factor and the dense matrices may take
   Regularization reg = Regularization::polynomial;
   Real regeps = 0;  ///< [length]; 0: from the scene, 1e-8 max|x| and less if tol asks for it
   Precon precon = Precon::hessian_ssor;
@@ -47,9 +48,17 @@ inline bool condenses(const Settings& s) {
   return s.method == Method::automatic || s.method == Method::condensed;
 }
 
+/// A factorization may be made, be it because another method does not arrive.
+inline bool may_factor(const Settings& s) { return condenses(s) || s.method == Method::multigrid; }
+
+/// The laws themselves by Newton steps: none of the options of the paper's methods has an effect.
+inline bool takes_newton_steps(const Settings& s) {
+  return s.method == Method::multigrid || (condenses(s) && s.newton);
+}
+
 /// Friction by a conjugate gradient, regularized: GC1 to GC3, or on the condensed system.
 inline bool smooths_friction(const Settings& s) {
-  if (condenses(s)) return !s.newton;
+  if (may_factor(s)) return !takes_newton_steps(s);
   return s.method != Method::gcx && s.method != Method::sorp;
 }
 

@@ -6,7 +6,8 @@ namespace frictioncg {
 
 enum class Route {
   iterative,  ///< a method of the paper on A
-  condensed   ///< one factorization, then the laws on the contact dofs
+  condensed,  ///< one factorization, then the laws on the contact dofs
+  multigrid   ///< Newton steps on A, preconditioned by multigrid
 };
 
 /// Which layer answered: a fallback that did shows here.
@@ -19,10 +20,19 @@ enum class Layer {
   fixed_point,   ///< the regularized conjugate gradient on S, without Newton after it
   gcx,           ///< stick as a face, on A
   gc,            ///< GC1, GC2 or GC3, on A
-  sorp
+  sorp,
+  multigrid  ///< inexact Newton steps on A, preconditioned by multigrid
 };
 
-/// CPU seconds of the phases; zero where there is no such phase.
+/// The levels of a multigrid preconditioner; none where there is no such preconditioner.
+struct Levels {
+  Index count = 0;
+  Real complexity = 0;  ///< entries of all levels over those of the finest
+  double bytes = 0;     ///< kept in memory
+};
+
+/// CPU seconds of the phases; zero where there is no such phase. The set-up of a hierarchy counts
+/// as factor.
 struct Times {
   double order = 0, factor = 0, condense = 0;  ///< 0 where the factor was kept from before
   double contact = 0, back_substitution = 0, certificate = 0;
@@ -40,6 +50,7 @@ struct Solution {
   Index passes = 0;              ///< of the fixed point; 0 where there is none
   Real eps = 0;                  ///< the regularization used [length]; 0: none
   Times times;
+  Levels levels;
   Vector unheld_motion;  ///< no_equilibrium: n, the rigid motion that nothing holds (local frames)
   /// n x k: rigid motions that neither contact nor friction nor a support determines. x is the
   /// solution with the least of them, in the product of diag(A).

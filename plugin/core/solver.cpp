@@ -11,6 +11,7 @@
 #include "gradient/projected_cg.h"
 #include "gradient/sorp.h"
 #include "model/validate.h"
+#include "multigrid/multigrid_solver.h"
 #include "statics/floating.h"
 
 namespace frictioncg {
@@ -82,26 +83,44 @@ Solution iterate(const ContactProblem& problem, const Settings& settings, const 
   return s;
 }
 
+/// Converged, or shown to have no equilibrium.
+bool decided(const Solution& s) {
+  return s.status == Status::converged || s.status == Status::no_equilibrium;
+}
+
+/// t, made after s did not arrive, takes its place where it decides or is nearer to the laws; what
+/// both took counts.
+void replace_if_better(Solution& s, Solution t) {
+  t.iterations += s.iterations;
+  t.steps += s.steps;
+  s.iterations = t.iterations;
+  s.steps = t.steps;
+  if (!decided(t) && !(t.certificate.residual < s.certificate.residual)) return;
+  t.times.order += s.times.order;
+  t.times.factor += s.times.factor;
+  t.times.condense += s.times.condense;
+  t.times.contact += s.times.contact;
+  t.times.back_substitution += s.times.back_substitution;
+  t.times.certificate += s.times.certificate;
+  if (!decided(t)) t.status = s.status;
+  s = std::move(t);
+}
+
 /// Where the condensed route fails short of rounding, stick as a face on A itself: it needs no
 /// factor, which a nearly singular A spoils. It takes what the condensed route has left of the
 /// bound on the iterations.
 void try_without_factor(const ContactProblem& problem, const Settings& settings, Observer* observer,
                         Solution& s) {
-  if (s.status == Status::converged || s.status == Status::no_equilibrium) return;
+  if (decided(s)) return;
   if (s.certificate.residual <= rounding) return;
   Settings rest = without_factor(settings);
   rest.nbiter = bound_of(problem, settings) - s.iterations;
-  if (rest.nbiter <= 0) return;
-  Solution t = iterate(problem, rest, {}, observer);
-  t.iterations += s.iterations;
-  t.steps += s.steps;
-  s.iterations = t.iterations;
-  s.steps = t.steps;
-  const bool decided = t.status == Status::converged || t.status == Status::no_equilibrium;
-  if (!decided && !(t.certificate.residual < s.certificate.residual)) return;
-  t.times = s.times;
-  if (!decided) t.status = s.status;
-  s = std::move(t);
+  if (rest.nbiter > 0) replace_if_better(s, iterate(problem, rest, {}, observer));
+}
+
+/// Method auto, unless a regularized answer is asked for: multigrid where a factor does not fit.
+bool may_replace_a_factor(const Settings& settings) {
+  return settings.method == Method::automatic && settings.newton;
 }
 
 /// Neither a load nor a penetration: the body stays where it is, whatever else could move it.
@@ -121,11 +140,18 @@ Status concluded(Status status, const Certificate& certificate, const Settings& 
   return blames_method && by_rounding ? Status::stagnated : status;
 }
 
-/// A factorization serves every load and law that follows, and the laws on the contact dofs alone
-/// are then exact and cheap: the route unless the settings name another method.
+/// Unless the settings name a method: a factorization serves every load and law that follows, and
+/// the laws on the contact dofs alone are then exact and cheap; where it costs more than multigrid
+/// takes for all of it, multigrid.
 Plan make_plan(const ContactProblem& problem, const Settings& settings) {
   Plan plan;
-  plan.route = condenses(settings) ? Route::condensed : Route::iterative;
+  plan.route = condenses(settings)                    ? Route::condensed
+               : settings.method == Method::multigrid ? Route::multigrid
+                                                      : Route::iterative;
+  if (may_replace_a_factor(settings)) {
+    plan.costs = estimate_costs(*problem.system);
+    if (plan.costs.multigrid < plan.costs.condensed) plan.route = Route::multigrid;
+  }
   plan.dofs = problem.dofs();
   plan.nodes = problem.nodes();
   plan.tangents = problem.contact_dofs() - problem.nodes();
@@ -168,23 +194,52 @@ Solution Solver::solve(const Increment& increment, const Settings& settings, con
   return s;
 }
 
-/// The condensed route where the plan asks for it and its factor fits; where it does not arrive,
-/// or does not fit, the same laws on A.
+/// The route of the plan; where it is not open, or does not arrive, another one.
 Solution Solver::by_route(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                           Observer* observer) {
-  if (make_plan(problem, settings).route == Route::iterative)
-    return iterate(problem, settings, x0, observer);
-  const bool kept = factored_;
+  switch (make_plan(problem, settings).route) {
+    case Route::iterative:
+      break;
+    case Route::condensed:
+      if (may_replace_a_factor(settings) && !condense(settings) && !indefinite_)
+        return by_multigrid(problem, settings, x0, observer);
+      return by_condensation(problem, settings, x0, observer);
+    case Route::multigrid:
+      return by_multigrid(problem, settings, x0, observer);
+  }
+  return iterate(problem, settings, x0, observer);
+}
+
+/// The condensed route where its factor fits; where it does not arrive, or does not fit, the same
+/// laws on A.
+Solution Solver::by_condensation(const ContactProblem& problem, const Settings& settings,
+                                 const Vector& x0, Observer* observer) {
   if (!condense(settings)) return iterate(problem, without_factor(settings), x0, observer);
   Solution s = condensed_->solve(problem, settings, x0);
   if (settings.newton) try_without_factor(problem, settings, observer, s);
-  if (!kept) {
+  if (!told_) {
+    told_ = true;
     const EliminationTimes& t = condensed_->elimination().times();
-    s.times.order = t.order;
-    s.times.factor = t.factor;
-    s.times.condense = t.condense;
+    s.times.order += t.order;
+    s.times.factor += t.factor;
+    s.times.condense += t.condense;
   }
   if (observer) observer->iterate(s.iterations, StepLabel::newton, s.x);
+  return s;
+}
+
+/// Multigrid; where it does not arrive short of rounding, or has no coordinates to build on, the
+/// condensed route and what follows it.
+Solution Solver::by_multigrid(const ContactProblem& problem, const Settings& settings,
+                              const Vector& x0, Observer* observer) {
+  Settings rest = settings;
+  rest.method = Method::automatic;
+  if (!multigrid_) multigrid_ = std::make_unique<MultigridSolver>(system_);
+  if (!multigrid_->has_hierarchy()) return by_condensation(problem, rest, x0, observer);
+  Solution s = multigrid_->solve(problem, settings, x0, observer);
+  if (decided(s) || s.certificate.residual <= rounding) return s;
+  rest.nbiter = bound_of(problem, settings) - s.iterations;
+  if (rest.nbiter > 0) replace_if_better(s, by_condensation(problem, rest, {}, observer));
   return s;
 }
 

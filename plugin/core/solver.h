@@ -1,6 +1,7 @@
 #pragma once
 #include <memory>
 
+#include "cost.h"
 #include "solution.h"
 #include "gradient/tresca.h"
 
@@ -10,6 +11,7 @@ namespace frictioncg {
 struct Plan {
   Route route =
       Route::iterative;  ///< the first choice; a factor that does not fit leaves the other
+  Costs costs;           ///< method auto: why
   Index dofs = 0, nodes = 0, tangents = 0;
   Law law = Law::frictionless;
   bool fixed_point = false;     ///< law coulomb: g depends on the answer
@@ -29,9 +31,10 @@ std::unique_ptr<TrescaSolver> make_tresca_solver(const ContactProblem& problem,
 Status concluded(Status status, const Certificate& certificate, const Settings& settings);
 
 class CondensedSolver;
+class MultigridSolver;
 
-/// Solves increment after increment of one system: a factorization is made at the first call that
-/// wants it, and kept.
+/// Solves increment after increment of one system: a factorization, or a hierarchy, is made at the
+/// first call that wants it, and kept.
 class Solver {
  public:
   /// Throws IllegalInput for what validate refuses.
@@ -39,8 +42,9 @@ class Solver {
   ~Solver();
 
   /// Solves by the method of the settings, and certifies the answer. x0 (n), or empty to start from
-  /// the scene. Throws IllegalInput for what validate refuses, and where the condensed route is
-  /// demanded and does not fit in settings.memory; the factorization stays as it was.
+  /// the scene. Where the method does not arrive another one may answer: see Solution::layer.
+  /// Throws IllegalInput for what validate refuses, and where the condensed route is demanded and
+  /// does not fit in settings.memory; the factorization stays as it was.
   Solution solve(const Increment& increment, const Settings& settings, const Vector& x0 = {},
                  Observer* observer = nullptr);
 
@@ -48,6 +52,10 @@ class Solver {
   /// Solves on the way of the plan; what answered stands in Solution::layer.
   Solution by_route(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                     Observer* observer);
+  Solution by_condensation(const ContactProblem& problem, const Settings& settings,
+                           const Vector& x0, Observer* observer);
+  Solution by_multigrid(const ContactProblem& problem, const Settings& settings, const Vector& x0,
+                        Observer* observer);
   bool condense(const Settings& settings);
   [[noreturn]] void refuse_memory(double given) const;
 
@@ -55,7 +63,9 @@ class Solver {
   std::unique_ptr<CondensedSolver> condensed_;
   double memory_needed_ = 0;  ///< by the condensed route, as far as it is known [bytes]
   bool factored_ = false;
+  bool told_ = false;        ///< what the factorization took
   bool indefinite_ = false;  ///< A has no factor, whatever the memory
+  std::unique_ptr<MultigridSolver> multigrid_;
 };
 
 /// One problem, solved once.

@@ -31,21 +31,23 @@ inline Index bound_on_iterations(double nbiter) {
 /// An option without effect is refused: it would let the user believe in what does not happen. The
 /// core sees values alone; here what is given counts, be it the default.
 inline void refuse_without_effect(const Arguments& args, const Settings& s) {
-  const bool newton = condenses(s) && s.newton, smooth = smooths_friction(s);
+  const bool newton = takes_newton_steps(s), smooth = smooths_friction(s);
   const auto rule = [&](Parameter p, bool has_effect, const char* because) {
     if (!args.has(p) || has_effect) return;
     const std::string name = parameters[p].name, method = name_of(s.method, methods);
     throw IllegalInput(name + " has no meaning with method=\"" + method + "\"" + because);
   };
   for (Parameter p : {p_reg, p_regeps, p_precon, p_omega, p_step})
-    rule(p, !newton, ", whose answer is not regularized; add method=\"GC3\" or newton=false");
+    rule(p, !newton,
+         condenses(s) ? ", whose answer is not regularized; add method=\"GC3\" or newton=false"
+                      : ", whose answer is not regularized; leave it out, or the method");
   for (Parameter p : {p_reg, p_regeps})
     rule(p, smooth, ", which does not regularize; leave it out");
   rule(p_step, smooth, ", which has no such line search; leave it out");
   rule(p_precon, s.method != Method::sorp,
        ", which neither regularizes nor preconditions; leave it out");
-  for (Parameter p : {p_newton, p_polish, p_memory})
-    rule(p, condenses(s), "; leave it out, or the method");
+  for (Parameter p : {p_newton, p_polish}) rule(p, condenses(s), "; leave it out, or the method");
+  rule(p_memory, may_factor(s), "; leave it out, or the method");
   if (args.has(p_omega) && !relaxes(s))
     throw IllegalInput(std::string("omega has no meaning with precon=\"") +
                        name_of(s.precon, preconditioners) +

@@ -91,10 +91,11 @@ struct Choice {
   const char* name;
   T value;
 };
-constexpr Choice<Method> methods[] = {{"auto", Method::automatic}, {"condensed", Method::condensed},
-                                      {"GC3", Method::gc3},        {"GC2", Method::gc2},
-                                      {"GC1", Method::gc1},        {"GCX", Method::gcx},
-                                      {"SORP", Method::sorp}};
+constexpr Choice<Method> methods[] = {
+    {"auto", Method::automatic}, {"condensed", Method::condensed},
+    {"GC3", Method::gc3},        {"GC2", Method::gc2},
+    {"GC1", Method::gc1},        {"GCX", Method::gcx},
+    {"SORP", Method::sorp},      {"multigrid", Method::multigrid}};
 constexpr Choice<Regularization> regularizations[] = {{"polynomial", Regularization::polynomial},
                                                       {"sqrt", Regularization::square_root},
                                                       {"tanh", Regularization::log_cosh}};

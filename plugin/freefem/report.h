@@ -138,6 +138,9 @@ inline void report_plan(const Arguments& args, const Scene& scene, const Contact
   if (plan.nodes == 0)
     std::cout << "; Dirichlet conditions hold every normal displacement: a plain linear solve";
   std::cout << "; " << name_of(s.method, methods);
+  if (s.method == Method::automatic && plan.route == Route::multigrid)
+    std::cout << " by multigrid, a factorization being about "
+              << std::round(plan.costs.condensed / plan.costs.multigrid) << " times its cost";
   if (plan.regularization) std::cout << ", " << name_of(s.reg, regularizations);
   report_left_out(args, scene, plan);
   std::cout << std::endl;
@@ -163,6 +166,8 @@ inline const char* name_of(Layer layer) {
       return "the regularized conjugate gradient on A";
     case Layer::sorp:
       return "SORP on A";
+    case Layer::multigrid:
+      return "Newton on A, preconditioned by multigrid";
   }
   return "unknown";
 }
@@ -186,6 +191,9 @@ inline void report_motions(const Scene& scene, const Solution& solution) {
 inline void report_end(const Solution& solution) {
   line() << name_of(solution.status) << " by " << name_of(solution.layer) << ", residual "
          << solution.certificate.residual << ", " << solution.iterations << " iterations";
+  if (solution.levels.count > 0)
+    std::cout << " on " << solution.levels.count << " levels of complexity "
+              << solution.levels.complexity;
   if (solution.passes > 0) std::cout << " in " << solution.passes << " passes of the fixed point";
   if (solution.eps > 0) std::cout << ", regeps " << solution.eps;
   std::cout << std::endl;

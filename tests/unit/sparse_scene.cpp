@@ -124,6 +124,9 @@ SparseScene sparse_block(const SparseOptions& o) {
   s.n = Index(A.rows());
   s.law = o.law;
   s.position = mesh.X;
+  Eigen::MatrixXd X = Eigen::MatrixXd::Zero(mesh.X.rows(), 3);
+  X.leftCols(d) = mesh.X;
+  s.modes = rigid_motions_of(X, d);
   s.b = Vector::Zero(s.n);
   std::vector<char> fixed(s.n, 0);
   std::vector<Real> gap;
@@ -169,18 +172,6 @@ SparseScene sparse_block(const SparseOptions& o) {
       s.a.push_back(fixed[p] && e.col() == p ? 1e30 : e.value());
     }
   return s;
-}
-
-Eigen::MatrixXd script_positions(const SparseScene& s) {
-  Eigen::MatrixXd X(s.n, s.d);
-  for (Index p = 0; p < s.n; ++p) X.row(p) = s.position.row(s.node_of_dof[p]);
-  return X;
-}
-
-Eigen::MatrixXd script_directions(const SparseScene& s) {
-  Eigen::MatrixXd Q = Eigen::MatrixXd::Zero(s.n, s.d);
-  for (Index p = 0; p < s.n; ++p) Q(p, p % s.d) = 1;
-  return Q;
 }
 
 }  // namespace frictioncg::test

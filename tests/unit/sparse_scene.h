@@ -36,9 +36,4 @@ struct SparseScene : Scene {
 
 SparseScene sparse_block(const SparseOptions& o);
 
-/// The rigid motions of the scene's mesh in the script's dofs (n x 3 or 6).
-Eigen::MatrixXd script_positions(const SparseScene& s);
-
-Eigen::MatrixXd script_directions(const SparseScene& s);
-
 }  // namespace frictioncg::test

@@ -24,14 +24,23 @@ unsigned from_environment(const char* name, unsigned otherwise) {
 
 struct Result {
   Status status;
+  Layer layer;
   Real worst = 0;  ///< of the laws, by the verifier, where converged
 };
 
+/// Multigrid needs to know the mesh nodes.
+std::vector<Index> nodes_for(const Settings& settings, const Scene& s) {
+  if (settings.method != Method::multigrid) return {};
+  std::vector<Index> node(s.n);
+  for (Index p = 0; p < s.n; ++p) node[p] = p / s.d;
+  return node;
+}
+
 Result judge(const Recipe& recipe, const Settings& settings) {
   const Scene s = make_scene(recipe);
-  const Posed system = s.system();
+  const Posed system = s.system(nodes_for(settings, s));
   const Solution a = solve(system.problem(), settings);
-  Result r{a.status};
+  Result r{a.status, a.layer};
   if (a.status == Status::converged)
     r.worst = verify(s, system.to_global(a.x), system.force_to_global(a.certificate.r)).worst();
   return r;
@@ -92,6 +101,26 @@ TEST(RandomScenes, TheIterativeMethodsSolveWhatHasAnAnswerAndObeyTheLaws) {
     // SORP, too, arrives at nu = 0.4999, in time
     run_scenes(name, count, seed, settings, method == Method::sorp ? 300000 : 0);
   }
+}
+
+TEST(RandomScenes, MultigridSolvesWhatTheDefaultSolvesNearlyAlwaysWithoutItsHelp) {
+  const unsigned count = from_environment("RANDOM_SCENES", 1000) / 4,
+                 seed = from_environment("RANDOM_SEED", 1);
+  Settings settings;
+  settings.method = Method::multigrid;
+  run_scenes("multigrid", count, seed, settings);
+  unsigned of_default = 0, alone = 0;
+  for (unsigned k = 0; k < count; ++k) {
+    const Recipe recipe = random_recipe(seed + k);
+    if (recipe.algebraic) continue;  // no coordinates: the condensed route answers
+    const Status wanted = judge(recipe, Settings()).status;
+    if (wanted != Status::converged && wanted != Status::no_equilibrium) continue;
+    const Result result = judge(recipe, settings);
+    ++of_default;
+    EXPECT_EQ(result.status, wanted) << recipe;
+    alone += result.layer == Layer::multigrid || result.layer == Layer::none;
+  }
+  EXPECT_GE(alone, 0.98 * of_default);
 }
 
 TEST(RandomScenes, ShrinkingKeepsTheFailureAndDropsTheRest) {

@@ -69,7 +69,7 @@ void validate_load(const Increment& increment, const System& system) {
 /// The options that differ from their defaults, each with whether the method heeds it.
 void refuse_without_effect(const Settings& s) {
   const Settings standard;
-  const bool newton = condenses(s) && s.newton, smooths = smooths_friction(s);
+  const bool newton = takes_newton_steps(s), smooths = smooths_friction(s);
   const auto rule = [](bool differs, bool has_effect, const char* name, const char* remedy) {
     if (differs && !has_effect) refuse(name, " has no effect with this method; ", remedy);
   };
@@ -84,8 +84,8 @@ void refuse_without_effect(const Settings& s) {
        "it does not relax: leave it out, or take an SSOR");
   rule(s.newton != standard.newton, condenses(s), "newton",
        "it does not condense: leave it out, or the method");
-  rule(s.memory != standard.memory, condenses(s), "memory",
-       "it does not condense: leave it out, or the method");
+  rule(s.memory != standard.memory, may_factor(s), "memory",
+       "it makes no factor: leave it out, or the method");
 }
 
 }  // namespace

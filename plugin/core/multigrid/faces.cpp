@@ -29,7 +29,7 @@ Faces::Faces(const ContactProblem& problem)
   const Real waves = system_.dimension == 2 ? Real(m) : std::sqrt(Real(m));
   for (Index i = 0; i < m; ++i) {
     const Index t = problem.tangents(i);
-    c_D_[i] = t == 0 ? 0 : system_.D.segment(system_.first[i] + 1, t).mean();
+    c_D_[i] = t == 0 ? 0 : system_.weight[system_.first[i] + 1];
     c_[i] = std::min(1.0, 3 / waves) * c_D_[i];
   }
 }
@@ -47,7 +47,7 @@ void Faces::start_from_stick() {
 void Faces::start_from(const Vector& x, const Vector& b_C) {
   for (Index i = 0; i < system_.nodes(); ++i) {
     const Index N = normal(i), t = system_.tangents(i), first = system_.first[i];
-    const Real closing = system_.D[first] * (increment_.gap[i] - x[first]);
+    const Real closing = system_.weight[first] * (increment_.gap[i] - x[first]);
     const bool closed = law_of(increment_, i).closed(closing, b_C[N]);
     face_[i] = Face();
     face_[i] = branch(i, closed, tangent(b_C, N + 1, t), limit(i, closed ? b_C[N] : 0), x);
@@ -174,7 +174,7 @@ Real Faces::violation(const Vector& x, const Vector& b_C) const {
   for (Index i = 0; i < system_.nodes(); ++i) {
     const Face& face = face_[i];
     const Index first = system_.first[i], N = normal(i), t = system_.tangents(i);
-    const Real D = system_.D[first];
+    const Real D = system_.weight[first];
     if (face.closed && !increment_.bilateral) {
       const Real tension = std::min(b_C[N], 0.0);
       sum += tension * tension / D;
@@ -186,6 +186,20 @@ Real Faces::violation(const Vector& x, const Vector& b_C) const {
     const Real g = limit(i, face.closed ? b_C[N] : 0);
     const Eigen::Vector2d f = friction(i, x, b_C), x_T = tangent(x, first + 1, t);
     sum += friction_residual(f, x_T, c_D_[i], g).squaredNorm() / c_D_[i];
+  }
+  return std::sqrt(sum);
+}
+
+Real Faces::misdirection(const Vector& x, const Vector& b_C) const {
+  Real sum = 0;
+  for (Index i = 0; i < system_.nodes(); ++i) {
+    const Index first = system_.first[i], N = normal(i), t = system_.tangents(i);
+    if (t < 2 || face_[i].stick) continue;
+    const Eigen::Vector2d b_T = tangent(b_C, N + 1, t), x_T = tangent(x, first + 1, t);
+    const Real slip = x_T.norm(), g = limit(i, face_[i].closed ? b_C[N] : 0);
+    if (slip == 0) continue;
+    const Real off = std::min(c_D_[i] * slip, (b_T - g / slip * x_T).norm());
+    sum += off * off / c_D_[i];
   }
   return std::sqrt(sum);
 }

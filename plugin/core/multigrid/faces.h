@@ -47,6 +47,11 @@ class Faces {
   void jacobian(const Vector& z, const Vector& Az_C, Eigen::Ref<Vector> Jz_C) const;
   /// By how much x, b violate the laws as certify sees them, in norm_D.
   Real violation(const Vector& x, const Vector& b_C) const;
+  /// How far the friction of sliding nodes is from the direction of their slip, in norm_D: of each
+  /// the slip as a force, or what friction misses of minus its limit along the slip, whichever is
+  /// less. Where a node hardly slides the certificate does not see it: its residual is of second
+  /// order, slip times angle.
+  Real misdirection(const Vector& x, const Vector& b_C) const;
 
   const std::vector<char>& fixed() const { return fixed_; }                 ///< contact_dofs
   const std::vector<TangentialStiffness>& stiffness() const { return W_; }  ///< of the slip rows
@@ -63,7 +68,7 @@ class Faces {
   const Increment& increment_;
   std::vector<Face> face_;
   Vector c_;    ///< m [force/length]: of the choice between stick and slip
-  Vector c_D_;  ///< m, mean diagonal of A on the tangents: that of the certificate
+  Vector c_D_;  ///< m, weight of the tangents: that of the certificate
   std::vector<char> fixed_;
   std::vector<TangentialStiffness> W_;
   bool lagged_ = false;

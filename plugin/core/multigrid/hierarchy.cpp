@@ -1,56 +1,28 @@
 #include "multigrid/hierarchy.h"
 
-#include <Eigen/Cholesky>
-#include <cmath>
-#include <numeric>
-
+#include "multigrid/coarsest.h"
 #include "multigrid/dense.h"
+#include "multigrid/dense_hierarchy.h"
 #include "multigrid/fine_matrix.h"
 #include "multigrid/galerkin.h"
+#include "multigrid/level.h"
 #include "multigrid/smoother.h"
-#include "multigrid/touched.h"
 
 namespace frictioncg {
 
 namespace {
 
-constexpr int power_steps = 8;
-constexpr Real stalled = 0.8;       ///< share of rows left by a coarsening that is not worth it
 constexpr Real shift = 1e-6;        ///< of the coarsest diagonal: the rounding of single precision
+constexpr Real stalled = 0.8;       ///< share of rows left by a coarsening that is not worth it
 constexpr std::size_t most = 4000;  ///< dofs beyond which no dense factorization is tried
 
-/// Thin layers of elements (aspect 10: couplings of 0.01 beside 1) are not to be aggregated across.
+/// Thin layers of elements (aspect 10: couplings of 0.01 beside 1) are not to be aggregated across;
+/// in 2D, where an aggregate has fewer neighbours, nor those of half that aspect.
 /// Smoothed prolongations widen the graph of coarse levels: there, only the stronger half of the
 /// couplings counts.
 Coarsening coarsening(int dimension, bool fine) {
-  if (fine) return {0.08f, dimension == 2 ? 5.0f : 15.0f};
-  return {0.25f, dimension == 2 ? 4.0f : 8.0f};
-}
-
-template <int B, int K>
-struct Level {
-  SymmetricBlocks<B> A;
-  Prolongation<B, K> P;
-  Touched<B> touched;
-  std::vector<float> base;  ///< of the touched blocks
-  std::vector<float> r, z, work, residual;
-  std::vector<float> first_r, first_z;  ///< of the first of two cycles
-
-  void allocate() {
-    for (std::vector<float>* v : {&r, &z, &work, &residual, &first_r, &first_z})
-      v->assign(std::size_t(A.rows()) * B, 0);
-  }
-};
-
-template <class T>
-double bytes_of(const std::vector<T>& v) {
-  return double(v.capacity()) * sizeof(T);
-}
-
-template <int B>
-double bytes_of(const SymmetricBlocks<B>& A) {
-  return bytes_of(A.row) + bytes_of(A.col) + bytes_of(A.value) + bytes_of(A.diagonal) +
-         bytes_of(A.inverse);
+  if (fine) return dimension == 2 ? Coarsening{0.15f, 5} : Coarsening{0.08f, 15};
+  return dimension == 2 ? Coarsening{0.25f, 4} : Coarsening{0.25f, 8};
 }
 
 /// D slots a node on the fine level, K modes a node on the coarse ones.
@@ -71,10 +43,6 @@ class HierarchyOf final : public Hierarchy {
  private:
   using Fine = Level<D, K>;
   using Coarse = Level<K, K>;
-  template <int B>
-  Modes<K> coarsen(Level<B, K>& level, const Modes<K>& modes);
-  template <int B>
-  void first_product(Level<B, K>& level, Coarse& next, std::vector<float>& contact);
   void build_coarse(Modes<K> modes);
   void set_contact_rows(const std::vector<char>& fixed, const std::vector<TangentialStiffness>& W,
                         const Vector& springs);
@@ -92,9 +60,7 @@ class HierarchyOf final : public Hierarchy {
   std::vector<float> contact_diagonal_, contact_P_;  ///< of the rows of contact nodes, untruncated
   GalerkinProduct<D, K> fine_product_;
   GalerkinProduct<K, K> product_;
-  Eigen::MatrixXd dense_;
-  Eigen::LLT<Eigen::MatrixXd> llt_;
-  Vector coarsest_;
+  CoarsestSolver coarsest_;
 };
 
 template <int D, int K>
@@ -107,49 +73,12 @@ HierarchyOf<D, K>::HierarchyOf(const Matrix& A, const NodeBlocks& blocks,
   Modes<K> B = Modes<K>::Zero(blocks.slots(), K);
   for (std::size_t p = 0; p < blocks.slot.size(); ++p) B.row(blocks.slot[p]) = modes.row(p);
   fine_.allocate();
-  build_coarse(coarsen(fine_, B));
+  build_coarse(coarsen<D, K>(fine_, B, coarsening(D, true)));
   contact_diagonal_.assign(fine_.A.diagonal.begin() + std::ptrdiff_t(blocks.interior) * D * D,
                            fine_.A.diagonal.end());
   contact_P_.assign(fine_.P.at(fine_.P.row[blocks.interior]),
                     fine_.P.value.data() + fine_.P.value.size());
   factor_coarsest();
-}
-
-/// P of the level; returns the modes of the next.
-template <int D, int K>
-template <int B>
-Modes<K> HierarchyOf<D, K>::coarsen(Level<B, K>& level, const Modes<K>& modes) {
-  const BlockGraph graph = make_graph(level.A);
-  const bool fine = static_cast<const void*>(&level) == &fine_;
-  const Aggregates aggregates = aggregate(graph, coupling_strength(level.A), coarsening(D, fine));
-  const Tentative<B, K> tentative = make_tentative<B, K>(aggregates, modes);
-  const float omega = 4.0f / 3 / spectral_radius(level.A, power_steps);
-  level.P = smooth<B, K>(level.A, graph, aggregates, tentative.value, omega);
-  return tentative.coarse;
-}
-
-/// next.A = P' A P, its base apart: level.A holds its own base in turn, and then, in the touched
-/// blocks, the contact part alone. contact: that part of level.A, replaced by that of next.A.
-template <int D, int K>
-template <int B>
-void HierarchyOf<D, K>::first_product(Level<B, K>& level, Coarse& next,
-                                      std::vector<float>& contact) {
-  next.A = galerkin_pattern(level.A, level.P);
-  next.touched = Touched<K>::reached(level.A, level.touched, level.P, next.A);
-  GalerkinProduct<B, K> product;
-  level.touched.add(0, level.base, level.A);
-  product.add(level.A, level.P, {0, level.A.rows()}, next.A);
-  next.base = next.touched.read(next.A);
-
-  level.touched.add(0, contact, level.A);
-  next.touched.clear(next.A);
-  product.add(level.A, level.P, level.touched.rows, level.touched.begin, level.touched.lower,
-              next.A);
-  level.touched.add(1, level.base, level.A);
-  contact = next.touched.read(next.A);
-  next.touched.add(1, next.base, next.A);
-  for (Index i = 0; i < next.A.rows(); ++i) invert_diagonal(next.A, i);
-  next.allocate();
 }
 
 template <int D, int K>
@@ -163,14 +92,14 @@ void HierarchyOf<D, K>::build_coarse(Modes<K> modes) {
   std::vector<float> contact = fine_.touched.read(fine_.A);
   fine_.base.assign(contact.size(), 0);
   coarse_.emplace_back();
-  first_product(fine_, coarse_.back(), contact);
+  make_next<D, K>(fine_, coarse_.back(), contact);
   std::vector<float>().swap(fine_.base);
   while (coarse_.back().A.rows() * K > options_.coarsest) {
     Coarse& level = coarse_.back();
-    modes = coarsen(level, modes);
+    modes = coarsen<K, K>(level, modes, coarsening(D, false));
     if (level.P.columns > stalled * level.A.rows()) break;
     Coarse next;
-    first_product(level, next, contact);
+    make_next<K, K>(level, next, contact);
     coarse_.push_back(std::move(next));
   }
 }
@@ -233,31 +162,20 @@ void HierarchyOf<D, K>::truncate(const std::vector<char>& fixed,
 
 template <int D, int K>
 void HierarchyOf<D, K>::factor_coarsest() {
-  const Coarse& level = coarse_.back();
-  if (std::size_t(level.A.rows()) * K > most) return;
-  dense_ = matrix(levels() - 1);
-  coarsest_.resize(dense_.rows());
-  const Vector diagonal = dense_.diagonal();
-  for (Real s = shift; s < 1; s *= 10) {
-    for (Eigen::Index k = 0; k < diagonal.size(); ++k)
-      dense_(k, k) = diagonal[k] > 0 ? (1 + s) * diagonal[k] : 1;
-    llt_.compute(dense_);
-    if (llt_.info() == Eigen::Success) break;
-  }
+  const bool small = std::size_t(coarse_.back().A.rows()) * K <= most;
+  if (small) coarsest_.factor(matrix(levels() - 1), shift);
 }
 
 template <int D, int K>
 void HierarchyOf<D, K>::solve_coarsest(Coarse& level) {
-  if (dense_.size() == 0) {
-    level.work = level.r;
-    sweep_forward(level.A, level.work.data(), level.z.data());
-    level.work = level.r;
-    sweep_backward(level.A, level.work.data(), level.z.data());
+  if (coarsest_.factored()) {
+    coarsest_.solve(level.r, level.z);
     return;
   }
-  for (Eigen::Index k = 0; k < coarsest_.size(); ++k) coarsest_[k] = level.r[k];
-  llt_.solveInPlace(coarsest_);
-  for (Eigen::Index k = 0; k < coarsest_.size(); ++k) level.z[k] = static_cast<float>(coarsest_[k]);
+  level.work = level.r;
+  sweep_forward(level.A, level.work.data(), level.z.data());
+  level.work = level.r;
+  sweep_backward(level.A, level.work.data(), level.z.data());
 }
 
 /// coarse.z from coarse.r: exact on the coarsest level, elsewhere by two cycles.
@@ -320,14 +238,9 @@ Real HierarchyOf<D, K>::operator_complexity() const {
 
 template <int D, int K>
 double HierarchyOf<D, K>::bytes() const {
-  const auto of = [](const auto& level) {
-    return bytes_of(level.A) + bytes_of(level.P.row) + bytes_of(level.P.col) +
-           bytes_of(level.P.value) + bytes_of(level.touched.lower) + bytes_of(level.base) +
-           bytes_of(level.r) + 5 * bytes_of(level.r);
-  };
-  double sum = of(fine_) + bytes_of(blocks_.slot) + bytes_of(blocks_.dof);
-  for (const Coarse& level : coarse_) sum += of(level);
-  return sum + 16.0 * double(dense_.size());
+  double sum = fine_.bytes() + sizeof(Index) * double(blocks_.slot.size() + blocks_.dof.size());
+  for (const Coarse& level : coarse_) sum += level.bytes();
+  return sum + coarsest_.bytes();
 }
 
 template <int D, int K>
@@ -345,6 +258,7 @@ Eigen::MatrixXd HierarchyOf<D, K>::prolongation(Index level) const {
 std::unique_ptr<Hierarchy> make_hierarchy(const Matrix& A, const NodeBlocks& blocks,
                                           const Eigen::MatrixXd& modes,
                                           const HierarchyOptions& options) {
+  if (blocks.dofs() <= options.dense) return std::make_unique<DenseHierarchy>(A);
   if (blocks.size == 2) return std::make_unique<HierarchyOf<2, 3>>(A, blocks, modes, options);
   return std::make_unique<HierarchyOf<3, 6>>(A, blocks, modes, options);
 }

@@ -46,7 +46,8 @@ class Hierarchy {
 };
 
 struct HierarchyOptions {
-  Index coarsest = 600;  ///< dofs from which on a dense factorization takes over
+  Index coarsest = 600;  ///< dofs of a coarse level from which on a dense factorization takes over
+  Index dense = 300;     ///< dofs of A up to which one on the fine level itself does
 };
 
 /// modes (n x 3 in 2D, n x 6 in 3D): rigid motions, see rigid_modes. A is not kept.

@@ -10,11 +10,14 @@ namespace frictioncg {
 namespace {
 
 constexpr std::size_t most_directions = 20;
-constexpr Index patience = 40;  ///< inner iterations in which the residual must fall tenfold
-constexpr Real share = 0.5;     ///< of tol that the linear residual may take
+constexpr Index patience = 40;         ///< inner iterations in which the residual must fall tenfold
+constexpr Index little_patience = 12;  ///< the same where the caller has another method
+constexpr Real negative = 1e-10;       ///< -<Az,z>/<Dz,z> that is no rounding
+constexpr Real share = 0.5;            ///< of tol that the linear residual may take
 constexpr int most_retreats = 10, most_drifts = 4;
 constexpr Real least_Gamma = 1e-3, most_Gamma = 0.3;
-constexpr Real first_spring = 1e-2;  ///< over D
+constexpr Real sharper = 0.2, least_goal = 1e-4;  ///< of goals that did not do
+constexpr Real first_spring = 1e-2;               ///< over D
 constexpr Real out_of_bounds = 1e3;  ///< violation over the first with the present springs
 
 }  // namespace
@@ -22,11 +25,11 @@ constexpr Real out_of_bounds = 1e3;  ///< violation over the first with the pres
 // ---------------------------------------------------------------------------- inner iteration
 
 ConjugateResiduals::ConjugateResiduals(const System& system)
-    : system_(system), inverse_D_(system.D.cwiseInverse()) {}
+    : system_(system), inverse_weight_(system.weight.cwiseInverse()) {}
 
-/// In the norm of D^{-1/2}.
+/// The product of norm_D.
 Real ConjugateResiduals::dot(const Vector& a, const Vector& b) const {
-  return (a.array() * inverse_D_.array() * b.array()).sum();
+  return (a.array() * inverse_weight_.array() * b.array()).sum();
 }
 
 void ConjugateResiduals::start(const Vector& s) {
@@ -41,6 +44,9 @@ bool ConjugateResiduals::step(Hierarchy& hierarchy, const Faces& faces, const Ve
   Direction& now = kept_[next_];
   hierarchy.apply(s_, now.z);
   now.Jz.noalias() = system_.A * now.z;
+  const Real work = now.z.dot(now.Jz), size = now.z.dot(system_.D.cwiseProduct(now.z));
+  indefinite_ = work < -negative * size;
+  if (indefinite_) return false;
   now.Az_C = now.Jz.tail(springs.size()) + springs.cwiseProduct(now.z.tail(springs.size()));
   faces.jacobian(now.z, now.Az_C, now.Jz.tail(system_.contact_dofs()));
   const Real before = dot(now.Jz, now.Jz);
@@ -66,17 +72,19 @@ bool ConjugateResiduals::step(Hierarchy& hierarchy, const Faces& faces, const Ve
 
 // ---------------------------------------------------------------------------- outer iteration
 
-InexactNewton::InexactNewton(const ContactProblem& problem, Hierarchy& hierarchy)
+InexactNewton::InexactNewton(const ContactProblem& problem, Hierarchy& hierarchy,
+                             Observer* observer)
     : problem_(problem),
       system_(*problem.system),
       hierarchy_(hierarchy),
+      observer_(observer),
       faces_(problem),
       inner_(system_),
       springs_(Vector::Zero(system_.contact_dofs())) {}
 
 Status InexactNewton::solve(Real tol, Index max_iterations, const Vector& x0,
                             const std::vector<Face>& start) {
-  goal_ = tol * problem_.increment.force_scale;
+  goal_ = tol * driving_norm(system_, problem_.increment);
   max_iterations_ = max_iterations;
   x_ = x0.size() > 0 ? x0 : Vector(Vector::Zero(system_.dofs()));
   rest_ = x_;
@@ -92,19 +100,44 @@ Status InexactNewton::solve(Real tol, Index max_iterations, const Vector& x0,
     hierarchy_.truncate(faces_.fixed(), faces_.stiffness(), springs_);
     const bool solved = solve_faces();
     ++updates_;
+    if (inner_.indefinite()) return Status::not_positive_definite;
     const Real violation = faces_.violation(x_, b_C_);
     if (std::hypot(inner_.norm(), violation) <= std::max(goal_, 0.1 * spring_force())) {
+      const bool held = spring_force() > goal_;
       const bool goes_on = release_springs();
-      if (certify(problem_, x_).residual <= tol) return Status::converged;
-      if (!goes_on) return Status::stagnated;
+      if (accept(tol, held)) return Status::converged;
+      if (!goes_on) return ended(Status::stagnated);
+      if (goal_ <= least_goal_) return ended(Status::stagnated);
     } else if (!progress(solved, violation)) {
-      if (!retreat(solved)) return Status::stagnated;
+      if (accepted_.size() > 0 || !retreat(solved)) return ended(Status::stagnated);
       continue;
     }
     faces_.lag(!solved);
     faces_.choose(x_, b_C_);
   }
-  return Status::max_iterations;
+  return ended(Status::max_iterations);
+}
+
+/// Whether the laws hold at x, friction along the slip included; else what to aim for next. held:
+/// springs took a part of the load.
+bool InexactNewton::accept(Real tol, bool held) {
+  const Certificate certificate = certify(problem_, x_);
+  const Real goal = tol * certificate.scale;
+  if (certificate.residual <= tol) {
+    if (faces_.misdirection(x_, b_C_) <= goal) return true;
+    accepted_ = x_;
+  }
+  // the scale is known now; where it was already, and did not do, rounding is near
+  goal_ = goal_ <= 1.01 * goal && !held ? sharper * goal_ : goal;
+  least_goal_ = least_goal * goal;
+  return false;
+}
+
+/// What was accepted once counts, whatever came after it.
+Status InexactNewton::ended(Status otherwise) {
+  if (accepted_.size() == 0) return otherwise;
+  x_ = accepted_;
+  return Status::converged;
 }
 
 void InexactNewton::recompute_forces() {
@@ -136,10 +169,12 @@ bool InexactNewton::solve_faces() {
   inner_.start(s_);
   Real mark = inner_.norm();
   Index since = 0;
-  bool falls = mark > share * goal_;
+  const Index bound = gives_up_early_ ? little_patience : patience;
+  bool falls = mark > share * goal_, first = true;
   while (falls && iterations_ < max_iterations_) {
     falls = inner_.step(hierarchy_, faces_, springs_, x_, b_C_);
-    ++iterations_;
+    count(first ? StepLabel::newton : StepLabel::conjugate);
+    first = false;
     const Real aim = std::max(Gamma_ * faces_.violation(x_, b_C_), share * goal_);
     if (inner_.norm() <= aim) break;
     ++since;
@@ -147,15 +182,21 @@ bool InexactNewton::solve_faces() {
       mark = inner_.norm();
       since = 0;
     }
-    falls = falls && since < patience;
+    falls = falls && since < bound;
   }
   b_ = inner_.residual();
   return falls || inner_.norm() <= share * goal_;
 }
 
+void InexactNewton::count(StepLabel label) {
+  ++iterations_;
+  steps_.add(label);
+  if (observer_) observer_->iterate(iterations_, label, x_);
+}
+
 /// What the springs do to equilibrium, in norm_D.
 Real InexactNewton::spring_force() const {
-  const auto D = system_.D.tail(springs_.size()).array();
+  const auto D = system_.weight.tail(springs_.size()).array();
   const auto stretch = (x_ - rest_).tail(springs_.size()).array();
   return std::sqrt((springs_.array() * stretch).square().cwiseQuotient(D).sum());
 }
@@ -184,7 +225,7 @@ bool InexactNewton::release_springs() {
 /// hold it: first from stick at x = 0, then from where the last of them were at rest, stiffer.
 /// False where that was tried often enough.
 bool InexactNewton::retreat(bool solved) {
-  if (++retreats_ > most_retreats) return false;
+  if (++retreats_ > most_retreats || (gives_up_early_ && !solved)) return false;
   if (!solved) least_spring_ = std::max(least_spring_, 3 * spring_);  // too weak for the hierarchy
   faces_.lag(false);
   Gamma_ = 0.1;

@@ -19,6 +19,7 @@ class ConjugateResiduals {
             Vector& b_C);
   Real norm() const { return norm_; }  ///< of the residual, norm_D
   const Vector& residual() const { return s_; }
+  bool indefinite() const { return indefinite_; }  ///< A did negative work on a direction
 
  private:
   struct Direction {
@@ -28,10 +29,11 @@ class ConjugateResiduals {
   Real dot(const Vector& a, const Vector& b) const;
 
   const System& system_;
-  Vector inverse_D_, s_;
+  Vector inverse_weight_, s_;
   std::vector<Direction> kept_;
   std::size_t used_ = 0, next_ = 0;
   Real norm_ = 0;
+  bool indefinite_ = false;
 };
 
 /// Inexact semismooth Newton on the unregularized laws: the linear system of the present faces,
@@ -39,46 +41,60 @@ class ConjugateResiduals {
 /// are chosen anew.
 class InexactNewton {
  public:
-  InexactNewton(const ContactProblem& problem, Hierarchy& hierarchy);
+  InexactNewton(const ContactProblem& problem, Hierarchy& hierarchy, Observer* observer = nullptr);
 
   /// From the branches of x0 (n), or where it is empty from the given ones, or where these are,
-  /// too, from stick. converged: by the certificate; max_iterations; stagnated: neither a tighter
+  /// too, from stick. Friction is to follow the slip to about tol, too, where rounding allows it.
+  /// converged: by the certificate; max_iterations; stagnated: neither a tighter
   /// Gamma nor a new start reduces the violation.
   Status solve(Real tol, Index max_iterations, const Vector& x0,
                const std::vector<Face>& start = {});
+
+  /// Ends, stagnated, as soon as the residual of a linear system does not fall as it does by a good
+  /// hierarchy: for a caller who has another method.
+  void give_up_early() { gives_up_early_ = true; }
 
   const Vector& x() const { return x_; }
   const std::vector<Face>& faces() const { return faces_.all(); }
   Index iterations() const { return iterations_; }  ///< cycles
   Index updates() const { return updates_; }        ///< of the faces
+  /// newton: the first cycle after an update of the faces; conjugate: the others.
+  const StepCounts& steps() const { return steps_; }
 
  private:
   void move_onto_faces();
   void recompute_forces();
   bool solve_faces();
+  void count(StepLabel label);
   bool progress(bool solved, Real violation);
   Real spring_force() const;
   void set_springs(Real over_D);
   bool release_springs();
   bool retreat(bool solved);
+  bool accept(Real tol, bool held);
+  Status ended(Status otherwise);
 
   const ContactProblem& problem_;
   const System& system_;
   Hierarchy& hierarchy_;
+  Observer* const observer_;
   Faces faces_;
   ConjugateResiduals inner_;
   Vector x_, b_;                           ///< n; b = F - Ax, and the springs' force
   Vector b_C_, s_;                         ///< contact dofs of b; n, residual of the linear system
   Real spring_ = 0, least_spring_ = 1e-8;  ///< over D
-  Vector springs_;  ///< contact_dofs [force/length]: proximal, 0 until faces left a motion free
-  Vector rest_;     ///< n, x where they are at rest
+  Vector springs_;   ///< contact_dofs [force/length]: proximal, 0 until faces left a motion free
+  Vector accepted_;  ///< n, the last x that the certificate lets pass; or empty
+  Vector rest_;      ///< n, x where they are at rest
   std::vector<Face> faces_at_rest_;
-  Real last_force_ = 0;  ///< of the springs, when they were released last
-  Real Gamma_ = 0.3;     ///< residual over violation at which faces are chosen anew
-  Real goal_ = 0;        ///< [norm_D]
+  Real last_force_ = 0;             ///< of the springs, when they were released last
+  Real Gamma_ = 0.3;                ///< residual over violation at which faces are chosen anew
+  Real goal_ = 0, least_goal_ = 0;  ///< [norm_D]
   Real first_ = std::numeric_limits<Real>::infinity(), best_ = first_,
        drop_from_ = first_;  ///< violations
+  bool gives_up_early_ = false;
   int without_progress_ = 0, without_drop_ = 0, retreats_ = 0, drifts_ = 0;
+  StepCounts steps_;
   Index iterations_ = 0, updates_ = 0, max_iterations_ = 0;
 };
 

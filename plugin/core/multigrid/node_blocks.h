@@ -14,6 +14,7 @@ struct NodeBlocks {
   std::vector<Index> dof;   ///< size * blocks, of each slot; -1 where the slot is empty
 
   Index slots() const { return size * blocks; }
+  Index dofs() const { return static_cast<Index>(slot.size()); }
 };
 
 /// mesh_node (n): dofs with one number share a mesh node. Contact dofs are those from

@@ -1,8 +1,7 @@
 #pragma once
-// A sparse scene in local frames, by blocks of mesh nodes, with its rigid motions.
+// A sparse scene in local frames, by blocks of mesh nodes, with its hierarchy.
 #include "../sparse_scene.h"
 #include "core/multigrid/hierarchy.h"
-#include "core/multigrid/rigid_modes.h"
 
 namespace frictioncg::test {
 
@@ -16,13 +15,11 @@ struct SceneInBlocks {
   explicit SceneInBlocks(const SparseOptions& options, const HierarchyOptions& how = {})
       : SceneInBlocks(sparse_block(options), how) {}
   explicit SceneInBlocks(const SparseScene& scene, const HierarchyOptions& how = {})
-      : posed(scene.system(scene.node_of_dof)), system(posed.problem().system) {
-    const Eigen::MatrixXd global = rigid_modes(script_positions(scene), script_directions(scene));
-    modes.resize(system->dofs(), global.cols());
-    for (Eigen::Index k = 0; k < global.cols(); ++k) modes.col(k) = posed.to_local(global.col(k));
-    blocks = make_node_blocks(system->mesh_node, scene.d, system->interior());
-    hierarchy = make_hierarchy(system->A, blocks, modes, how);
-  }
+      : posed(scene.system(scene.node_of_dof)),
+        system(posed.problem().system),
+        modes(system->rigid_modes()),
+        blocks(make_node_blocks(system->mesh_node, scene.d, system->interior())),
+        hierarchy(make_hierarchy(system->A, blocks, modes, how)) {}
 };
 
 }  // namespace frictioncg::test

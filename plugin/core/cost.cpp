@@ -1,0 +1,27 @@
+#include "cost.h"
+
+#include <cmath>
+#include <limits>
+
+namespace frictioncg {
+
+namespace {
+
+constexpr double of_factor = 1.2e-9;  ///< s over n^2, contact dofs last, 3D
+constexpr double of_laws = 5e-10;     ///< s over contact_dofs^3: S, and ten steps on it
+constexpr double of_cycles = 2.5e-7;  ///< s over the entries of A: 30 to 60 cycles, and the set-up
+
+}  // namespace
+
+Costs estimate_costs(const System& system) {
+  Costs costs;
+  const double n = system.dofs(), contact = system.contact_dofs();
+  if (system.dimension == 3) costs.condensed = of_factor * n * n;
+  costs.condensed += of_laws * std::pow(contact, 3);
+  const bool known = system.rigid_modes && !system.mesh_node.empty();
+  costs.multigrid =
+      known ? of_cycles * double(system.A.nonZeros()) : std::numeric_limits<double>::infinity();
+  return costs;
+}
+
+}  // namespace frictioncg

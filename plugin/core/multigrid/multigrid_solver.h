@@ -1,0 +1,34 @@
+#pragma once
+#include <Eigen/Core>
+#include <memory>
+
+#include "multigrid/faces.h"
+#include "solution.h"
+
+namespace frictioncg {
+
+/// The scalable route: the hierarchy of A, kept for further loads, gaps and laws; then inexact
+/// semismooth Newton steps on the unregularized laws.
+class MultigridSolver {
+ public:
+  /// Sets up the hierarchy, where the system tells its mesh nodes and its rigid modes.
+  explicit MultigridSolver(SystemPtr system);
+
+  bool has_hierarchy() const { return hierarchy_ != nullptr; }
+
+  /// Wants a hierarchy. x0: n, or empty to start from the last answer.
+  Solution solve(const ContactProblem& problem, const Settings& settings, const Vector& x0,
+                 Observer* observer);
+
+ private:
+  void iterate(const ContactProblem& problem, const Settings& settings, const Vector& x0,
+               Observer* observer, Solution& s);
+
+  SystemPtr system_;
+  std::unique_ptr<Hierarchy> hierarchy_;
+  Eigen::MatrixXd motions_;  ///< n x k: rigid motions that A leaves free
+  std::vector<Face> last_;   ///< of the last answer: where an increment starts
+  double setup_ = 0;         ///< CPU seconds, until they are reported
+};
+
+}  // namespace frictioncg
