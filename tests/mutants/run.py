@@ -124,7 +124,7 @@ def scripts_notice(folder, log, path=""):
     plugins = os.environ.get("FF_PLUGINS", "/usr/lib/freefem++")
     idp = os.environ.get("FF_IDP", "/usr/include/freefem++/idp")
     env["FF_LOADPATH"] = f"{folder};{plugins}"
-    env["FF_INCLUDEPATH"] = f"{folder};{idp}"
+    env["FF_INCLUDEPATH"] = f"{folder};{os.path.join(ROOT, 'tests')};{idp}"  # scripts include ../tests/edp
     scripts = sorted(s for s in os.listdir(os.path.join(ROOT, "tests/edp")) if s.endswith(".edp"))
     return not run(["bash", "tests/run"] + [f"tests/edp/{s}" for s in scripts], log, 600, cwd=ROOT, env=env)
 
