@@ -50,10 +50,10 @@ inline Vector at_nodes(Stack stack, const Arguments& args, Parameter p, const Sc
   return at_nodes(stack, args, p, scene, scene.nodes);
 }
 
-/// The gap at each contact node. Between two bodies a given one is added to that of the meshes.
+/// The gap at each contact node. Between two bodies a given one replaces that of the meshes.
 inline Vector read_gap(Stack stack, const Arguments& args, const Scene& scene) {
   if (!scene.pairing) return at_nodes(stack, args, p_gap, scene);
-  if (!args.has(p_gap)) return scene.pairing->gap({});
+  if (!args.has(p_gap)) return scene.pairing->gap();
   return scene.pairing->gap(at_nodes(stack, args, p_gap, scene, scene.pairing->slave_nodes()));
 }
 

@@ -51,15 +51,16 @@ class Pairing {
       nodes.push_back(slave_node(static_cast<Index>(i), between_.slave[i].facets.front().label));
     return nodes;
   }
-  /// The gap of each contact node: between the meshes, and what `more` (one value for each slave
-  /// node, or empty) opens it by.
-  Vector gap(const Vector& more) const {
+  /// The gap of each contact node: between the meshes, or as given at each slave node.
+  Vector gap() const {
     Vector gap(static_cast<Index>(mortar_->nodes().size()));
     for (Index k = 0; k < gap.size(); ++k) gap[k] = mortar_->nodes()[k].gap;
-    if (more.size() == 0) return gap;
+    return gap;
+  }
+  Vector gap(const Vector& given) const {
     Vector at_nodes = Vector::Zero(static_cast<Index>(between_.X.size()));
-    at_nodes.head(more.size()) = more;
-    return gap + mortar_->weighted(at_nodes);
+    at_nodes.head(given.size()) = given;
+    return mortar_->weighted(at_nodes);
   }
   Real distance(Index point) const { return mortar_->nodes()[point].distance; }
 
