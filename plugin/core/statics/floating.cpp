@@ -65,8 +65,9 @@ Bodies bodies_of(const Matrix& A) {
 Eigen::MatrixXd floating_motions(const System& system) {
   const Index n = system.dofs();
   DenseMatrix W(n, 0);
-  if (!system.rigid_modes || n == 0) return W;
-  const DenseMatrix M = system.rigid_modes();
+  const RigidModes& candidates = system.body_modes ? system.body_modes : system.rigid_modes;
+  if (!candidates || n == 0) return W;
+  const DenseMatrix M = candidates();
   if (M.cols() == 0 || !M.allFinite()) return W;
   const Bodies bodies = bodies_of(system.A);
   const auto in_A = gram(bodies, M, system.A * M);
