@@ -103,6 +103,35 @@ TEST(MortarSearch, TheNearestOfSeveralSurfacesIsThePartner) {
     for (Index i = 0; i < near; ++i) on_far -= weights[i];
     for (Index i = near; i < away; ++i) on_near -= weights[i];
     EXPECT_NEAR(on_near, 0.5, 1e-13);
-    EXPECT_NEAR(on_far, 0.5, 1e-13);
+    EXPECT_NEAR(on_far, 0.5 - 1. / 8, 1e-13);  // the facet beyond the step faces nothing
   }
+}
+
+TEST(MortarSearch, BesideAStepEachNodeHasTheGapOfOneSurface) {
+  for (int d : {2, 3})
+    for (Real drop : {0.05, 0.5}) {
+      Surfaces s(d, false);
+      const auto lift = [&](Real z, Real from, Real to) {
+        return [=](const Vec3& x) {
+          Vec3 y = x;
+          y[0] = from + (to - from) * y[0];
+          y[d - 1] = z;
+          return y;
+        };
+      };
+      s.pairs[0].master = s.sheet(5, 1, lift(0, 0, 0.53), 1);
+      for (const Facet& f : s.sheet(4, 1, lift(-drop, 0.53, 1), 1).facets)
+        s.pairs[0].master.facets.push_back(f);
+      s.pairs[0].slave = s.sheet(6, -1, lift(0, 0, 1), 2);
+      const Mortar mortar = s.mortar();
+      EXPECT_GT(mortar.statistics().partly_covered, 0);
+      std::size_t near = 0, far = 0;
+      for (const ContactNode& node : mortar.nodes()) {
+        near += std::abs(node.gap) < 1e-13;
+        far += std::abs(node.gap - drop) < 1e-13;
+      }
+      EXPECT_GT(near, 0u);
+      EXPECT_GT(far, 0u);
+      EXPECT_EQ(near + far, mortar.nodes().size());
+    }
 }

@@ -182,7 +182,10 @@ Cover Covering::run() {
     const auto refused = [&](const Cell& cell) { return overlap_refused(f, cell); };
     cells.erase(std::remove_if(cells.begin(), cells.end(), refused), cells.end());
     keep_nearest_sheet(slave_, f, master_, X_, cells);
-    for (const Cell& cell : cells) result.fraction[f] += extent(cell.part) / whole;
+  }
+  uncover_beyond_steps(slave_, master_, X_, result.cells);
+  for (Index f = 0; f < slave_.facets(); ++f) {
+    for (const Cell& cell : result.cells[f]) result.fraction[f] += extent(cell.part) / whole;
     total += result.fraction[f];
   }
   result.visited = tree_.visited() + pairs_;

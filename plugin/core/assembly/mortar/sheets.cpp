@@ -1,6 +1,7 @@
 #include "assembly/mortar/sheets.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -10,6 +11,8 @@ namespace {
 
 /// A step between two surfaces, over the size of the slave facet, from which they are two.
 constexpr Real step = 0.02;
+/// From facet to facet also over the distance: seen along two normals it is not quite the same.
+constexpr Real much_farther = 0.25;
 
 /// A cell with the plane of its master facet, seen along the normal of the slave facet.
 struct Seen {
@@ -58,6 +61,31 @@ void keep_nearest_sheet(const Side& slave, Index facet, const Side& master,
   for (Index p = 0; p < n; ++p)
     if (sheets.of(p) == sheets.of(nearest)) kept.push_back(std::move(cells[p]));
   cells = std::move(kept);
+}
+
+void uncover_beyond_steps(const Side& slave, const Side& master, const std::vector<Vec3>& X,
+                          std::vector<std::vector<Cell>>& cells) {
+  const Vec2 corner[3] = {{0, 0}, {1, 0}, {0, 1}};
+  constexpr Real none = -1;
+  std::vector<std::array<Real, 3>> at(cells.size(), {none, none, none});  // distance at vertices
+  std::map<Index, Real> nearest;
+  for (Index f = 0; f < slave.facets(); ++f)
+    for (int v = 0; v < slave.d && !cells[f].empty(); ++v) {
+      const auto closer = [&](const Cell& a, const Cell& b) {
+        return (centroid(a.part) - corner[v]).norm() < (centroid(b.part) - corner[v]).norm();
+      };
+      const Cell& cell = *std::min_element(cells[f].begin(), cells[f].end(), closer);
+      const Projection p = project(slave.d, slave.planes[f], master.facet(cell.master), X);
+      at[f][v] = std::abs(p.distance(corner[v]));
+      Real& least = nearest.emplace(slave.facet(f).node[v], at[f][v]).first->second;
+      least = std::min(least, at[f][v]);
+    }
+  for (Index f = 0; f < slave.facets(); ++f)
+    for (int v = 0; v < slave.d; ++v) {
+      if (at[f][v] == none) continue;
+      const Real beyond = at[f][v] - nearest.at(slave.facet(f).node[v]);
+      if (beyond > std::max(step * slave.planes[f].size, much_farther * at[f][v])) cells[f].clear();
+    }
 }
 
 }  // namespace frictioncg::mortar

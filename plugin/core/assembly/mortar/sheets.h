@@ -10,4 +10,9 @@ namespace frictioncg::mortar {
 void keep_nearest_sheet(const Side& slave, Index facet, const Side& master,
                         const std::vector<Vec3>& X, std::vector<Cell>& cells);
 
+/// The same from facet to facet: at a vertex whose facets face surfaces with a step between them,
+/// the farther ones face nothing: the vertex would meet neither.   cells: per slave facet
+void uncover_beyond_steps(const Side& slave, const Side& master, const std::vector<Vec3>& X,
+                          std::vector<std::vector<Cell>>& cells);
+
 }  // namespace frictioncg::mortar
