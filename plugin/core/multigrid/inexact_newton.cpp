@@ -12,6 +12,8 @@ namespace {
 constexpr std::size_t most_directions = 20;
 constexpr Index patience = 40;         ///< inner iterations in which the residual must fall tenfold
 constexpr Index little_patience = 12;  ///< the same where the caller has another method
+constexpr Index least_cycles = 4;      ///< from which on a rate is one
+constexpr Real again = 2;              ///< cycles of all faces over those of one linear system
 constexpr Real negative = 1e-10;       ///< -<Az,z>/<Dz,z> that is no rounding
 constexpr Real share = 0.5;            ///< of tol that the linear residual may take
 constexpr int most_retreats = 10, most_drifts = 4;
@@ -101,6 +103,7 @@ Status InexactNewton::solve(Real tol, Index max_iterations, const Vector& x0,
     const bool solved = solve_faces();
     ++updates_;
     if (inner_.indefinite()) return Status::not_positive_definite;
+    if (gave_up_) return ended(Status::stagnated);
     const Real violation = faces_.violation(x_, b_C_);
     if (std::hypot(inner_.norm(), violation) <= std::max(goal_, 0.1 * spring_force())) {
       const bool held = spring_force() > goal_;
@@ -167,7 +170,9 @@ bool InexactNewton::solve_faces() {
   s_ = b_;
   faces_.residual(x_, b_C_, s_.tail(springs_.size()));
   inner_.start(s_);
-  Real mark = inner_.norm();
+  const Real from = inner_.norm();
+  const Index begin = iterations_;
+  Real mark = from;
   Index since = 0;
   const Index bound = gives_up_early_ ? little_patience : patience;
   bool falls = mark > share * goal_, first = true;
@@ -182,10 +187,20 @@ bool InexactNewton::solve_faces() {
       mark = inner_.norm();
       since = 0;
     }
-    falls = falls && since < bound;
+    gave_up_ = costs_too_much(from, iterations_ - begin);
+    falls = falls && since < bound && !gave_up_;
   }
   b_ = inner_.residual();
   return falls || inner_.norm() <= share * goal_;
+}
+
+/// Whether tol takes more cycles than are affordable, at the rate at which this many of them have
+/// reduced the residual from what it was.
+bool InexactNewton::costs_too_much(Real from, Index cycles) const {
+  if (!std::isfinite(affordable_) || cycles < least_cycles) return false;
+  const Real rate = std::log(from / inner_.norm()) / cycles;
+  const Real left = std::log(inner_.norm() / (share * goal_));
+  return !(iterations_ * rate + again * left <= affordable_ * rate);
 }
 
 void InexactNewton::count(StepLabel label) {

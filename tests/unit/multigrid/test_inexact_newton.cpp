@@ -269,6 +269,9 @@ TEST(Multigrid, TellsTheObserverOfEachIterationAndTheLevels) {
   EXPECT_EQ(a.levels.count, s.hierarchy->levels());
   EXPECT_EQ(a.levels.complexity, s.hierarchy->operator_complexity());
   EXPECT_EQ(a.levels.bytes, s.hierarchy->bytes());
+  const Matrix& A = s.system->A;
+  EXPECT_NEAR(a.levels.of_A * (12.0 * double(A.nonZeros()) + 4.0 * (double(A.rows()) + 1)),
+              a.levels.bytes, 1e-9 * a.levels.bytes);
 }
 
 TEST(Multigrid, AnIndefiniteMatrixIsNamed) {
@@ -331,13 +334,33 @@ TEST(Multigrid, TheDefaultTakesItWhereAFactorDoesNotFit) {
   EXPECT_EQ(a.status, Status::converged);
 }
 
-TEST(Multigrid, TheDefaultLeavesItSoonWhereItsHierarchyIsPoor) {
-  SparseOptions o = cube(14);
-  o.nu = 0.4999;
-  const SceneInBlocks s(o);
-  ASSERT_EQ(make_plan(s.posed.problem(), Settings()).route, Route::multigrid);
-  const Solution a = solve(s.posed.problem(), Settings());
-  EXPECT_EQ(a.status, Status::converged);
-  EXPECT_EQ(a.layer, Layer::newton);
-  EXPECT_LT(a.iterations, 100);
+TEST(Multigrid, TheDefaultLeavesItAfterFewCyclesWhereTheyWouldCostMoreThanAFactor) {
+  for (Real nu : {0.499, 0.4999}) {
+    SparseOptions o = cube(14);
+    o.nu = nu;
+    const SceneInBlocks s(o);
+    ASSERT_EQ(make_plan(s.posed.problem(), Settings()).route, Route::multigrid);
+    Solver solver(s.system);
+    const Increment& increment = s.posed.problem().increment;
+    const Solution a = solver.solve(increment, Settings());
+    EXPECT_EQ(a.status, Status::converged);
+    EXPECT_EQ(a.layer, Layer::newton);
+    const Solution condensed = by(Method::condensed, s.posed.problem());
+    EXPECT_LE(a.iterations, condensed.iterations + 10) << nu;
+    // the factor is there now
+    EXPECT_LE(solver.solve(increment, Settings()).iterations, condensed.iterations) << nu;
+  }
+}
+
+TEST(Multigrid, TheDefaultStaysWithItWhereItIsTheCheaper) {
+  for (Real nu : {0.3, 0.45})
+    for (bool plate : {false, true}) {
+      SparseOptions o = cube(plate ? 32 : 16);
+      o.nu = nu;
+      o.clamp_side = !plate;
+      if (plate) o.cells[2] = 4, o.size[2] = 0.125, o.shear = 1;
+      const SceneInBlocks s(o);
+      const Solution a = solve(s.posed.problem(), Settings());
+      EXPECT_EQ(a.layer, Layer::multigrid) << nu << plate;
+    }
 }
