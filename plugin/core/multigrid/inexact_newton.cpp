@@ -12,8 +12,7 @@ namespace {
 constexpr std::size_t most_directions = 20;
 constexpr Index patience = 40;         ///< inner iterations in which the residual must fall tenfold
 constexpr Index little_patience = 12;  ///< the same where the caller has another method
-constexpr Index least_cycles = 4;      ///< from which on a rate is one
-constexpr Real again = 2;              ///< cycles of all faces over those of one linear system
+constexpr Index least_cycles = 8;      ///< from which on a rate is one
 constexpr Real negative = 1e-10;       ///< -<Az,z>/<Dz,z> that is no rounding
 constexpr Real share = 0.5;            ///< of tol that the linear residual may take
 constexpr int most_retreats = 10, most_drifts = 4;
@@ -195,12 +194,12 @@ bool InexactNewton::solve_faces() {
 }
 
 /// Whether tol takes more cycles than are affordable, at the rate at which this many of them have
-/// reduced the residual from what it was.
+/// reduced the residual from what it was. Further faces take more: what is left is a lower bound.
 bool InexactNewton::costs_too_much(Real from, Index cycles) const {
   if (!std::isfinite(affordable_) || cycles < least_cycles) return false;
   const Real rate = std::log(from / inner_.norm()) / cycles;
   const Real left = std::log(inner_.norm() / (share * goal_));
-  return !(iterations_ * rate + again * left <= affordable_ * rate);
+  return !(iterations_ * rate + left <= affordable_ * rate);
 }
 
 void InexactNewton::count(StepLabel label) {

@@ -14,7 +14,6 @@ namespace {
 
 constexpr Index most_iterations = 2000;  ///< what takes more is better left to another route
 constexpr Real usual_iterations = 60;    ///< what the route costs as a rule, set-up included
-constexpr Index most_unnamed = 80;       ///< the same where method auto chose this one
 
 /// Of a matrix of this format [bytes].
 double storage(const Matrix& A) {
@@ -64,10 +63,10 @@ Solution MultigridSolver::solve(const ContactProblem& problem, const Settings& s
 void MultigridSolver::iterate(const ContactProblem& problem, const Settings& settings,
                               const Vector& x0, Observer* observer, double allowance, Solution& s) {
   InexactNewton newton(problem, *hierarchy_, observer);
-  const bool named = !std::isfinite(allowance);
-  const Index most = named ? most_iterations : most_unnamed;
+  const Real affordable = allowance * usual_iterations;
+  if (std::isfinite(affordable)) newton.give_up_early(affordable);
+  const Index most = static_cast<Index>(std::min<Real>(affordable, most_iterations));
   const Index bound = std::min(settings.nbiter > 0 ? settings.nbiter : most, most);
-  if (!named) newton.give_up_early(allowance * usual_iterations);
   s.status = newton.solve(settings.tol, bound, x0, last_);
   s.x = newton.x();
   s.iterations = newton.iterations();

@@ -335,20 +335,38 @@ TEST(Multigrid, TheDefaultTakesItWhereAFactorDoesNotFit) {
 }
 
 TEST(Multigrid, TheDefaultLeavesItAfterFewCyclesWhereTheyWouldCostMoreThanAFactor) {
-  for (Real nu : {0.499, 0.4999}) {
+  SparseOptions o = cube(14);
+  o.nu = 0.4999;
+  const SceneInBlocks s(o);
+  ASSERT_EQ(make_plan(s.posed.problem(), Settings()).route, Route::multigrid);
+  Solver solver(s.system);
+  const Increment& increment = s.posed.problem().increment;
+  const Solution a = solver.solve(increment, Settings());
+  EXPECT_EQ(a.status, Status::converged);
+  EXPECT_EQ(a.layer, Layer::newton);
+  const Solution condensed = by(Method::condensed, s.posed.problem());
+  EXPECT_LE(a.iterations, condensed.iterations + 10);
+  // the factor is there now
+  EXPECT_LE(solver.solve(increment, Settings()).iterations, condensed.iterations);
+}
+
+TEST(Multigrid, TheDefaultTakesAtMostOneFifthMoreThanTheCheaperRoute) {
+  // in units of the condensed route, by the cycles that cost as much
+  for (Real nu : {0.45, 0.48, 0.49, 0.495, 0.497, 0.498, 0.499}) {
     SparseOptions o = cube(14);
     o.nu = nu;
     const SceneInBlocks s(o);
-    ASSERT_EQ(make_plan(s.posed.problem(), Settings()).route, Route::multigrid);
-    Solver solver(s.system);
-    const Increment& increment = s.posed.problem().increment;
-    const Solution a = solver.solve(increment, Settings());
-    EXPECT_EQ(a.status, Status::converged);
-    EXPECT_EQ(a.layer, Layer::newton);
-    const Solution condensed = by(Method::condensed, s.posed.problem());
-    EXPECT_LE(a.iterations, condensed.iterations + 10) << nu;
-    // the factor is there now
-    EXPECT_LE(solver.solve(increment, Settings()).iterations, condensed.iterations) << nu;
+    const ContactProblem& problem = s.posed.problem();
+    const Costs costs = make_plan(problem, Settings()).costs;
+    const Real affordable = 60 * costs.condensed / costs.multigrid;
+    Settings named;
+    named.method = Method::multigrid;
+    const Real multigrid = solve(problem, named).iterations / affordable;
+    const Solution a = solve(problem, Settings());
+    const bool fell_back = a.layer != Layer::multigrid;
+    const Index newton = fell_back ? solve(problem, Settings{Method::condensed}).iterations : 0;
+    const Real taken = (a.iterations - newton) / affordable + fell_back;
+    EXPECT_LE(taken, 1.2 * std::min(1.0, multigrid)) << nu << " " << multigrid;
   }
 }
 
