@@ -13,7 +13,7 @@ namespace frictioncg {
 namespace {
 
 constexpr Index most_iterations = 2000;  ///< what takes more is better left to another route
-constexpr Real usual_iterations = 60;    ///< what the route costs as a rule, set-up included
+constexpr Real usual_iterations = 50;    ///< what the route costs as a rule, set-up included
 
 /// Of a matrix of this format [bytes].
 double storage(const Matrix& A) {

@@ -358,7 +358,7 @@ TEST(Multigrid, TheDefaultTakesAtMostOneFifthMoreThanTheCheaperRoute) {
     const SceneInBlocks s(o);
     const ContactProblem& problem = s.posed.problem();
     const Costs costs = make_plan(problem, Settings()).costs;
-    const Real affordable = 60 * costs.condensed / costs.multigrid;
+    const Real affordable = 50 * costs.condensed / costs.multigrid;
     Settings named;
     named.method = Method::multigrid;
     const Real multigrid = solve(problem, named).iterations / affordable;
