@@ -26,7 +26,7 @@ MultigridSolver::MultigridSolver(SystemPtr system) : system_(std::move(system)) 
   const double start = cpu_seconds();
   hierarchy_ = make_hierarchy(*system_);
   if (!hierarchy_) return;
-  motions_ = floating_motions(*system_);
+  motions_ = floating_motions(*system_, system_->rigid_modes());
   setup_ = cpu_seconds() - start;
 }
 
