@@ -185,6 +185,13 @@ TEST(Multigrid, WithoutCoordinatesTheCondensedRouteAnswers) {
   }
 }
 
+TEST(Multigrid, ANodeWithMoreDofsThanTheDimensionHasNoHierarchy) {
+  System system = *SceneInBlocks(cube(3)).system;
+  EXPECT_NE(make_hierarchy(system), nullptr);
+  for (Index& node : system.mesh_node) node /= 2;
+  EXPECT_EQ(make_hierarchy(system), nullptr);
+}
+
 TEST(Multigrid, ItsBoundOnTheIterationsHoldsForAllLayersTogether) {
   const SceneInBlocks s(cube(6));
   for (Index bound : {1, 3, 10}) {
