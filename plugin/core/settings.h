@@ -16,7 +16,7 @@ enum class Method {
   sorp        ///< successive over-relaxation with projection, unregularized
 };
 
-enum class Precon { none, diagonal, ssor, hessian_diagonal, hessian_ssor };
+enum class Precon { none, diagonal, ssor, hessian_diagonal, hessian_ssor, multigrid };
 
 /// phi_eps of section 4.1, REG1, REG2 and REG3.
 enum class Regularization { square_root, log_cosh, polynomial };

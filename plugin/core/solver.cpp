@@ -1,6 +1,7 @@
 #include "solver.h"
 
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 #include "condensed/condensed.h"
@@ -20,6 +21,9 @@ namespace {
 
 /// A residual below this is the limit of the matrix, not of the method.
 constexpr Real rounding = 1e-10;
+
+/// What the methods without a factor cost, over multigrid: more than it is ever allowed.
+constexpr double only_gradients = 1e6;
 
 /// Residuals up to this many times what rounding leaves are its work.
 constexpr Real rounding_margin = 10;
@@ -205,6 +209,8 @@ Solution Solver::by_route(const ContactProblem& problem, const Settings& setting
         return by_multigrid(problem, settings, x0, observer);
       return by_condensation(problem, settings, x0, observer);
     case Route::multigrid:
+      if (factored_ && may_replace_a_factor(settings))  // the hierarchy was poor
+        return by_condensation(problem, settings, x0, observer);
       return by_multigrid(problem, settings, x0, observer);
   }
   return iterate(problem, settings, x0, observer);
@@ -236,12 +242,20 @@ Solution Solver::by_multigrid(const ContactProblem& problem, const Settings& set
   rest.method = Method::automatic;
   if (!multigrid_) multigrid_ = std::make_unique<MultigridSolver>(system_);
   if (!multigrid_->has_hierarchy()) return by_condensation(problem, rest, x0, observer);
-  Solution s = multigrid_->solve(problem, settings, x0, observer);
+  Solution s = multigrid_->solve(problem, settings, x0, observer, allowance(settings));
   if (decided(s) || s.certificate.residual <= rounding) return s;
   const Index left = bound_of(problem, settings) - s.iterations;
   rest.nbiter = left;
   if (left > 0) replace_if_better(s, by_condensation(problem, rest, {}, observer));
   return s;
+}
+
+/// What the condensed route costs, over multigrid as a rule: infinite where the latter is named.
+double Solver::allowance(const Settings& settings) const {
+  if (settings.method != Method::automatic) return std::numeric_limits<double>::infinity();
+  if (indefinite_ || settings.memory < memory_needed_) return only_gradients;
+  const Costs costs = estimate_costs(*system_);
+  return costs.condensed / costs.multigrid;
 }
 
 /// Whether the condensed route is open: factors A where that was not done, and fits now.

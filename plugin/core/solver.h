@@ -56,6 +56,7 @@ class Solver {
                            const Vector& x0, Observer* observer);
   Solution by_multigrid(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                         Observer* observer);
+  double allowance(const Settings& settings) const;
   bool condense(const Settings& settings);
   [[noreturn]] void refuse_memory(double given) const;
 

@@ -103,7 +103,8 @@ constexpr Choice<Precon> preconditioners[] = {{"hessian-ssor", Precon::hessian_s
                                               {"hessian-diagonal", Precon::hessian_diagonal},
                                               {"ssor", Precon::ssor},
                                               {"diagonal", Precon::diagonal},
-                                              {"none", Precon::none}};
+                                              {"none", Precon::none},
+                                              {"multigrid", Precon::multigrid}};
 constexpr Choice<Step> steps[] = {
     {"exact", Step::exact}, {"newton", Step::newton}, {"falseposition", Step::false_position}};
 

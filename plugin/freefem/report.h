@@ -206,6 +206,9 @@ inline void report_phases(const Scene& scene, const Solution& solution) {
          << t.factor << ", condense " << t.condense << ", contact " << t.contact
          << ", back-substitution " << t.back_substitution << ", certificate " << t.certificate
          << std::endl;
+  if (solution.levels.count > 0)
+    line() << "multigrid hierarchy: " << solution.levels.bytes / 1e6 << " MB, "
+           << solution.levels.of_A << " times the storage of A" << std::endl;
   if (solution.steps.total() > 0) {
     line() << "steps:";
     for (int k = 0; k < step_labels; ++k)

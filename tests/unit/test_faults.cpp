@@ -4,16 +4,26 @@
 // the same in every version of SuiteSparse), so that all are ours to count and to refuse.
 #include <gtest/gtest.h>
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <new>
 
 #include "core/solver.h"
 #include "scene.h"
+#include "sparse_scene.h"
 
 namespace {
 long live = 0;           ///< allocations not freed yet
 long until_failure = 0;  ///< 0: never
+long bytes = 0, peak = 0;
+
+void* counted(void* p) {
+  bytes += p ? long(malloc_usable_size(p)) : 0;
+  peak = std::max(peak, bytes);
+  return p;
+}
 }  // namespace
 
 extern "C" {
@@ -26,24 +36,27 @@ static bool refused() { return until_failure > 0 && --until_failure == 0; }
 
 void* __wrap_malloc(std::size_t size) {
   if (refused()) return nullptr;
-  void* p = __real_malloc(size);
+  void* p = counted(__real_malloc(size));
   live += p != nullptr;
   return p;
 }
 void* __wrap_calloc(std::size_t count, std::size_t size) {
   if (refused()) return nullptr;
-  void* p = __real_calloc(count, size);
+  void* p = counted(__real_calloc(count, size));
   live += p != nullptr;
   return p;
 }
 void* __wrap_realloc(void* old, std::size_t size) {
   if (refused()) return nullptr;
+  const long before = old ? long(malloc_usable_size(old)) : 0;
   void* p = __real_realloc(old, size);
+  if (p != nullptr || size == 0) bytes -= before, counted(p);
   live += old == nullptr && p != nullptr;
   return p;
 }
 void __wrap_free(void* p) {
   live -= p != nullptr;
+  bytes -= p ? long(malloc_usable_size(p)) : 0;
   __real_free(p);
 }
 
@@ -133,4 +146,22 @@ TEST_F(Faults, AThousandCallsLeakNothing) {
     for (int k = 0; k < 1000; ++k) field(s, method);
     EXPECT_EQ(live, at_start);
   }
+}
+
+/// Of all that a call allocates, the copies of A and of the scene that it was made from apart.
+TEST_F(Faults, MultigridTakesLessThanTwelveTimesTheStorageOfTheMatrix) {
+  SparseOptions o;
+  o.cells = {14, 14, 14};
+  const SparseScene scene = sparse_block(o);
+  const Posed posed = scene.system(scene.node_of_dof);
+  const Matrix& A = posed.problem().system->A;
+  const double storage = 12.0 * double(A.nonZeros());
+  Settings settings;
+  settings.method = Method::multigrid;
+  const long before = bytes;
+  peak = bytes;
+  EXPECT_EQ(solve(posed.problem(), settings).layer, Layer::multigrid);
+  EXPECT_GT(double(peak - before), storage);
+  EXPECT_LE(double(peak - before), 11 * storage);  // the twelfth is A
+  RecordProperty("copies", std::to_string(double(peak - before) / storage));
 }

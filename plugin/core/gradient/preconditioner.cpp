@@ -1,6 +1,7 @@
 #include "gradient/preconditioner.h"
 
 #include "gradient/diagonal.h"
+#include "gradient/multigrid.h"
 #include "gradient/ssor.h"
 
 namespace frictioncg {
@@ -14,6 +15,8 @@ std::unique_ptr<Preconditioner> make_preconditioner(const System& system, Precon
       return std::make_unique<SsorPreconditioner>(system, false, omega);
     case Precon::hessian_ssor:
       return std::make_unique<SsorPreconditioner>(system, true, omega);
+    case Precon::multigrid:
+      return std::make_unique<MultigridPreconditioner>(system);
     default:
       return std::make_unique<DiagonalPreconditioner>(system, kind);
   }

@@ -49,8 +49,8 @@ class Preconditioner {
   /// interior. Half a pass over A; set_contact has to follow, and a restart.
   virtual void move_contact(const Vector& dx_C) = 0;
 
-  Real r_z() const { return r_z_; }             ///< <r, P r>
-  Real dr_z() const { return dr_z_; }           ///< <r - r_before_advance, P r>, eq. (12)
+  virtual Real r_z() const { return r_z_; }     ///< <r, P r>, of the last set_contact
+  virtual Real dr_z() const { return dr_z_; }   ///< <r - r_before_advance, P r>, eq. (12)
   virtual Real r_v(const Vector& v) const = 0;  ///< <r, v>
 
   /// Norm of r over the free dofs, in norm_D. May cost half a product.
@@ -63,6 +63,7 @@ class Preconditioner {
   Real r_z_ = 0, dr_z_ = 0;
 };
 
+/// Throws IllegalInput where multigrid is asked for and the system allows no hierarchy.
 std::unique_ptr<Preconditioner> make_preconditioner(const System& system, Precon kind, Real omega);
 
 }  // namespace frictioncg

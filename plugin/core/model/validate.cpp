@@ -80,6 +80,10 @@ void refuse_without_effect(const Settings& s) {
   rule(s.step != standard.step, smooths, "step", "it has no such line search: leave it out");
   rule(s.precon != standard.precon, !newton && s.method != Method::sorp, "precon",
        "it does not precondition: leave it out");
+  if (s.precon == Precon::multigrid && condenses(s))
+    refuse(
+        "precon=\"multigrid\" preconditions A, and this method iterates on the contact dofs; take "
+        "method=\"GC3\" or \"GCX\"");
   rule(s.omega != standard.omega, !newton && relaxes(s), "omega",
        "it does not relax: leave it out, or take an SSOR");
   rule(s.newton != standard.newton, condenses(s), "newton",

@@ -2,11 +2,14 @@
 
 #include <cmath>
 
+#include "multigrid/block_index.h"
+
 namespace frictioncg {
 
 template <int B>
 BlockGraph make_graph(const SymmetricBlocks<B>& A) {
   const Index rows = A.rows();
+  to_block_index(2 * A.col.size());
   BlockGraph g;
   g.begin.assign(rows + 1, 0);
   for (Index i = 0; i < rows; ++i)

@@ -1,5 +1,7 @@
 #include "multigrid/fine_matrix.h"
 
+#include "multigrid/block_index.h"
+
 namespace frictioncg {
 
 template <int D>
@@ -32,7 +34,7 @@ SymmetricBlocks<D> make_fine_matrix(const Matrix& A, const NodeBlocks& blocks, R
     });
     std::sort(M.col.begin() + std::ptrdiff_t(first), M.col.end());
     for (std::size_t k = first; k < M.col.size(); ++k) place[M.col[k]] = static_cast<Index>(k);
-    M.row.push_back(static_cast<Index>(M.col.size()));
+    M.row.push_back(to_block_index(M.col.size()));
     M.value.resize(M.col.size() * D * D, 0);
     for_each_entry(i, [&](Index r, Index e) {
       const Index j = block_of[col[e]], c = blocks.slot[col[e]] - j * D;

@@ -1,5 +1,7 @@
 #include "multigrid/galerkin.h"
 
+#include "multigrid/block_index.h"
+
 namespace frictioncg {
 
 template <int B, int K>
@@ -25,7 +27,7 @@ SymmetricBlocks<K> galerkin_pattern(const SymmetricBlocks<B>& A, const Prolongat
     std::sort(columns.begin(), columns.end());
     columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
     coarse.col.insert(coarse.col.end(), columns.begin(), columns.end());
-    coarse.row.push_back(static_cast<Index>(coarse.col.size()));
+    coarse.row.push_back(to_block_index(coarse.col.size()));
     std::vector<Index>().swap(columns);
   }
   coarse.value.assign(coarse.col.size() * K * K, 0);

@@ -2,6 +2,7 @@
 #include <Eigen/Core>
 #include <memory>
 
+#include "model/system.h"
 #include "multigrid/node_blocks.h"
 
 namespace frictioncg {
@@ -53,6 +54,11 @@ struct HierarchyOptions {
 /// modes (n x 3 in 2D, n x 6 in 3D): rigid motions, see rigid_modes. A is not kept.
 std::unique_ptr<Hierarchy> make_hierarchy(const Matrix& A, const NodeBlocks& blocks,
                                           const Eigen::MatrixXd& modes,
+                                          const HierarchyOptions& options = {});
+
+/// The same for a system that tells its mesh nodes and rigid modes; null where it does not, and
+/// where a node has more dofs than the dimension: they are no displacements.
+std::unique_ptr<Hierarchy> make_hierarchy(const System& system,
                                           const HierarchyOptions& options = {});
 
 }  // namespace frictioncg

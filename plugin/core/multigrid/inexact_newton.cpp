@@ -12,6 +12,7 @@ namespace {
 constexpr std::size_t most_directions = 20;
 constexpr Index patience = 40;         ///< inner iterations in which the residual must fall tenfold
 constexpr Index little_patience = 12;  ///< the same where the caller has another method
+constexpr Index least_cycles = 8;      ///< from which on a rate is one
 constexpr Real negative = 1e-10;       ///< -<Az,z>/<Dz,z> that is no rounding
 constexpr Real tenfold = 0.1;          ///< fall of the residual that patience waits for
 constexpr Real dependent = 1e-20;      ///< share of |Jz|^2 beside the directions before: rounding
@@ -113,6 +114,7 @@ Status InexactNewton::solve(Real tol, Index max_iterations, const Vector& x0,
     const bool solved = solve_faces();
     ++updates_;
     if (inner_.indefinite()) return Status::not_positive_definite;
+    if (gave_up_) return ended(Status::stagnated);
     const Real violation = faces_.violation(x_, b_C_);
     if (std::hypot(inner_.norm(), violation) <= std::max(goal_, spring_share * spring_force())) {
       const bool held = spring_force() > goal_;
@@ -179,7 +181,9 @@ bool InexactNewton::solve_faces() {
   s_ = b_;
   faces_.residual(x_, b_C_, s_.tail(springs_.size()));
   inner_.start(s_);
-  Real mark = inner_.norm();
+  const Real from = inner_.norm();
+  const Index begin = iterations_;
+  Real mark = from;
   Index since = 0;
   const Index bound = gives_up_early_ ? little_patience : patience;
   bool falls = mark > share * goal_, first = true;
@@ -194,10 +198,20 @@ bool InexactNewton::solve_faces() {
       mark = inner_.norm();
       since = 0;
     }
-    falls = falls && since < bound;
+    gave_up_ = costs_too_much(from, iterations_ - begin);
+    falls = falls && since < bound && !gave_up_;
   }
   b_ = inner_.residual();
   return falls || inner_.norm() <= share * goal_;
+}
+
+/// Whether tol takes more cycles than are affordable, at the rate at which this many of them have
+/// reduced the residual from what it was. Further faces take more: what is left is a lower bound.
+bool InexactNewton::costs_too_much(Real from, Index cycles) const {
+  if (!std::isfinite(affordable_) || cycles < least_cycles) return false;
+  const Real rate = std::log(from / inner_.norm()) / cycles;
+  const Real left = std::log(inner_.norm() / (share * goal_));
+  return !(iterations_ * rate + left <= affordable_ * rate);
 }
 
 void InexactNewton::count(StepLabel label) {

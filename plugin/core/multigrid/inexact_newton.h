@@ -50,9 +50,13 @@ class InexactNewton {
   Status solve(Real tol, Index max_iterations, const Vector& x0,
                const std::vector<Face>& start = {});
 
-  /// Ends, stagnated, as soon as the residual of a linear system does not fall as it does by a good
-  /// hierarchy: for a caller who has another method.
-  void give_up_early() { gives_up_early_ = true; }
+  /// For a caller who has another method, which costs as much as so many cycles. Ends, stagnated,
+  /// as soon as the residual of a linear system does not fall as it does by a good hierarchy, or so
+  /// slowly that tol would take more than that.
+  void give_up_early(Real affordable_cycles) {
+    gives_up_early_ = true;
+    affordable_ = affordable_cycles;
+  }
 
   const Vector& x() const { return x_; }
   const std::vector<Face>& faces() const { return faces_.all(); }
@@ -65,6 +69,7 @@ class InexactNewton {
   void move_onto_faces();
   void recompute_forces();
   bool solve_faces();
+  bool costs_too_much(Real from, Index cycles) const;
   void count(StepLabel label);
   bool progress(bool solved, Real violation);
   Real spring_force() const;
@@ -92,7 +97,8 @@ class InexactNewton {
   Real goal_ = 0, least_goal_ = 0;  ///< [norm_D]
   Real first_ = std::numeric_limits<Real>::infinity(), best_ = first_,
        drop_from_ = first_;  ///< violations
-  bool gives_up_early_ = false;
+  bool gives_up_early_ = false, gave_up_ = false;
+  Real affordable_ = std::numeric_limits<Real>::infinity();  ///< cycles
   int without_progress_ = 0, without_drop_ = 0, retreats_ = 0, drifts_ = 0;
   StepCounts steps_;
   Index iterations_ = 0, updates_ = 0, max_iterations_ = 0;

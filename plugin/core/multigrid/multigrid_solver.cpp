@@ -1,5 +1,7 @@
 #include "multigrid/multigrid_solver.h"
 
+#include <cmath>
+
 #include "clock.h"
 #include "condensed/equilibrium.h"
 #include "condensed/undetermined.h"
@@ -11,38 +13,31 @@ namespace frictioncg {
 namespace {
 
 constexpr Index most_iterations = 2000;  ///< what takes more is better left to another route
-constexpr Index most_unnamed = 80;       ///< the same where method auto chose this one
+constexpr Real usual_iterations = 50;    ///< what the route costs as a rule, set-up included
 
-/// Whether no mesh node has more dofs than the dimension: what is more is no displacement.
-bool are_displacements(const System& system) {
-  std::vector<int> count;
-  for (const Index node : system.mesh_node) {
-    if (node >= static_cast<Index>(count.size())) count.resize(node + 1, 0);
-    if (++count[node] > system.dimension) return false;
-  }
-  return !system.mesh_node.empty();
+/// Of a matrix of this format [bytes].
+double storage(const Matrix& A) {
+  return (sizeof(Real) + sizeof(Index)) * double(A.nonZeros()) + sizeof(Index) * (A.rows() + 1.0);
 }
 
 }  // namespace
 
 MultigridSolver::MultigridSolver(SystemPtr system) : system_(std::move(system)) {
-  if (!system_->rigid_modes || !are_displacements(*system_)) return;
   const double start = cpu_seconds();
-  const Eigen::MatrixXd modes = system_->rigid_modes();
-  if (modes.rows() != system_->dofs() || modes.cols() != (system_->dimension == 2 ? 3 : 6)) return;
-  hierarchy_ = make_hierarchy(
-      system_->A, make_node_blocks(system_->mesh_node, system_->dimension, system_->interior()),
-      modes);
-  motions_ = system_->body_modes ? floating_motions(*system_) : floating_motions(*system_, modes);
+  hierarchy_ = make_hierarchy(*system_);
+  if (!hierarchy_) return;
+  motions_ = floating_motions(*system_);
   setup_ = cpu_seconds() - start;
 }
 
 Solution MultigridSolver::solve(const ContactProblem& problem, const Settings& settings,
-                                const Vector& x0, Observer* observer) {
+                                const Vector& x0, Observer* observer, double allowance) {
   Solution s;
   s.route = Route::multigrid;
   s.layer = problem.nodes() == 0 ? Layer::linear : Layer::multigrid;
-  s.levels = {hierarchy_->levels(), hierarchy_->operator_complexity(), hierarchy_->bytes()};
+  const double bytes = hierarchy_->bytes();
+  s.levels = {hierarchy_->levels(), hierarchy_->operator_complexity(), bytes,
+              bytes / storage(system_->A)};
   s.times.factor = setup_;
   setup_ = 0;
   double start = cpu_seconds();
@@ -52,7 +47,7 @@ Solution MultigridSolver::solve(const ContactProblem& problem, const Settings& s
     s.unheld_motion = statics.motion;
     s.x = Vector::Zero(problem.dofs());
   } else {
-    iterate(problem, settings, x0, observer, s);
+    iterate(problem, settings, x0, observer, allowance, s);
   }
   s.times.contact = cpu_seconds() - start;
   start = cpu_seconds();
@@ -66,12 +61,12 @@ Solution MultigridSolver::solve(const ContactProblem& problem, const Settings& s
 }
 
 void MultigridSolver::iterate(const ContactProblem& problem, const Settings& settings,
-                              const Vector& x0, Observer* observer, Solution& s) {
+                              const Vector& x0, Observer* observer, double allowance, Solution& s) {
   InexactNewton newton(problem, *hierarchy_, observer);
-  const bool named = settings.method == Method::multigrid;
-  const Index most = named ? most_iterations : most_unnamed;
+  const Real affordable = allowance * usual_iterations;
+  if (std::isfinite(affordable)) newton.give_up_early(affordable);
+  const Index most = static_cast<Index>(std::min<Real>(affordable, most_iterations));
   const Index bound = std::min(settings.nbiter > 0 ? settings.nbiter : most, most);
-  if (!named) newton.give_up_early();
   s.status = newton.solve(settings.tol, bound, x0, last_);
   s.x = newton.x();
   s.iterations = newton.iterations();

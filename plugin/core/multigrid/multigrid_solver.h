@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <limits>
 #include <memory>
 
 #include "multigrid/faces.h"
@@ -16,13 +17,15 @@ class MultigridSolver {
 
   bool has_hierarchy() const { return hierarchy_ != nullptr; }
 
-  /// Wants a hierarchy. x0: n, or empty to start from the last answer.
+  /// Wants a hierarchy. x0: n, or empty to start from the last answer. allowance: where it is
+  /// finite there is another route, at so many times what multigrid costs as a rule; this one then
+  /// ends, stagnated, as soon as it costs more.
   Solution solve(const ContactProblem& problem, const Settings& settings, const Vector& x0,
-                 Observer* observer);
+                 Observer* observer, double allowance = std::numeric_limits<double>::infinity());
 
  private:
   void iterate(const ContactProblem& problem, const Settings& settings, const Vector& x0,
-               Observer* observer, Solution& s);
+               Observer* observer, double allowance, Solution& s);
 
   SystemPtr system_;
   std::unique_ptr<Hierarchy> hierarchy_;

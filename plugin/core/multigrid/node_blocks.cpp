@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string>
 
+#include "multigrid/block_index.h"
+
 namespace frictioncg {
 
 NodeBlocks make_node_blocks(const std::vector<Index>& mesh_node, int dimension,
@@ -22,6 +24,7 @@ NodeBlocks make_node_blocks(const std::vector<Index>& mesh_node, int dimension,
     }
     if (!contact) b.interior = b.blocks;
   }
+  to_block_index(std::size_t(b.blocks) * dimension);
   b.dof.assign(b.slots(), -1);
   b.slot.resize(n);
   for (Index p = 0; p < n; ++p) {

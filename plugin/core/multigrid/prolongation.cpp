@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "multigrid/block_index.h"
+
 namespace frictioncg {
 
 namespace {
@@ -142,7 +144,7 @@ Prolongation<B, K> smooth(const SymmetricBlocks<B>& A, const BlockGraph& graph,
     }
     const std::size_t begin = P.col.size();
     P.col.insert(P.col.end(), columns.begin(), columns.end());
-    P.row.push_back(static_cast<Index>(P.col.size()));
+    P.row.push_back(to_block_index(P.col.size()));
     P.value.resize(P.col.size() * B * K, 0);
     for (std::size_t c = 0; c < columns.size(); ++c)
       add_block_product<B, B, K>(-omega, A.inverse_at(i), sum.data() + c * B * K, P.at(begin + c));

@@ -1,5 +1,7 @@
 #include "multigrid/touched.h"
 
+#include "multigrid/block_index.h"
+
 namespace frictioncg {
 
 namespace {
@@ -48,7 +50,7 @@ Touched<B> Touched<B>::reached(const SymmetricBlocks<R>& A, const Touched<R>& fi
     t.rows.push_back(I);
     for (Index k = coarse.row[I]; k < coarse.row[I + 1]; ++k)
       if (lower_hit[k]) t.lower.push_back(k);
-    t.begin.push_back(static_cast<Index>(t.lower.size()));
+    t.begin.push_back(to_block_index(t.lower.size()));
   }
   return t;
 }

@@ -1,4 +1,5 @@
 #include "core/multigrid/aggregation.h"
+#include "core/multigrid/block_index.h"
 
 #include <gtest/gtest.h>
 
@@ -71,6 +72,18 @@ TEST(NodeBlocks, HoldEveryDofOnceWithContactNodesLast) {
     EXPECT_EQ(p >= s.system->interior(), b.slot[p] / 3 >= b.interior);
   }
   for (Index k = 0; k < b.slots(); ++k) EXPECT_EQ(hits[k], b.dof[k] >= 0);
+}
+
+TEST(BlockIndex, HoldsUpToTheLargestIndexAndRefusesByNameBeyond) {
+  EXPECT_EQ(to_block_index(2147483647u), 2147483647);
+  try {
+    to_block_index(2147483648u);
+    FAIL();
+  } catch (const IllegalInput& e) {
+    const std::string text = e.what();
+    for (const char* word : {"2147483648 blocks", "2^31 - 1", "multigrid", "method=\"GCX\""})
+      EXPECT_NE(text.find(word), std::string::npos) << word;
+  }
 }
 
 TEST(NodeBlocks, ANodeWithMoreDofsThanTheDimensionIsRefused) {

@@ -185,6 +185,13 @@ TEST(Multigrid, WithoutCoordinatesTheCondensedRouteAnswers) {
   }
 }
 
+TEST(Multigrid, ANodeWithMoreDofsThanTheDimensionHasNoHierarchy) {
+  System system = *SceneInBlocks(cube(3)).system;
+  EXPECT_NE(make_hierarchy(system), nullptr);
+  for (Index& node : system.mesh_node) node /= 2;
+  EXPECT_EQ(make_hierarchy(system), nullptr);
+}
+
 TEST(Multigrid, ItsBoundOnTheIterationsHoldsForAllLayersTogether) {
   const SceneInBlocks s(cube(6));
   for (Index bound : {1, 3, 10}) {
@@ -269,6 +276,9 @@ TEST(Multigrid, TellsTheObserverOfEachIterationAndTheLevels) {
   EXPECT_EQ(a.levels.count, s.hierarchy->levels());
   EXPECT_EQ(a.levels.complexity, s.hierarchy->operator_complexity());
   EXPECT_EQ(a.levels.bytes, s.hierarchy->bytes());
+  const Matrix& A = s.system->A;
+  EXPECT_NEAR(a.levels.of_A * (12.0 * double(A.nonZeros()) + 4.0 * (double(A.rows()) + 1)),
+              a.levels.bytes, 1e-9 * a.levels.bytes);
 }
 
 TEST(Multigrid, AnIndefiniteMatrixIsNamed) {
@@ -331,13 +341,51 @@ TEST(Multigrid, TheDefaultTakesItWhereAFactorDoesNotFit) {
   EXPECT_EQ(a.status, Status::converged);
 }
 
-TEST(Multigrid, TheDefaultLeavesItSoonWhereItsHierarchyIsPoor) {
+TEST(Multigrid, TheDefaultLeavesItAfterFewCyclesWhereTheyWouldCostMoreThanAFactor) {
   SparseOptions o = cube(14);
   o.nu = 0.4999;
   const SceneInBlocks s(o);
   ASSERT_EQ(make_plan(s.posed.problem(), Settings()).route, Route::multigrid);
-  const Solution a = solve(s.posed.problem(), Settings());
+  Solver solver(s.system);
+  const Increment& increment = s.posed.problem().increment;
+  const Solution a = solver.solve(increment, Settings());
   EXPECT_EQ(a.status, Status::converged);
   EXPECT_EQ(a.layer, Layer::newton);
-  EXPECT_LT(a.iterations, 100);
+  const Solution condensed = by(Method::condensed, s.posed.problem());
+  EXPECT_LE(a.iterations, condensed.iterations + 10);
+  // the factor is there now
+  EXPECT_LE(solver.solve(increment, Settings()).iterations, condensed.iterations);
+}
+
+TEST(Multigrid, TheDefaultTakesAtMostOneFifthMoreThanTheCheaperRoute) {
+  // in units of the condensed route, by the cycles that cost as much
+  for (Real nu : {0.45, 0.48, 0.49, 0.495, 0.497, 0.498, 0.499}) {
+    SparseOptions o = cube(14);
+    o.nu = nu;
+    const SceneInBlocks s(o);
+    const ContactProblem& problem = s.posed.problem();
+    const Costs costs = make_plan(problem, Settings()).costs;
+    const Real affordable = 50 * costs.condensed / costs.multigrid;
+    Settings named;
+    named.method = Method::multigrid;
+    const Real multigrid = solve(problem, named).iterations / affordable;
+    const Solution a = solve(problem, Settings());
+    const bool fell_back = a.layer != Layer::multigrid;
+    const Index newton = fell_back ? solve(problem, Settings{Method::condensed}).iterations : 0;
+    const Real taken = (a.iterations - newton) / affordable + fell_back;
+    EXPECT_LE(taken, 1.2 * std::min(1.0, multigrid)) << nu << " " << multigrid;
+  }
+}
+
+TEST(Multigrid, TheDefaultStaysWithItWhereItIsTheCheaper) {
+  for (Real nu : {0.3, 0.45})
+    for (bool plate : {false, true}) {
+      SparseOptions o = cube(plate ? 32 : 16);
+      o.nu = nu;
+      o.clamp_side = !plate;
+      if (plate) o.cells[2] = 4, o.size[2] = 0.125, o.shear = 1;
+      const SceneInBlocks s(o);
+      const Solution a = solve(s.posed.problem(), Settings());
+      EXPECT_EQ(a.layer, Layer::multigrid) << nu << plate;
+    }
 }

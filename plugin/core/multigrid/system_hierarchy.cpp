@@ -1,0 +1,29 @@
+#include "multigrid/hierarchy.h"
+
+namespace frictioncg {
+
+namespace {
+
+/// Whether no mesh node has more dofs than the dimension: what is more is no displacement.
+bool are_displacements(const System& system) {
+  std::vector<int> count;
+  for (const Index node : system.mesh_node) {
+    if (node >= static_cast<Index>(count.size())) count.resize(node + 1, 0);
+    if (++count[node] > system.dimension) return false;
+  }
+  return !system.mesh_node.empty();
+}
+
+}  // namespace
+
+std::unique_ptr<Hierarchy> make_hierarchy(const System& system, const HierarchyOptions& options) {
+  if (!system.rigid_modes || !are_displacements(system)) return nullptr;
+  const Eigen::MatrixXd modes = system.rigid_modes();
+  const bool fits =
+      modes.rows() == system.dofs() && modes.cols() == (system.dimension == 2 ? 3 : 6);
+  if (!fits) return nullptr;
+  const NodeBlocks blocks = make_node_blocks(system.mesh_node, system.dimension, system.interior());
+  return make_hierarchy(system.A, blocks, modes, options);
+}
+
+}  // namespace frictioncg
