@@ -134,7 +134,7 @@ WRAP := -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
 $(BUILD)/unit/%.o: tests/unit/%.cpp Makefile
 	@mkdir -p $(@D)
-	$(CXX) $(FLAGS) $(DEPENDS) -O1 -Wno-error -Iplugin -Itests -c $< -o $@
+	$(CXX) $(FLAGS) $(DEPENDS) -O1 -Iplugin -Itests -c $< -o $@
 
 -include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
 

@@ -37,11 +37,11 @@ class Pairing {
   }
 
   std::unique_ptr<LocalSystem> system(const Triplets& A, int d, std::vector<ContactPoint> points,
-                                      const std::vector<Index>& mesh_node,
-                                      const RigidModes& modes) const {
+                                      const std::vector<Index>& mesh_node, const RigidModes& modes,
+                                      const RigidModes& body_modes) const {
     const Coupling coupling = mortar::couple(*mortar_, d, between_.dof, *dirichlet_, A.n);
     return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, *dirichlet_, coupling,
-                                         modes);
+                                         modes, body_modes);
   }
 
   /// The slave's nodes, where a gap is evaluated.

@@ -40,6 +40,18 @@ inline Eigen::MatrixXd rigid_modes(const std::vector<NodePlace>& nodes, int d, I
   return modes;
 }
 
+/// The same of each body alone, side by side.
+inline Eigen::MatrixXd body_modes(const std::vector<NodePlace>& nodes, int d, Index n) {
+  std::map<Index, std::vector<NodePlace>> bodies;
+  for (const NodePlace& p : nodes) bodies[p.body].push_back(p);
+  const Index each = d == 2 ? 3 : 6;
+  Eigen::MatrixXd modes(n, each * static_cast<Index>(bodies.size()));
+  Index k = 0;
+  for (const auto& [number, body] : bodies)
+    modes.middleCols(each * k++, each) = rigid_modes(body, d, n);
+  return modes;
+}
+
 /// The rigid motion u(x) = a + w x (x - c) nearest to a displacement, c the mean of the nodes; in
 /// 2D only w_z differs from 0.
 struct RigidMotion {

@@ -66,11 +66,11 @@ inline void Scene::assemble(const Triplets& A) {
   const double start = cpu_seconds();
   std::vector<ContactPoint> points;
   for (const BoundaryNode& n : nodes) points.push_back(n.point);
-  const auto modes = [places = places, d = d, n = static_cast<Index>(ndof())] {
-    return rigid_modes(places(), d, n);
-  };
+  const Index n = static_cast<Index>(ndof());
+  const auto modes = [places = places, d = d, n] { return rigid_modes(places(), d, n); };
+  const auto each = [places = places, d = d, n] { return body_modes(places(), d, n); };
   try {
-    system = pairing ? pairing->system(A, d, std::move(points), mesh_node, modes)
+    system = pairing ? pairing->system(A, d, std::move(points), mesh_node, modes, each)
                      : std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, modes);
   } catch (const DependentNormals& e) {
     throw DependentNormals(e.point, "the obstacles at " + place(nodes[e.point], d));

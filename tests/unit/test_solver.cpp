@@ -424,8 +424,9 @@ TEST(Solver, ABlockBroughtFromFarObeysTheLawsByEveryMethodOrSaysWhatRoundingAllo
       const Answer a = run(brought_from_far(o, D), settings);
       const Certificate& c = a.solution.certificate;
       // rounding leaves about 2e-11 D
-      if (D <= 10 || (D <= 1000 && m == Method::automatic))
+      if (D <= 10 || (D <= 1000 && m == Method::automatic)) {
         EXPECT_EQ(a.solution.status, Status::converged) << D << " " << int(m);
+      }
       if (a.solution.status == Status::converged) {
         EXPECT_LT(a.verdict.worst(), 1e-6) << D << " " << int(m);
       } else {
@@ -487,7 +488,8 @@ TEST(Solver, AToleranceBelowRoundingEndsStagnatedAndSaysWhatCanBeReached) {
     EXPECT_EQ(a.status, Status::stagnated) << int(m);
     EXPECT_GT(a.certificate.attainable, 1e-17) << int(m);
     EXPECT_LT(a.certificate.residual, 10 * a.certificate.attainable) << int(m);
-    if (m == Method::automatic) EXPECT_LT(a.iterations, 40);  // A itself would be no better
+    if (m != Method::automatic) continue;
+    EXPECT_LT(a.iterations, 40);  // A itself would be no better
   }
 }
 

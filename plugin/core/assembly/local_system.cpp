@@ -11,18 +11,18 @@ namespace frictioncg {
 LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
                          const std::vector<Index>& mesh_node, RigidModes modes)
     : points_(std::move(points)), dirichlet_(A, points_) {
-  assemble(A, dimension, mesh_node, nullptr, std::move(modes));
+  assemble(A, dimension, mesh_node, nullptr, std::move(modes), {});
 }
 
 LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
                          const std::vector<Index>& mesh_node, Dirichlet dirichlet,
-                         const Coupling& coupling, RigidModes modes)
+                         const Coupling& coupling, RigidModes modes, RigidModes body_modes)
     : points_(std::move(points)), dirichlet_(std::move(dirichlet)) {
-  assemble(A, dimension, mesh_node, &coupling, std::move(modes));
+  assemble(A, dimension, mesh_node, &coupling, std::move(modes), std::move(body_modes));
 }
 
 void LocalSystem::assemble(const Triplets& A, int dimension, const std::vector<Index>& mesh_node,
-                           const Coupling* coupling, RigidModes modes) {
+                           const Coupling* coupling, RigidModes modes, RigidModes body_modes) {
   const Frames frames(dimension, A.n, points_, dirichlet_);
   nodes_ = frames.nodes();
   basis_ = frames.basis();
@@ -37,11 +37,14 @@ void LocalSystem::assemble(const Triplets& A, int dimension, const std::vector<I
   if (!mesh_node.empty())
     for (Index dof : basis_->origin) system->mesh_node.push_back(mesh_node[dof]);
   system->weight = node_weights(*system);
-  if (modes)
-    system->rigid_modes = [basis = basis_, modes = std::move(modes)] {
-      return Eigen::MatrixXd(basis->W * modes());
-    };
+  system->rigid_modes = in_local_dofs(std::move(modes));
+  system->body_modes = in_local_dofs(std::move(body_modes));
   system_ = system;
+}
+
+RigidModes LocalSystem::in_local_dofs(RigidModes modes) const {
+  if (!modes) return {};
+  return [basis = basis_, modes = std::move(modes)] { return Eigen::MatrixXd(basis->W * modes()); };
 }
 
 /// By the numbering of A.

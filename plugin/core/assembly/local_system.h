@@ -31,10 +31,10 @@ class LocalSystem {
   LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
               const std::vector<Index>& mesh_node = {}, RigidModes modes = {});
   /// With two bodies: frames and laws act on the relative displacements of the coupling, that knows
-  /// what `dirichlet` holds of A.
+  /// what `dirichlet` holds of A. body_modes: rigid motions of each body alone.
   LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
               const std::vector<Index>& mesh_node, Dirichlet dirichlet, const Coupling& coupling,
-              RigidModes modes = {});
+              RigidModes modes = {}, RigidModes body_modes = {});
   LocalSystem(const LocalSystem&) = delete;
   LocalSystem& operator=(const LocalSystem&) = delete;
 
@@ -60,7 +60,8 @@ class LocalSystem {
 
  private:
   void assemble(const Triplets& A, int dimension, const std::vector<Index>& mesh_node,
-                const Coupling* coupling, RigidModes modes);
+                const Coupling* coupling, RigidModes modes, RigidModes body_modes);
+  RigidModes in_local_dofs(RigidModes modes) const;
   void check_stiffness(const System& system) const;
   Real nearest_obstacle(const ContactNode& node, const Vector& gap, const Vector& start) const;
   void check_sizes(const Vector& b, const Vector& u_old, const PointLaws& laws) const;

@@ -25,6 +25,7 @@ struct System {
   std::vector<Index> first;  ///< m + 1; contact node i owns the dofs first[i] .. first[i+1]-1
   std::vector<Index> mesh_node;  ///< n, or empty: dofs with one number share a mesh node (fill-in)
   RigidModes rigid_modes;        ///< of all bodies as if they were one, in local frames
+  RigidModes body_modes;         ///< of each body alone, where a coupling joins them in A; or empty
 
   Index dofs() const { return first.back(); }
   Index nodes() const { return static_cast<Index>(first.size()) - 1; }

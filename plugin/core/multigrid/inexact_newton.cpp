@@ -13,11 +13,23 @@ constexpr std::size_t most_directions = 20;
 constexpr Index patience = 40;         ///< inner iterations in which the residual must fall tenfold
 constexpr Index little_patience = 12;  ///< the same where the caller has another method
 constexpr Real negative = 1e-10;       ///< -<Az,z>/<Dz,z> that is no rounding
+constexpr Real tenfold = 0.1;          ///< fall of the residual that patience waits for
+constexpr Real dependent = 1e-20;      ///< share of |Jz|^2 beside the directions before: rounding
 constexpr Real share = 0.5;            ///< of tol that the linear residual may take
 constexpr int most_retreats = 10, most_drifts = 4;
-constexpr Real least_Gamma = 1e-3, most_Gamma = 0.3;
+constexpr Real least_Gamma = 1e-3, most_Gamma = 0.3, Gamma_of_springs = 0.1;
 constexpr Real sharper = 0.2, least_goal = 1e-4;  ///< of goals that did not do
-constexpr Real first_spring = 1e-2;               ///< over D
+constexpr Real as_before = 1.01;                  ///< over the goal: the same
+constexpr Real better = 0.9;                      ///< fall of the violation that counts
+constexpr int stuck_after = 12;                   ///< updates without it: the faces keep changing
+constexpr Real drop = 0.7;                        ///< fall of the violation that doubles Gamma
+constexpr int dull_after = 3;                     ///< updates without it: Gamma is reduced ...
+constexpr Real less_Gamma = 0.3;                  ///< ... to this share
+/// Springs, over D: the first; their change by a release, by one after a retreat, by a retreat, and
+/// where they were too weak for the hierarchy.
+constexpr Real first_spring = 1e-2, weaker = 0.1, little_weaker = 0.3, stiffer = 10, firmer = 3;
+constexpr Real spring_share = 0.1;   ///< of the springs' force: laws that hold to it release them
+constexpr Real lasting = 0.9;        ///< of the springs' force before: the body drifts
 constexpr Real out_of_bounds = 1e3;  ///< violation over the first with the present springs
 
 }  // namespace
@@ -59,7 +71,7 @@ bool ConjugateResiduals::step(Hierarchy& hierarchy, const Faces& faces, const Ve
     now.Az_C -= along * old.Az_C;
   }
   now.size = dot(now.Jz, now.Jz);
-  if (!(now.size > 1e-20 * before)) return false;
+  if (!(now.size > dependent * before)) return false;
   const Real alpha = dot(s_, now.Jz) / now.size;
   x += alpha * now.z;
   s_ -= alpha * now.Jz;
@@ -102,7 +114,7 @@ Status InexactNewton::solve(Real tol, Index max_iterations, const Vector& x0,
     ++updates_;
     if (inner_.indefinite()) return Status::not_positive_definite;
     const Real violation = faces_.violation(x_, b_C_);
-    if (std::hypot(inner_.norm(), violation) <= std::max(goal_, 0.1 * spring_force())) {
+    if (std::hypot(inner_.norm(), violation) <= std::max(goal_, spring_share * spring_force())) {
       const bool held = spring_force() > goal_;
       const bool goes_on = release_springs();
       if (accept(tol, held)) return Status::converged;
@@ -128,7 +140,7 @@ bool InexactNewton::accept(Real tol, bool held) {
     accepted_ = x_;
   }
   // the scale is known now; where it was already, and did not do, rounding is near
-  goal_ = goal_ <= 1.01 * goal && !held ? sharper * goal_ : goal;
+  goal_ = goal_ <= as_before * goal && !held ? sharper * goal_ : goal;
   least_goal_ = least_goal * goal;
   return false;
 }
@@ -178,7 +190,7 @@ bool InexactNewton::solve_faces() {
     const Real aim = std::max(Gamma_ * faces_.violation(x_, b_C_), share * goal_);
     if (inner_.norm() <= aim) break;
     ++since;
-    if (inner_.norm() <= 0.1 * mark) {
+    if (inner_.norm() <= tenfold * mark) {
       mark = inner_.norm();
       since = 0;
     }
@@ -215,9 +227,10 @@ void InexactNewton::set_springs(Real over_D) {
 /// and weaker. False where it goes on for ever: nothing holds the body.
 bool InexactNewton::release_springs() {
   const Real force = spring_force();
-  drifts_ = spring_ <= least_spring_ && force > 0.9 * last_force_ ? drifts_ + 1 : 0;
+  drifts_ = spring_ <= least_spring_ && force > lasting * last_force_ ? drifts_ + 1 : 0;
   last_force_ = force;
-  set_springs(std::max((retreats_ > 0 ? 0.3 : 0.1) * spring_, std::min(spring_, least_spring_)));
+  const Real softer = (retreats_ > 0 ? little_weaker : weaker) * spring_;
+  set_springs(std::max(softer, std::min(spring_, least_spring_)));
   return drifts_ < most_drifts;
 }
 
@@ -226,9 +239,9 @@ bool InexactNewton::release_springs() {
 /// False where that was tried often enough.
 bool InexactNewton::retreat(bool solved) {
   if (++retreats_ > most_retreats || (gives_up_early_ && !solved)) return false;
-  if (!solved) least_spring_ = std::max(least_spring_, 3 * spring_);  // too weak for the hierarchy
+  if (!solved) least_spring_ = std::max(least_spring_, firmer * spring_);
   faces_.lag(false);
-  Gamma_ = 0.1;
+  Gamma_ = Gamma_of_springs;
   if (spring_ == 0) {
     x_.setZero();
     faces_.start_from_stick();
@@ -237,7 +250,7 @@ bool InexactNewton::retreat(bool solved) {
   } else {
     x_ = rest_;
     faces_.start_from(faces_at_rest_);
-    set_springs(10 * spring_);
+    set_springs(stiffer * spring_);
   }
   return true;
 }
@@ -247,18 +260,18 @@ bool InexactNewton::progress(bool solved, Real violation) {
   if (!solved) return false;
   if (!std::isfinite(first_)) first_ = violation;
   if (!(violation <= out_of_bounds * first_)) return false;
-  if (violation < 0.9 * best_) {
+  if (violation < better * best_) {
     best_ = violation;
     without_progress_ = 0;
-  } else if (++without_progress_ >= 12) {
+  } else if (++without_progress_ >= stuck_after) {
     return false;
   }
-  if (violation <= 0.7 * drop_from_) {
+  if (violation <= drop * drop_from_) {
     drop_from_ = violation;
     without_drop_ = 0;
     Gamma_ = std::min(2 * Gamma_, most_Gamma);
-  } else if (++without_drop_ >= 3) {
-    Gamma_ = std::max(0.3 * Gamma_, least_Gamma);
+  } else if (++without_drop_ >= dull_after) {
+    Gamma_ = std::max(less_Gamma * Gamma_, least_Gamma);
     without_drop_ = 0;
     drop_from_ = violation;
   }

@@ -63,11 +63,15 @@ Bodies bodies_of(const Matrix& A) {
 }
 
 Eigen::MatrixXd floating_motions(const System& system) {
+  const RigidModes& candidates = system.body_modes ? system.body_modes : system.rigid_modes;
+  if (!candidates || system.dofs() == 0) return DenseMatrix(system.dofs(), 0);
+  return floating_motions(system, candidates());
+}
+
+Eigen::MatrixXd floating_motions(const System& system, const Eigen::MatrixXd& M) {
   const Index n = system.dofs();
   DenseMatrix W(n, 0);
-  if (!system.rigid_modes || n == 0) return W;
-  const DenseMatrix M = system.rigid_modes();
-  if (M.cols() == 0 || !M.allFinite()) return W;
+  if (M.rows() != n || M.cols() == 0 || !M.allFinite()) return W;
   const Bodies bodies = bodies_of(system.A);
   const auto in_A = gram(bodies, M, system.A * M);
   const auto in_D = gram(bodies, M, system.D.asDiagonal() * M);

@@ -14,7 +14,11 @@ struct Bodies {
 Bodies bodies_of(const Matrix& A);
 
 /// The rigid motions that A leaves free, body by body, among the candidates of the system: n x k,
-/// <Dw,w> = 1. No columns where the system knows no candidates. Costs two products with A for each.
+/// <Dw,w> = 1. No columns where the system knows no candidates, or has none of n rows. Costs a
+/// product with A for each candidate and for each motion of each body.
 Eigen::MatrixXd floating_motions(const System& system);
+
+/// The same among candidates that are made already.
+Eigen::MatrixXd floating_motions(const System& system, const Eigen::MatrixXd& candidates);
 
 }  // namespace frictioncg

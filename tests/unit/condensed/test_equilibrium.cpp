@@ -214,3 +214,20 @@ TEST(Equilibrium, AnAnswerOfBilateralContactIsWithinItsBound) {
     EXPECT_NE(balance_at_bounded_pressure(W, condensed).balance, Balance::unheld) << seed;
   }
 }
+
+TEST(Equilibrium, TheBoundOfBilateralContactKnowsTheGapAndNodesWithoutAForce) {
+  // two nodes, of which nothing presses the second
+  DenseMatrix S = diag({10, 1, 10, 1});
+  S(1, 3) = S(3, 1) = -1;
+  S(0, 1) = S(1, 0) = 2;
+  S(0, 3) = S(3, 0) = -2;
+  const DenseMatrix W = vec({0, 1, 0, 1});
+  for (Real gap : {0.0, 1e3})
+    for (Real pull : {0.05, 5.0}) {
+      const Vector f = vec({1, pull, 0, pull}) + S * vec({gap, 0, gap, 0});
+      ByHand by(2, S, f);
+      by.mu(0.1).bilateral().gap(gap);  // |r_N| <= 1/0.9 at the first node
+      EXPECT_EQ(balance_at_bounded_pressure(W, by.condensed()).balance == Balance::unheld, pull > 1)
+          << gap;
+    }
+}

@@ -219,6 +219,31 @@ TEST(Undetermined, ATouchWithoutAForceHoldsNothing) {
   EXPECT_TRUE(branches_of(p, x, c)[1].closed);
 }
 
+TEST(Undetermined, AForceThatIsNoMoreThanRoundingHoldsNothing) {
+  const ContactProblem p = problem_of(BlockOptions());
+  Certificate c;
+  c.attainable = 1e-4;
+  c.r = Vector::Zero(p.dofs());
+  for (Real force : {5e-4, 5e-3}) {
+    c.r[p.system->first[0]] = force * std::sqrt(p.system->weight[p.system->first[0]]);
+    EXPECT_EQ(branches_of(p, Vector::Zero(p.dofs()), c)[0].closed, force > 1e-3);
+  }
+}
+
+TEST(Undetermined, ItsSlipTellsASlidingNodeFromAStuckOne) {
+  const ContactProblem p = problem_of(BlockOptions());
+  const Index N = p.system->first[0];
+  Certificate c;
+  c.r = Vector::Zero(p.dofs());
+  c.r[N] = std::sqrt(p.system->weight[N]);
+  c.r[N + 1] = -p.increment.mu[0] * c.r[N] * (1 - 1e-14);  // rounded into the disc
+  Vector x = Vector::Zero(p.dofs());
+  EXPECT_TRUE(branches_of(p, x, c)[0].stick);
+  x[N + 1] = -1;
+  EXPECT_FALSE(branches_of(p, x, c)[0].stick);
+  EXPECT_EQ(branches_of(p, x, c)[0].d[0], -1);
+}
+
 TEST(Undetermined, BranchesBarTheMotionsThatTheyStandAgainst) {
   BlockOptions o;
   o.d = 3;

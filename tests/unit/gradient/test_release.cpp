@@ -133,10 +133,13 @@ TEST(Release, LabelsNameGapsThatCloseAndNodesThatComeToRest) {
       more_contact += touches(a.steps[k].x) && !touches(a.steps[k - 1].x);
       more_rest += rests(a.steps[k].x) && !rests(a.steps[k - 1].x);
     }
-    if (a.steps[k].label == StepLabel::contact_hit || a.steps[k].label == StepLabel::expansion)
+    const StepLabel label = a.steps[k].label;
+    if (label == StepLabel::contact_hit || label == StepLabel::expansion) {
       EXPECT_GT(more_contact, 0);
-    if (a.steps[k].label == StepLabel::conjugate || a.steps[k].label == StepLabel::restart)
+    }
+    if (label == StepLabel::conjugate || label == StepLabel::restart) {
       EXPECT_EQ(more_contact + more_rest, 0);
+    }
   }
 }
 

@@ -81,4 +81,9 @@ TEST(Floating, WithoutCandidatesThereAreNone) {
   Scene s = block(o);
   s.modes.resize(0, 0);
   expect_floating(*s.system().problem().system, 0);
+  System other = *block(o).system().problem().system;
+  for (Index rows : {0, other.dofs() - 1, other.dofs() + 1}) {  // of another scene
+    other.rigid_modes = [rows] { return Eigen::MatrixXd(Eigen::MatrixXd::Ones(rows, 3)); };
+    expect_floating(other, 0);
+  }
 }
