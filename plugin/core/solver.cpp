@@ -238,8 +238,9 @@ Solution Solver::by_multigrid(const ContactProblem& problem, const Settings& set
   if (!multigrid_->has_hierarchy()) return by_condensation(problem, rest, x0, observer);
   Solution s = multigrid_->solve(problem, settings, x0, observer);
   if (decided(s) || s.certificate.residual <= rounding) return s;
-  rest.nbiter = bound_of(problem, settings) - s.iterations;
-  if (rest.nbiter > 0) replace_if_better(s, by_condensation(problem, rest, {}, observer));
+  const Index left = bound_of(problem, settings) - s.iterations;
+  rest.nbiter = left;
+  if (left > 0) replace_if_better(s, by_condensation(problem, rest, {}, observer));
   return s;
 }
 

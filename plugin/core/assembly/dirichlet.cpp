@@ -82,8 +82,19 @@ Dirichlet::Dirichlet(const Triplets& A, const std::vector<ContactPoint>& points)
     const bool alone = others == 0 && !spring;
     if (!huge && !unit && !alone) continue;
     number_[i] = size();
-    held_.push_back({i, rows.diagonal[i], rows.unit(i) && (alone || A.half)});
+    held_.push_back({i, rows.diagonal[i], rows.unit(i) && (alone || A.half), false});
     unit_rows_ |= unit && !A.half;
+  }
+  find_lost(A);
+}
+
+/// A zero that is stored beside a free dof stands for a coupling that the assembly has taken out.
+void Dirichlet::find_lost(const Triplets& A) {
+  for (std::size_t k = 0; k < A.size; ++k) {
+    const Index i = A.row(k), j = A.col(k);
+    if (A.a[k] != 0 || i == j || holds(i) == holds(j)) continue;
+    Held& h = held_[holds(i) ? number_[i] : number_[j]];
+    h.lost = h.alone;
   }
 }
 
@@ -92,7 +103,7 @@ Vector Dirichlet::data(const Vector& b) const {
   for (Index k = 0; k < size(); ++k) {
     const Held& h = held_[k];
     data[k] = b[h.dof] / h.diagonal;
-    if (h.alone && data[k] != 0 && !unit_rows_) {
+    if (data[k] != 0 && (h.lost || (h.alone && !unit_rows_))) {
       std::ostringstream m;
       m << "b[" << h.dof << "] = " << b[h.dof]
         << " is the data of a Dirichlet dof whose couplings are not in A ("

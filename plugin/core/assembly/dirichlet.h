@@ -29,7 +29,9 @@ class Dirichlet {
     Index dof;
     Real diagonal;
     bool alone;  ///< its couplings are not in the matrix
+    bool lost;   ///< alone, and free dofs beside it show that there were some
   };
+  void find_lost(const Triplets& A);
   std::vector<Held> held_;
   std::vector<Index> number_;
   bool half_ = false;       ///< A was stored by one triangle

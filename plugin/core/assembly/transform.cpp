@@ -150,7 +150,8 @@ void check_symmetry(const Matrix& A_local, const Vector& D, const std::vector<In
     std::ostringstream m;
     m << "A(" << origin[p] << "," << origin[q] << ") = " << a_pq << " but A(" << origin[q] << ","
       << origin[p] << ") = " << a_qp
-      << "; A must be symmetric (friction enters by mu, not by the matrix)";
+      << "; A must be symmetric (friction enters by mu, not by the matrix; blocks assembled with "
+         "sym=1 lose a half in [[A1, 0], [0, A2]]: assemble them without)";
     throw IllegalInput(m.str());
   };
   for (Index p = 0; p < A_local.rows(); ++p) {

@@ -33,7 +33,7 @@ MultigridSolver::MultigridSolver(SystemPtr system) : system_(std::move(system)) 
   hierarchy_ = make_hierarchy(
       system_->A, make_node_blocks(system_->mesh_node, system_->dimension, system_->interior()),
       modes);
-  motions_ = floating_motions(*system_, modes);
+  motions_ = system_->body_modes ? floating_motions(*system_) : floating_motions(*system_, modes);
   setup_ = cpu_seconds() - start;
 }
 

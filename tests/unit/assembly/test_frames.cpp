@@ -220,6 +220,9 @@ TEST(Frames, DependentNormalsAtANodeAreRefused) {
   s.points.push_back(s.points.front());
   s.points.back().normal = {0, 1, 0};
   EXPECT_THROW(LocalSystem(s.triplets(), 2, s.points), IllegalInput);
+  s.points.back().normal = {std::sin(1e-4), -std::cos(1e-4),
+                            0};  // nearly the floor's, no rival of it
+  EXPECT_THROW(LocalSystem(s.triplets(), 2, s.points), IllegalInput);
 }
 
 TEST(Frames, TheObstaclesForceStaysOnItsNormalWhereASupportHoldsAComponent) {

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "assembly/mortar/search.h"
+#include "assembly/mortar/sheets.h"
 
 namespace frictioncg::mortar {
 
@@ -180,6 +181,7 @@ Cover Covering::run() {
     for (std::size_t k = 0; k < candidates_.size(); ++k) cut_behind(k, nearer_[k], cells);
     const auto refused = [&](const Cell& cell) { return overlap_refused(f, cell); };
     cells.erase(std::remove_if(cells.begin(), cells.end(), refused), cells.end());
+    keep_nearest_sheet(slave_, f, master_, X_, cells);
     for (const Cell& cell : cells) result.fraction[f] += extent(cell.part) / whole;
     total += result.fraction[f];
   }

@@ -11,7 +11,8 @@ struct Cell {
 };
 
 /// Which part of each slave facet faces the master: along the normal of the slave facet, no further
-/// than maxgap, and the nearest master facet where several lie one behind the other.
+/// than maxgap, and the nearest master facet where several lie one behind the other, or side by
+/// side with a step between them.
 struct Cover {
   std::vector<std::vector<Cell>> cells;  ///< per slave facet
   std::vector<Real> fraction;            ///< covered share of each slave facet, 0 .. 1

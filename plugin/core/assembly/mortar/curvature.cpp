@@ -2,11 +2,16 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
 #include <map>
 
 namespace frictioncg::mortar {
 
 namespace {
+
+/// Of the turns beside it: a kink that turns so much more is no part of an arc.
+constexpr Real lone = 4;
 
 enum class Place : char { inner, rim, ridge };
 
@@ -29,11 +34,37 @@ std::vector<Vec3> vertex_normals(const Side& side, const std::vector<Vec3>& X) {
   return normal;
 }
 
+/// The edges of the body: sharp ridges, those between labels that meet at an angle, and in 2D a
+/// kink between straight flanks, where the surface does not go on turning.
+std::vector<char> edges_of_body(const Side& side, std::size_t nodes) {
+  std::vector<char> edge(side.joints.size());
+  std::vector<Real> turn(side.joints.size());
+  std::vector<std::array<Index, 2>> of_facet(side.facets(), {-1, -1});
+  for (std::size_t k = 0; k < side.joints.size(); ++k) {
+    const Joint& j = side.joints[k];
+    const bool two_labels = side.facet(j.facet[0]).label != side.facet(j.facet[1]).label;
+    edge[k] = j.cosine < (two_labels ? one_surface : sharp);
+    turn[k] = std::acos(std::clamp(j.cosine, -1.0, 1.0));
+    for (Index f : j.facet) of_facet[f][of_facet[f][0] < 0 ? 0 : 1] = static_cast<Index>(k);
+  }
+  if (side.d == 3 || nodes == 0) return edge;
+  for (std::size_t k = 0; k < side.joints.size(); ++k) {
+    if (side.joints[k].cosine >= one_surface) continue;
+    Real beside = 0;
+    for (Index f : side.joints[k].facet)
+      for (Index other : of_facet[f])
+        if (other >= 0 && other != static_cast<Index>(k)) beside = std::max(beside, turn[other]);
+    edge[k] = edge[k] || turn[k] > lone * beside;
+  }
+  return edge;
+}
+
 std::vector<Place> places(const Side& side, std::size_t nodes) {
   std::vector<Place> place(nodes, Place::inner);
+  const std::vector<char> edge = edges_of_body(side, nodes);
   for (const auto& ridge : side.rim) place[ridge[0]] = place[ridge[1]] = Place::rim;
-  for (const Joint& joint : side.joints)
-    if (joint.cosine < sharp) place[joint.vertex[0]] = place[joint.vertex[1]] = Place::ridge;
+  for (std::size_t k = 0; k < edge.size(); ++k)
+    if (edge[k]) place[side.joints[k].vertex[0]] = place[side.joints[k].vertex[1]] = Place::ridge;
   return place;
 }
 

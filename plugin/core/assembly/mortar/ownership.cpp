@@ -11,9 +11,8 @@ namespace frictioncg::mortar {
 
 namespace {
 
-constexpr Real one_surface = 0.985;  ///< cosine: labels that meet flatter than 10 degrees are one
-constexpr Real barely = 1e-3;        ///< covered share below which one vertex stands for the facet
-constexpr Real mostly_free = 0.02;   ///< held part of a normal that is projected away
+constexpr Real barely = 1e-3;       ///< covered share below which one vertex stands for the facet
+constexpr Real mostly_free = 0.02;  ///< held part of a normal that is projected away
 
 Index label_position(const Surface& surface, long label) {
   const auto at = std::find(surface.labels.begin(), surface.labels.end(), label);

@@ -1,0 +1,13 @@
+#pragma once
+#include "assembly/mortar/cover.h"
+
+namespace frictioncg::mortar {
+
+/// The master before one slave facet may be several surfaces with a step between them: the tread
+/// and the floor, two bodies of a pile. A gap averaged over both would lie outside of either. Keeps
+/// the cells of the nearest one, and of those that continue it without a step: what is farther
+/// away does not face.
+void keep_nearest_sheet(const Side& slave, Index facet, const Side& master,
+                        const std::vector<Vec3>& X, std::vector<Cell>& cells);
+
+}  // namespace frictioncg::mortar
