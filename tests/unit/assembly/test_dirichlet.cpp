@@ -79,6 +79,28 @@ TEST(Dirichlet, ASupportAtAContactPointIsNoSpring) {
   EXPECT_EQ(A.held(), (Dofs{2, 3}));
 }
 
+TEST(Dirichlet, AZeroBesideAFreeDofTellsOfACouplingTakenOutWhateverAnotherBodyHas) {
+  // dof 0 by tgv = -2; dof 5, of another body, by tgv = -1, whose column remains
+  const Assembled A(6, {{0, 0, 1},
+                        {0, 1, 0},
+                        {1, 0, 0},
+                        {1, 1, 2},
+                        {1, 2, -1},
+                        {2, 1, -1},
+                        {2, 2, 2},
+                        {3, 3, 2},
+                        {3, 4, -1},
+                        {4, 3, -1},
+                        {4, 4, 2},
+                        {4, 5, -1},
+                        {5, 4, 0},
+                        {5, 5, 1}});
+  const Dirichlet dirichlet(A.triplets(), {});
+  ASSERT_EQ(A.held(), (Dofs{0, 5}));
+  EXPECT_EQ(dirichlet.data(0.1 * Vector::Unit(6, 5))[1], 0.1);
+  EXPECT_THROW(dirichlet.data(0.1 * Vector::Unit(6, 0)), IllegalInput);
+}
+
 TEST(Dirichlet, PrescribedDisplacementsAreTheLoadOverTheDiagonal) {
   const Assembled A = chain(1e30);
   const Dirichlet dirichlet(A.triplets(), {});

@@ -149,3 +149,34 @@ TEST(MortarGap, AcrossSharpEdgesNothingIsRounded) {
     for (const ContactNode& node : mortar.nodes()) EXPECT_NEAR(node.gap, 0, 1e-15);
   }
 }
+
+TEST(MortarGap, AKinkBetweenStraightFlanksIsNotRounded) {
+  for (Real slope : {-0.35, -0.2, -0.1, 0.1, 0.2, 0.35}) {  // two flanks that fit exactly
+    const auto roof = [=](const Vec3& x) { return Vec3(x[0], -slope * std::abs(x[0] - 0.5), 0); };
+    for (bool quadratic : {false, true})
+      EXPECT_LT(gap_noise(2, roof, 6, true, quadratic, everywhere), 1e-14) << slope;
+  }
+}
+
+TEST(MortarGap, FlanksOfTwoLabelsThatMeetAtAnAngleAreNotRounded) {
+  for (int d : {2, 3}) {
+    Surfaces s(d);
+    const auto roof = [d](const Vec3& x) {
+      Vec3 y = x;
+      y[d - 1] = -0.2 * std::abs(x[0] - 0.5);
+      return y;
+    };
+    s.pairs[0].slave = s.sheet(6, 1, roof, 2);
+    s.pairs[0].master = s.sheet(8, -1, roof, 1);
+    for (Surface* side : {&s.pairs[0].slave, &s.pairs[0].master}) {
+      side->labels.push_back(side->labels[0] + 10);
+      for (Facet& f : side->facets) {
+        Real x = 0;
+        for (int v = 0; v < d; ++v) x += s.nodes.X[f.node[v]][0] / d;
+        if (x > 0.5) f.label += 10;
+      }
+    }
+    const Mortar mortar = s.mortar();
+    for (const ContactNode& node : mortar.nodes()) EXPECT_LT(std::abs(node.gap), 1e-14) << d;
+  }
+}
