@@ -135,3 +135,19 @@ TEST(MortarSearch, BesideAStepEachNodeHasTheGapOfOneSurface) {
       EXPECT_EQ(near + far, mortar.nodes().size());
     }
 }
+
+TEST(MortarSearch, SurfacesSideBySideWithoutAStepAreFacedBoth) {
+  for (int d : {2, 3}) {
+    Surfaces s(d, false);
+    const auto part = [](Real from, Real to) {
+      return [=](const Vec3& x) { return Vec3(from + (to - from) * x[0], x[1], x[2]); };
+    };
+    s.pairs[0].master = s.sheet(5, 1, part(0, 0.53), 1);
+    for (const Facet& f : s.sheet(4, 1, part(0.53, 1), 1).facets)
+      s.pairs[0].master.facets.push_back(f);
+    s.pairs[0].slave = s.sheet(6, -1, part(0, 1), 2);
+    const Mortar mortar = s.mortar();
+    EXPECT_EQ(mortar.statistics().partly_covered, 0);
+    for (const ContactNode& node : mortar.nodes()) EXPECT_LT(std::abs(node.gap), 1e-13);
+  }
+}
