@@ -46,10 +46,10 @@ inline void face_bodies(Stack stack, const Arguments& args, const Expression A, 
   scene.face(triplets(GetAny<Matrice_Creuse<double>*>((*A)(stack)), scene.dofs), options);
 }
 
-/// Poses the problem: geometry, laws, and the matrix in local frames. A node gets tangential laws
+/// Reads the problem: geometry, laws, and the matrix in local frames. A node gets tangential laws
 /// where `everywhere` or its own mu or limit asks for them.
-inline std::shared_ptr<Scene> pose(Stack stack, const Arguments& args, const Expression A,
-                                   const Site& site, bool everywhere, PointLaws& laws) {
+inline std::shared_ptr<Scene> read_scene(Stack stack, const Arguments& args, const Expression A,
+                                         const Site& site, bool everywhere, PointLaws& laws) {
   std::shared_ptr<Scene> scene = site.scene(stack);
   if (scene->pairing)
     face_bodies(stack, args, A, *scene);

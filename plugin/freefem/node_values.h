@@ -123,7 +123,7 @@ inline void set_orthotropy(Stack stack, const Arguments& args, const Vector& mu,
     if (!has_direction || std::abs(along_normal) > 1 - 1e-10)
       throw IllegalInput("direction has no part in the contact plane at " + place(node, scene.d) +
                          "; give a direction, of any length > 0, that is not the normal");
-    p.across = mu2[k] / mu[k];
+    p.mu_ratio = mu2[k] / mu[k];
   }
 }
 

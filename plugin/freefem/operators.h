@@ -23,7 +23,7 @@ class SolveOnce : public E_F0mps {
     return translated(operator_name, [&] {
       const Call call(stack, arguments_, b_);
       PointLaws laws;
-      const auto scene = pose(stack, arguments_, A_, *site_, false, laws);
+      const auto scene = read_scene(stack, arguments_, A_, *site_, false, laws);
       return SetAny<KN_<double>>(solve(stack, call, *scene, laws));
     });
   }
@@ -50,7 +50,7 @@ class Construct : public E_F0mps {
   AnyType operator()(Stack stack) const override {
     return translated(constructor_name, [&] {
       PosedProblem posed;
-      posed.scene = pose(stack, arguments_, A_, *site_, true, posed.laws);
+      posed.scene = read_scene(stack, arguments_, A_, *site_, true, posed.laws);
       // a temporary, to the end of the statement; variables take copies
       auto* C = Add2StackOfPtr2Free(stack, new ContactProblemVariable);
       C->set(std::move(posed));

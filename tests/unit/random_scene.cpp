@@ -94,7 +94,7 @@ Scene make_scene(const Recipe& r) {
     if (r.gaps)
       s.gap[k] = r.equal_gaps ? length * (uniform(random) < 0.5) : length * (uniform(random) - 0.3);
     if (r.orthotropic && s.law == Law::coulomb) {
-      s.points[k].across = 0.3;
+      s.points[k].mu_ratio = 0.3;
       s.points[k].direction = {std::cos(Real(r.seed)), 0.1, std::sin(Real(r.seed))};
     }
   }
@@ -154,7 +154,7 @@ void write(const Scene& s, const std::string& file) {
     for (Real c : p.normal) out << c << " ";
     out << s.gap[k] << " " << s.friction[k] << " ";
     for (Real c : p.direction) out << c << " ";
-    out << p.across << "\n";
+    out << p.mu_ratio << "\n";
   }
 }
 

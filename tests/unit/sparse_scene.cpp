@@ -155,7 +155,7 @@ SparseScene sparse_block(const SparseOptions& o) {
       point.normal[0] = std::sin(angle);
       point.normal[up] = -std::cos(angle);
       point.friction = o.law != Law::frictionless && o.mu > 0;
-      point.across = o.across;
+      point.mu_ratio = o.mu_ratio;
       if (d == 3) point.direction = {std::cos(0.3), std::sin(0.3), 0};
       s.points.push_back(point);
       Real r2 = 0;

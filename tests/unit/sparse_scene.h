@@ -23,7 +23,7 @@ struct SparseOptions {
   Real curvature = 0;  // of the gap under the bottom: gap = curvature |x - centre|^2 / 2
   Real tilt = 0;       // normals turn with x by up to this angle
   Real mu = 0.3;
-  Real across = 1;  // orthotropic: the second coefficient over the first
+  Real mu_ratio = 1;  // orthotropic: the second coefficient over the first
   Law law = Law::coulomb;
   bool contact = true;
   unsigned seed = 1;

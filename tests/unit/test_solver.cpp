@@ -108,7 +108,7 @@ TEST(Solver, OrthotropicFrictionObeysItsEllipseInEveryMethod) {
       Scene s = block(o);
       for (ContactPoint& p : s.points) {
         p.direction = {std::cos(turned), std::sin(turned), 0.2};
-        p.across = 0.4;
+        p.mu_ratio = 0.4;
       }
       for (Method method : {Method::automatic, Method::gc3, Method::gcx, Method::sorp}) {
         Settings settings = tight();
@@ -132,7 +132,7 @@ TEST(Solver, OrthotropicFrictionDeflectsASlidingBlockTowardsItsEasyDirection) {
   Scene s = block(o);
   for (ContactPoint& p : s.points) {
     p.direction = {1, 1, 0};
-    p.across = 0.2;
+    p.mu_ratio = 0.2;
   }
   const Answer a = run(s, tight());
   ASSERT_EQ(a.solution.status, Status::converged);

@@ -40,7 +40,7 @@ void verify_point(const Scene& s, std::size_t p, const Vector& u, const Vector& 
                                           : 0;
   // orthotropic friction: an ellipse with the half-axes g along e and g across in the plane's
   // other direction; the slip that goes with a force on it is its outward normal, reversed
-  const double q = point.across;
+  const double q = point.mu_ratio;
   Eigen::Vector3d e(point.direction.data());
   e -= normal * normal.dot(e);
   if (q == 1) e = F_T;

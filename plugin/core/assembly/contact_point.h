@@ -14,7 +14,7 @@ struct ContactPoint {
   /// Orthotropic friction in 3D: |(F_1, F_2/across)| <= g, F_1 along this tangent (unit), F_2
   /// across.
   std::array<Real, 3> direction{{0, 0, 0}};
-  Real across = 1;  ///< coefficient across over coefficient along, > 0
+  Real mu_ratio = 1;  ///< coefficient across over coefficient along, > 0
 };
 
 }  // namespace frictioncg

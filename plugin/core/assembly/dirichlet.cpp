@@ -79,10 +79,10 @@ Dirichlet::Dirichlet(const Triplets& A, const std::vector<ContactPoint>& points)
     const bool unit = A.half ? emptied_unit_rows && rows.row_max[i] == 0 && rows.unit(i)
                              : rows.row_max[i] == 0 && rows.column_max[i] > 0;
     const bool spring = may_touch[i] && !rows.emptied[i] && rows.diagonal[i] < huge_ratio * largest;
-    const bool alone = others == 0 && !spring;
-    if (!huge && !unit && !alone) continue;
+    const bool uncoupled = others == 0 && !spring;
+    if (!huge && !unit && !uncoupled) continue;
     number_[i] = size();
-    held_.push_back({i, rows.diagonal[i], rows.unit(i) && (alone || A.half), false});
+    held_.push_back({i, rows.diagonal[i], rows.unit(i) && (uncoupled || A.half), false});
     unit_rows_ |= unit && !A.half;
   }
   find_lost(A);
@@ -94,7 +94,7 @@ void Dirichlet::find_lost(const Triplets& A) {
     const Index i = A.row(k), j = A.col(k);
     if (A.a[k] != 0 || i == j || holds(i) == holds(j)) continue;
     Held& h = held_[holds(i) ? number_[i] : number_[j]];
-    h.lost = h.alone;
+    h.lost = h.uncoupled;
   }
 }
 
@@ -103,7 +103,7 @@ Vector Dirichlet::data(const Vector& b) const {
   for (Index k = 0; k < size(); ++k) {
     const Held& h = held_[k];
     data[k] = b[h.dof] / h.diagonal;
-    if (data[k] != 0 && (h.lost || (h.alone && !unit_rows_))) {
+    if (data[k] != 0 && (h.lost || (h.uncoupled && !unit_rows_))) {
       std::ostringstream m;
       m << "b[" << h.dof << "] = " << b[h.dof]
         << " is the data of a Dirichlet dof whose couplings are not in A ("

@@ -28,8 +28,8 @@ class Dirichlet {
   struct Held {
     Index dof;
     Real diagonal;
-    bool alone;  ///< its couplings are not in the matrix
-    bool lost;   ///< alone, and free dofs beside it show that there were some
+    bool uncoupled;  ///< its couplings are not in the matrix
+    bool lost;       ///< uncoupled, and free dofs beside it show that there were some
   };
   void find_lost(const Triplets& A);
   std::vector<Held> held_;

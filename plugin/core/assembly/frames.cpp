@@ -156,16 +156,16 @@ void Frames::dualize(Frame& f) const {
 /// t_2)|.
 void Frames::orient(Frame& f) const {
   const ContactPoint& p = points_[f.nodes.front().point];
-  if (p.across == 1 || f.free < 2 || f.nodes.size() > 1) return;
+  if (p.mu_ratio == 1 || f.free < 2 || f.nodes.size() > 1) return;
   const Eigen::Map<const Eigen::Vector3d> normal(p.normal.data()), direction(p.direction.data());
   const Eigen::Vector3d along = (direction - normal * normal.dot(direction)).normalized();
   const Eigen::Vector3d across = normal.cross(along);
   if (f.free == 3) {
     f.to_local.row(1) = along.unaryExpr(&cleaned).transpose();
-    f.to_local.row(2) = p.across * across.unaryExpr(&cleaned).transpose();
+    f.to_local.row(2) = p.mu_ratio * across.unaryExpr(&cleaned).transpose();
   } else {
     const Eigen::Vector3d t = f.to_local.row(1).transpose();
-    f.to_local.row(1) *= std::hypot(t.dot(along), p.across * t.dot(across));
+    f.to_local.row(1) *= std::hypot(t.dot(along), p.mu_ratio * t.dot(across));
   }
 }
 

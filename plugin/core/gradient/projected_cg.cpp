@@ -65,7 +65,7 @@ Outcome ProjectedCG::minimize(Vector& x, const Vector& g, Real eps, Tangents tan
       outcome.status = search(line, rho, rho_gap);  // (13), (14)
     if (outcome.status == Status::converged) {
       turn = advance(line, rho, rho_gap);  // x += rho v; new contact
-      judge(turn, rho);                    // stop, or release
+      stop_or_release(turn, rho);          // stop, or release
     }
     turn.released |= before;
     const StepLabel label = turn.label(restart);
@@ -99,7 +99,7 @@ ProjectedCG::Turn ProjectedCG::begin(const Vector& g, Tangents tangents, Real bo
   Turn turn;
   if (rule_->at_once()) turn.released = rule_->release(it_, least_);
   update_friction();
-  judge(turn, 0);
+  stop_or_release(turn, 0);
   turn.restart = true;
   return turn;
 }
@@ -153,7 +153,7 @@ ProjectedCG::Turn ProjectedCG::advance(const Line& line, Real rho, Real rho_gap)
 
 /// The stopping test, and the release of what the faces violate: again where a release has left
 /// nothing to do on the free dofs.
-void ProjectedCG::judge(Turn& turn, Real rho) {
+void ProjectedCG::stop_or_release(Turn& turn, Real rho) {
   const Real eps_0 = stopping_.eps_0();
   for (Index k = 0; k <= problem_.nodes(); ++k) {
     const Real violation = stopping_.by_step() ? 0 : it_.faces.violation(it_.rows.r(), it_.g);

@@ -48,7 +48,7 @@ class ProjectedCG final : public TrescaSolver {
   Status direct(bool restart);
   Status search(Line& line, Real& rho, Real& rho_gap);
   Turn advance(const Line& line, Real rho, Real rho_gap);
-  void judge(Turn& turn, Real rho);
+  void stop_or_release(Turn& turn, Real rho);
   bool update_friction();
 
   const ContactProblem& problem_;

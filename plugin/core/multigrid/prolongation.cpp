@@ -110,6 +110,16 @@ float spectral_radius(const SymmetricBlocks<B>& A, int steps) {
   return static_cast<float>(lambda);
 }
 
+/// The aggregates of row i and of its neighbours, ascending, each once.
+void aggregates_beside(Index i, const BlockGraph& graph, const Aggregates& aggregates,
+                       std::vector<Index>& columns) {
+  columns.assign(1, aggregates.of[i]);
+  for (Index e = graph.begin[i]; e < graph.begin[i + 1]; ++e)
+    columns.push_back(aggregates.of[graph.neighbour[e]]);
+  std::sort(columns.begin(), columns.end());
+  columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
+}
+
 template <int B, int K>
 Prolongation<B, K> smooth(const SymmetricBlocks<B>& A, const BlockGraph& graph,
                           const Aggregates& aggregates, const std::vector<float>& tentative,
@@ -122,11 +132,7 @@ Prolongation<B, K> smooth(const SymmetricBlocks<B>& A, const BlockGraph& graph,
   std::vector<float> sum;
   const auto tentative_at = [&](Index j) { return tentative.data() + std::size_t(j) * B * K; };
   for (Index i = 0; i < A.rows(); ++i) {
-    columns.assign(1, aggregates.of[i]);
-    for (Index e = graph.begin[i]; e < graph.begin[i + 1]; ++e)
-      columns.push_back(aggregates.of[graph.neighbour[e]]);
-    std::sort(columns.begin(), columns.end());
-    columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
+    aggregates_beside(i, graph, aggregates, columns);
     for (std::size_t c = 0; c < columns.size(); ++c) place[columns[c]] = Index(c);
 
     sum.assign(columns.size() * B * K, 0);

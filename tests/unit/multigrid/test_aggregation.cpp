@@ -97,7 +97,7 @@ TEST(RigidModes, AreTheKernelOfElasticityInLocalFrames) {
     o.cells = {4, 4, 3};
     o.clamp_side = false;
     o.tilt = 0.5;
-    o.across = d == 3 ? 2 : 1;
+    o.mu_ratio = d == 3 ? 2 : 1;
     const SceneInBlocks s(o);
     EXPECT_EQ(s.modes.cols(), d == 2 ? 3 : 6);
     EXPECT_LT((s.system->A * s.modes).norm(), 1e-12 * s.system->A.norm() * s.modes.norm());

@@ -108,7 +108,7 @@ TEST(Multigrid, SolvesAGivenLimitBilateralContactAndOrthotropicFriction) {
   given.law = Law::tresca;
   given.mu = 0.03;
   EXPECT_LT(answer(sparse_block(given)).verdict.worst(), 1e-5);
-  orthotropic.across = 2.5;
+  orthotropic.mu_ratio = 2.5;
   EXPECT_LT(answer(sparse_block(orthotropic)).verdict.worst(), 1e-5);
   const Answer bilateral = answer(sparse_block(cube(8)), true);
   EXPECT_LE(bilateral.verdict.cone, 1e-5);
