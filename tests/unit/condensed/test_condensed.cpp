@@ -140,6 +140,18 @@ TEST(Condensed, FurtherPassesRefineTheFirstAndTheBestIsKept) {
   EXPECT_GE(refined, 0.5 * solved);
 }
 
+TEST(Condensed, AFurtherIncrementStartsFromTheLastBranches) {
+  BlockOptions o;
+  o.cells = 8;
+  o.clamp_side = true;
+  o.shear = 4;
+  const ContactProblem p = problem_of(o);
+  CondensedSolver solver(p.system);
+  ASSERT_EQ(solver.factor(1e9), Elimination::Outcome::done);
+  EXPECT_GT(solver.solve(p, Settings(), {}).iterations, 2);
+  EXPECT_LE(solver.solve(p, Settings(), {}).iterations, 2);  // a step, and one that ends it
+}
+
 TEST(Condensed, ALoadOnABodyThatFloatsBesideTheOthersTakesNoStep) {
   Scene s = block(BlockOptions());
   const Index n = s.n;
