@@ -44,6 +44,19 @@ struct Scene {
   void face(const Triplets& A, const mortar::Options& options);
   /// Copies A into the local frames; the nodes carry their normals and whether they have friction.
   void assemble(const Triplets& A);
+  /// The vectors of a call, and its laws, in local dofs.
+  LocalIncrement increment(const Vector& b, const Vector& u_old, const PointLaws& laws) const;
+
+ private:
+  /// make(), whose refusals of a contact point get the place of its node.
+  template <class Make>
+  auto placed(const Make& make) const {
+    try {
+      return make();
+    } catch (const ConflictingObstacles& e) {
+      throw ConflictingObstacles(e.point, place(nodes[e.point], d), e.why);
+    }
+  }
 };
 
 /// Which dofs Dirichlet conditions hold: their rows of the change of basis have prescribed
@@ -69,15 +82,18 @@ inline void Scene::assemble(const Triplets& A) {
   const Index n = static_cast<Index>(ndof());
   const auto modes = [places = places, d = d, n] { return rigid_modes(places(), d, n); };
   const auto each = [places = places, d = d, n] { return body_modes(places(), d, n); };
-  try {
-    system = pairing ? pairing->system(A, d, std::move(points), mesh_node, modes, each)
-                     : std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, modes);
-  } catch (const DependentNormals& e) {
-    throw DependentNormals(e.point, "the obstacles at " + place(nodes[e.point], d));
-  }
+  system = placed([&] {
+    return pairing ? pairing->system(A, d, std::move(points), mesh_node, modes, each)
+                   : std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, modes);
+  });
   solver = std::make_unique<Solver>(system->system());
   held = held_dofs(system->basis());
   copy_seconds += cpu_seconds() - start;
+}
+
+inline LocalIncrement Scene::increment(const Vector& b, const Vector& u_old,
+                                       const PointLaws& laws) const {
+  return placed([&] { return system->increment(b, u_old, laws); });
 }
 
 /// Which node of the mesh each dof belongs to.

@@ -79,9 +79,9 @@ bool Frames::add_normal(Frame& f, Index point) const {
     for (int k = 0; k < before; ++k) others.col(k) = free_part(points_[f.nodes[k].point]);
     rest -= others * others.colPivHouseholderQr().solve(rest);
   }
-  if (before == f.free || rest.norm() < dependent) {
-    throw DependentNormals(point, "the obstacles at the node of dof " + std::to_string(p.dof[0]));
-  }
+  if (before == f.free || rest.norm() < dependent)
+    throw ConflictingObstacles(point, "the node of dof " + std::to_string(p.dof[0]),
+                               dependent_normals);
   for (int c = 0; c < d_; ++c) f.to_local(before, c) = cleaned(p.normal[c]);
   f.nodes.push_back({point, false});
   return true;
