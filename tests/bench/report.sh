@@ -41,7 +41,8 @@ echo "examples that the manual quotes ..."
 for example in roller wedge crack; do
     FreeFem++-nw -nw -v 0 "$root/examples/$example.edp" || exit 1
 done >examples.log
-awk '/^P[12], a\/h = 16/ { gsub("[,-]", ""); p0 = $7; a = $11; printf "roller, %s\t%.2f and %.2f %%\n", $1, p0, a }
+awk '/^P[12], a\/h = 16/ {
+         sub(",", "", $1); printf "roller, %s\t%.2f and %.2f %%\n", $1, $8 < 0 ? -$8 : $8, $12 < 0 ? -$12 : $12 }
      /^wedge (up|down)/ { sub(/.*off by /, ""); if ($1 + 0 > most) most = $1 + 0 }
      /^slip over the whole loop/ { sub(/.*off by /, ""); printf "crack\t%.1f %%\n", $1 }
      END { printf "wedge\t%.0e\n", most }' examples.log >examples.txt
