@@ -289,6 +289,39 @@ if stress:
     quote("extreme scenes, unsolved", str(len(bad)))
 
 
+QUOTED = [("block2d_n160_mu1", "block 160 x 160, mu = 1"), ("block3d_n24_mu0.3", "block 24^3, mu = 0.3"),
+          ("dovetail_q36", "dovetail-like root"), ("hertz_c16", "Hertz, no friction")]
+COLUMNS = [("condensed", "frictionCG, default"), ("GCX", "GCX"), ("GetFEM", "GetFEM, nodal Newton"),
+           ("Siconos", "Siconos, NSN_AC on our condensed system"), ("ff-Ipopt", "FreeFEM's ff-Ipopt")]
+
+
+def runs(scene, method):
+    """(cost, error) of every run of a method on a scene that ended well, whatever its parameters."""
+    return [(number(r["units"]), number(r["error"])) for r in error + peers + ipopt
+            if r["scene"] == scene and r["method"] == method
+            and r.get("status", "converged") in ("converged", "regularized", None)
+            and not math.isnan(number(r["units"]))]
+
+
+def accuracy(method):
+    """The least error on each scene where the method ran: least and largest of those."""
+    least = [min(e for _, e in runs(s, method)) for s in scenes if runs(s, method)]
+    low, high = (f"{v:.0e}" for v in (min(least), max(least))) if least else ("", "")
+    return low if low == high else f"{low} to {high}"
+
+
+def cell(scene, method, reached):
+    tried = any(r["scene"] == scene and r["method"] == method for r in error + peers + ipopt)
+    return cost_to(reached, runs(scene, method)) if tried else ""
+
+
+peer_rows = [f"| {title}, to {reached:.0e} | " + " | ".join(cell(s, m, reached) for m, _ in COLUMNS) + " |"
+             for s, title in QUOTED if s in scenes for reached in (1e-4, 1e-8)]
+if peers or ipopt:
+    quote("peers", "| | " + " | ".join(title for _, title in COLUMNS) + " |", "|---" * (len(COLUMNS) + 1) + "|", *peer_rows,
+          "| least error, by scene | " + " | ".join(accuracy(m) for m, _ in COLUMNS) + " |")
+
+
 def random_row(line):
     """'default: 10000 scenes from seed 1: converged 9000 stagnated 2 ...' as a row of a table."""
     method, scene_text, counts = (part.strip() for part in line.split(":", 2))
