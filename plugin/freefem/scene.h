@@ -118,32 +118,34 @@ std::vector<Index> body_of_element(const Mesh& Th, int d) {
   return body;
 }
 
-/// The nodes that carry values of every component of the displacement.
+/// The nodes that carry values of every component of the displacement. Elements with nothing new
+/// are passed over: most of them, in 3D.
 template <class Space>
 std::vector<NodePlace> node_places(const Space& Vh) {
   using D = Dimension<Space>;
   const std::vector<Index> body = body_of_element(Vh.Th, D::d);
-  std::vector<NodePlace> places;
+  std::vector<NodePlace> places, at_point;
   std::vector<char> seen(Vh.NbOfDF, 0);
   for (int k = 0; k < Vh.Th.nt; ++k) {
     const typename D::Element K(Vh[k]);
+    bool news = false;
+    for (int i = 0; i < K.NbDoF() && !news; ++i) news = !seen[K(i)];
+    if (!news) continue;
     const Interpolation ip = D::interpolation(K);
-    std::map<int, NodePlace> at_point;
-    for (std::size_t e = 0; e < ip.dof.size(); ++e) {
-      if (ip.coefficient[e] != 1) continue;
-      NodePlace& n = at_point[ip.point[e]];
-      const Fem2D::R3 x = D::position(K, ip.hat[ip.point[e]]);
-      n.x = {x.x, x.y, x.z};
-      n.body = body[k];
-      n.dof[ip.component[e]] = K(ip.dof[e]);
-    }
-    for (const auto& [point, n] : at_point) {
+    at_point.assign(ip.hat.size(), NodePlace());
+    for (std::size_t e = 0; e < ip.dof.size(); ++e)
+      if (ip.coefficient[e] == 1) at_point[ip.point[e]].dof[ip.component[e]] = K(ip.dof[e]);
+    for (std::size_t p = 0; p < at_point.size(); ++p) {
+      NodePlace& n = at_point[p];
       bool whole = true;
       for (int c = 0; c < D::d; ++c) whole &= n.dof[c] >= 0;
       if (!whole || seen[n.dof[0]]) continue;
-      seen[n.dof[0]] = 1;
+      const Fem2D::R3 x = D::position(K, ip.hat[p]);
+      n.x = {x.x, x.y, x.z};
+      n.body = body[k];
       places.push_back(n);
     }
+    for (int i = 0; i < K.NbDoF(); ++i) seen[K(i)] = 1;
   }
   return places;
 }
