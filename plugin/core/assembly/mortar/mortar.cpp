@@ -47,7 +47,7 @@ class Assembly {
   void add_edges(const Side& slave, Index f);
   void set_nodes(Mortar& mortar) const;
   void set_gaps(Mortar& mortar) const;
-  void set_statistics(Mortar& mortar) const;
+  void set_statistics(Mortar& mortar);
 
   const Nodes& nodes_;
   const Options& options_;
@@ -57,17 +57,17 @@ class Assembly {
   std::vector<Vec3> offset_;  ///< int psi_i (delta_m(chi) - delta_s)
   std::vector<char> on_edge_;
   std::vector<Mortar::Edge> edges_;
-  Index partly_covered_ = 0;
-  std::size_t visited_ = 0;
+  std::vector<Statistics> statistics_;  ///< per pair
 };
 
 void Assembly::add_pair(Index p, const Side& slave, const Side& master, const Cover& cover) {
   const Integration integration(slave, master, nodes_.X, options_.smooth);
-  visited_ += cover.visited;
+  Statistics& s = statistics_.emplace_back();
+  s.visited = cover.visited;
   for (Index f = 0; f < slave.facets(); ++f) {
     const std::vector<Cell>& cells = cover.cells[f];
     if (cells.empty()) continue;
-    if (cover.fraction[f] < 1 - 1e-9) ++partly_covered_;
+    if (cover.fraction[f] < 1 - 1e-9) ++s.partly_covered;
     const Part part{slave, master, f, cells};
     add_facet(part, integration.over(part), ownership_.carriers[p][f]);
     if (slave.surface.quadratic) add_edges(slave, f);
@@ -138,18 +138,22 @@ void Assembly::set_gaps(Mortar& mortar) const {
   }
 }
 
-void Assembly::set_statistics(Mortar& mortar) const {
-  Statistics& s = mortar.statistics_;
-  s.facing = static_cast<Index>(mortar.nodes_.size());
-  for (Ownership::State state : ownership_.state)
-    s.removed += state == Ownership::State::shared || state == Ownership::State::held;
-  s.partly_covered = partly_covered_;
-  s.visited = visited_;
-  s.least_gap = s.largest_gap = mortar.nodes_.front().gap;
-  for (const ContactNode& node : mortar.nodes_) {
-    s.least_gap = std::min(s.least_gap, node.gap);
-    s.largest_gap = std::max(s.largest_gap, node.gap);
+void Assembly::set_statistics(Mortar& mortar) {
+  using State = Ownership::State;
+  for (Index i = 0; i < size(); ++i) {
+    const State state = ownership_.state[i];
+    if (state != State::shared && state != State::held) continue;
+    Statistics& s = statistics_[ownership_.pair[i]];
+    ++s.removed;
+    if (state == State::held && s.held++ == 0) s.first_held = i;
   }
+  for (const ContactNode& node : mortar.nodes_) {
+    Statistics& s = statistics_[node.pair];
+    const bool first = s.facing++ == 0;
+    s.least_gap = first ? node.gap : std::min(s.least_gap, node.gap);
+    s.largest_gap = first ? node.gap : std::max(s.largest_gap, node.gap);
+  }
+  mortar.statistics_ = std::move(statistics_);
 }
 
 void Assembly::finish(Mortar& mortar) {

@@ -37,9 +37,12 @@ struct ContactNode {
   Real distance = 0;           ///< the gap as a distance: differs where a neighbour is removed
 };
 
+/// Of one pair.
 struct Statistics {
   Index facing = 0;          ///< contact nodes
   Index removed = 0;         ///< slave vertices with something before them that carry no law
+  Index held = 0;            ///< those of them whose normal Dirichlet conditions hold
+  Index first_held = -1;     ///< one of the latter
   Index partly_covered = 0;  ///< slave facets
   Real least_gap = 0, largest_gap = 0;
   std::size_t visited = 0;  ///< steps of the search
@@ -62,7 +65,7 @@ class Mortar {
 
   const std::vector<ContactNode>& nodes() const { return nodes_; }  ///< m
   const Matrix& relative() const { return G_; }  ///< m x nodes; forces on both bodies are G'y
-  const Statistics& statistics() const { return statistics_; }
+  const Statistics& statistics(Index pair = 0) const { return statistics_[pair]; }
 
   /// T, nodes x nodes, with rows of the identity where held (empty: nowhere): for the components
   /// with Dirichlet conditions at some nodes.
@@ -82,10 +85,10 @@ class Mortar {
 
   Index size_;
   std::vector<ContactNode> nodes_;
-  std::vector<Edge> edges_;  ///< of C
-  Matrix N_, P_;             ///< nodes x nodes, rows of contact nodes
-  Matrix S_, G_;             ///< m x nodes: (I + N) C^-1, and S - P
-  Statistics statistics_;
+  std::vector<Edge> edges_;             ///< of C
+  Matrix N_, P_;                        ///< nodes x nodes, rows of contact nodes
+  Matrix S_, G_;                        ///< m x nodes: (I + N) C^-1, and S - P
+  std::vector<Statistics> statistics_;  ///< per pair
 
   friend class Assembly;
 };
