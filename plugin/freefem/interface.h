@@ -13,14 +13,10 @@ namespace frictioncg {
 
 /// Slaves and masters as their meshes have them, in one numbering of nodes: those of slaves first.
 struct Interface {
-  struct MidEdge {
-    Index node, a, b;  ///< between the vertices a and b
-  };
   std::vector<mortar::Vec3> X;
   mortar::NodeDofs dof;
   std::vector<mortar::Pair> pairs;
   std::vector<SharedNode> slave;      ///< the slaves' nodes
-  std::vector<MidEdge> slave_edges;   ///< of a P2 slave
   std::map<Index, Index> body_count;  ///< facet-connected groups of elements at nodes of both sides
 };
 
@@ -38,8 +34,6 @@ class InterfaceBuilder {
   void add_slave(const BoundaryNodes<FESpaceType>& side) {
     all_.slave = side.nodes();
     add(side, 0, &mortar::Pair::slave);
-    for (const mortar::Pair& pair : all_.pairs)
-      for (const mortar::Facet& f : pair.slave.facets) add_edges(Dimension<FESpaceType>::d, f);
   }
   /// dof_offset: of the master's dofs among those of the call.
   template <class FESpaceType>
@@ -83,14 +77,6 @@ class InterfaceBuilder {
     return entry->second;
   }
 
-  void add_edges(int d, const mortar::Facet& f) {
-    for (int k = 0; k < mortar::edges_of_facet(d) && f.node[d + k] >= 0; ++k) {
-      const auto [a, b] = mortar::edge_ends(d, k);
-      if (has_edge_.insert(f.node[d + k]).second)
-        all_.slave_edges.push_back({f.node[d + k], f.node[a], f.node[b]});
-    }
-  }
-
   /// How many bodies meet at each vertex that both sides have.
   template <class FESpaceType>
   void count_bodies(const BoundaryNodes<FESpaceType>& master) {
@@ -120,7 +106,6 @@ class InterfaceBuilder {
 
   Interface all_;
   std::map<Index, Index> number_;  ///< first dof of a node -> its number
-  std::set<Index> has_edge_;
 };
 
 }  // namespace frictioncg

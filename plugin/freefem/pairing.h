@@ -64,6 +64,7 @@ class Pairing {
   Real distance(Index point) const { return mortar_->nodes()[point].distance; }
 
   const Interface& between() const { return between_; }
+  const std::vector<mortar::MidEdge>& edges() const { return mortar_->edges(); }
   const mortar::Statistics& statistics(Index pair) const { return mortar_->statistics(pair); }
 
  private:
