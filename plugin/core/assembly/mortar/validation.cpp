@@ -101,7 +101,8 @@ void refuse_merged_nodes(const Nodes& nodes, const std::vector<Pair>& pairs,
         m << "slave and master share the node at " << place(nodes.dimension, nodes.X[i])
           << ", where " << groups
           << " bodies meet: the meshes were merged there, as + does with near vertices; use one "
-             "space per mesh, or join them apart and move them back with movemesh";
+             "space per mesh, or join them apart and move them back with movemesh, in 3D with "
+             "cleanmesh=false";
         throw IllegalInput(m.str());
       }
 }
