@@ -200,6 +200,34 @@ inline void report_motions(const Scene& scene, const Solution& solution) {
            << "; the field has the least of it" << std::endl;
 }
 
+/// Diagonal of the box around the contact nodes.
+inline Real contact_extent(const Scene& scene) {
+  if (scene.nodes.empty()) return 0;
+  Fem2D::R3 least = scene.nodes.front().x, most = least;
+  for (const BoundaryNode& n : scene.nodes) {
+    least = Minc(least, n.x);
+    most = Maxc(most, n.x);
+  }
+  return Norme2(most - least);
+}
+
+/// A warning for a field that moves a node further than its body is large: the laws hold on the
+/// undeformed geometry, and what balances such a load there hardly holds it.
+inline void warn_of_large_displacements(const Scene& scene, const Vector& u) {
+  if (u.size() == 0 || u.cwiseAbs().maxCoeff() <= contact_extent(scene)) return;
+  std::map<Index, std::vector<NodePlace>> bodies;
+  for (const NodePlace& n : scene.places()) bodies[n.body].push_back(n);
+  for (const auto& [number, body] : bodies) {
+    const Real size = 2 * nearest_rigid_motion(body, scene.d, u).extent;
+    const Real most = largest_displacement(body, scene.d, u);
+    if (most <= size) continue;
+    line() << "warning: displacements of up to " << most << " in a body of size " << size
+           << "; the laws are those of small displacements, and hold on the undeformed geometry"
+           << std::endl;
+    return;
+  }
+}
+
 /// How a call ended, and which layer answered: a fallback shows here.
 inline void report_end(const Solution& solution) {
   line() << name_of(solution.status) << " by " << name_of(solution.layer) << ", residual "

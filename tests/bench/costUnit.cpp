@@ -109,7 +109,7 @@ class OnScene : public E_F0mps {
     return translated(Body::name, [&] {
       const Call call(stack, arguments_, b_);
       PointLaws laws;
-      const auto scene = pose(stack, arguments_, A_, *site_, true, laws);
+      const auto scene = read_scene(stack, arguments_, A_, *site_, true, laws);
       const LocalIncrement now = increment(call, *scene, laws);
       return SetAny<Result>(
           run(stack, {*scene, now.increment, now.u0}, std::index_sequence_for<Extra...>()));

@@ -9,13 +9,13 @@ namespace frictioncg {
 
 namespace {
 
-constexpr std::size_t most_directions = 20;
 constexpr Index patience = 40;         ///< inner iterations in which the residual must fall tenfold
 constexpr Index little_patience = 12;  ///< the same where the caller has another method
 constexpr Index least_cycles = 8;      ///< from which on a rate is one
-constexpr Real negative = 1e-10;       ///< -<Az,z>/<Dz,z> that is no rounding
+constexpr Real settled = 0.1;          ///< violation over the first, below which few faces change
+constexpr Real of_unsettled = 2.5;     ///< cycles over those of one linear system, before that
+constexpr Real in_time = 0.5;          ///< of the affordable cycles, to settle the faces
 constexpr Real tenfold = 0.1;          ///< fall of the residual that patience waits for
-constexpr Real dependent = 1e-20;      ///< share of |Jz|^2 beside the directions before: rounding
 constexpr Real share = 0.5;            ///< of tol that the linear residual may take
 constexpr int most_retreats = 10, most_drifts = 4;
 constexpr Real least_Gamma = 1e-3, most_Gamma = 0.3, Gamma_of_springs = 0.1;
@@ -34,56 +34,6 @@ constexpr Real lasting = 0.9;        ///< of the springs' force before: the body
 constexpr Real out_of_bounds = 1e3;  ///< violation over the first with the present springs
 
 }  // namespace
-
-// ---------------------------------------------------------------------------- inner iteration
-
-ConjugateResiduals::ConjugateResiduals(const System& system)
-    : system_(system), inverse_weight_(system.weight.cwiseInverse()) {}
-
-/// The product of norm_D.
-Real ConjugateResiduals::dot(const Vector& a, const Vector& b) const {
-  return (a.array() * inverse_weight_.array() * b.array()).sum();
-}
-
-void ConjugateResiduals::start(const Vector& s) {
-  s_ = s;
-  norm_ = std::sqrt(dot(s_, s_));
-  used_ = next_ = 0;
-}
-
-bool ConjugateResiduals::step(Hierarchy& hierarchy, const Faces& faces, const Vector& springs,
-                              Vector& x, Vector& b_C) {
-  if (kept_.size() < most_directions && next_ == kept_.size()) kept_.emplace_back();
-  Direction& now = kept_[next_];
-  hierarchy.apply(s_, now.z);
-  now.Jz.noalias() = system_.A * now.z;
-  const Real work = now.z.dot(now.Jz), size = now.z.dot(system_.D.cwiseProduct(now.z));
-  indefinite_ = work < -negative * size;
-  if (indefinite_) return false;
-  now.Az_C = now.Jz.tail(springs.size()) + springs.cwiseProduct(now.z.tail(springs.size()));
-  faces.jacobian(now.z, now.Az_C, now.Jz.tail(system_.contact_dofs()));
-  const Real before = dot(now.Jz, now.Jz);
-  for (std::size_t k = 0; k < used_; ++k) {
-    const Direction& old = kept_[k];
-    if (&old == &now) continue;
-    const Real along = dot(now.Jz, old.Jz) / old.size;
-    now.z -= along * old.z;
-    now.Jz -= along * old.Jz;
-    now.Az_C -= along * old.Az_C;
-  }
-  now.size = dot(now.Jz, now.Jz);
-  if (!(now.size > dependent * before)) return false;
-  const Real alpha = dot(s_, now.Jz) / now.size;
-  x += alpha * now.z;
-  s_ -= alpha * now.Jz;
-  b_C -= alpha * now.Az_C;
-  norm_ = std::sqrt(dot(s_, s_));
-  used_ = std::max(used_, next_ + 1);
-  next_ = (next_ + 1) % most_directions;
-  return alpha != 0;
-}
-
-// ---------------------------------------------------------------------------- outer iteration
 
 InexactNewton::InexactNewton(const ContactProblem& problem, Hierarchy& hierarchy,
                              Observer* observer)
@@ -191,14 +141,15 @@ bool InexactNewton::solve_faces() {
     falls = inner_.step(hierarchy_, faces_, springs_, x_, b_C_);
     count(first ? StepLabel::newton : StepLabel::conjugate);
     first = false;
-    const Real aim = std::max(Gamma_ * faces_.violation(x_, b_C_), share * goal_);
+    const Real violation = faces_.violation(x_, b_C_);
+    const Real aim = std::max(Gamma_ * violation, share * goal_);
     if (inner_.norm() <= aim) break;
     ++since;
     if (inner_.norm() <= tenfold * mark) {
       mark = inner_.norm();
       since = 0;
     }
-    gave_up_ = costs_too_much(from, iterations_ - begin);
+    gave_up_ = costs_too_much(from, iterations_ - begin, violation);
     falls = falls && since < bound && !gave_up_;
   }
   b_ = inner_.residual();
@@ -206,12 +157,17 @@ bool InexactNewton::solve_faces() {
 }
 
 /// Whether tol takes more cycles than are affordable, at the rate at which this many of them have
-/// reduced the residual from what it was. Further faces take more: what is left is a lower bound.
-bool InexactNewton::costs_too_much(Real from, Index cycles) const {
-  if (!std::isfinite(affordable_) || cycles < least_cycles) return false;
+/// reduced the residual from what it was. With friction, faces that are not settled yet take as
+/// many again, and half as many; where they do not settle in time, the rate says nothing.
+bool InexactNewton::costs_too_much(Real from, Index cycles, Real violation) const {
+  if (!std::isfinite(affordable_)) return false;
+  const bool unsettled = problem_.increment.law != Law::frictionless &&
+                         (updates_ == 0 || violation > settled * first_);
+  if (unsettled && iterations_ > in_time * affordable_) return true;
+  if (cycles < least_cycles) return false;
   const Real rate = std::log(from / inner_.norm()) / cycles;
   const Real left = std::log(inner_.norm() / (share * goal_));
-  return !(iterations_ * rate + left <= affordable_ * rate);
+  return !(iterations_ * rate + (unsettled ? of_unsettled : 1) * left <= affordable_ * rate);
 }
 
 void InexactNewton::count(StepLabel label) {
