@@ -184,9 +184,9 @@ std::shared_ptr<Scene> pair_scene(const FESpaceType& Vh, const std::vector<long>
   scene->d = Dimension<FESpaceType>::d;
   scene->dofs = dofs_of(Vh.NbOfDF);
   const NamedSpace<FESpaceType> space{Vh, "Vh", "the mesh", pair_inside};
-  InterfaceBuilder faces;
-  faces.add_slave(BoundaryNodes<FESpaceType>(space, slave), slave);
-  faces.add_master(BoundaryNodes<FESpaceType>(space, master), master, 0);
+  InterfaceBuilder faces(mortar::label_pairs(slave, master));
+  faces.add_slave(BoundaryNodes<FESpaceType>(space, slave));
+  faces.add_master(BoundaryNodes<FESpaceType>(space, master), 0);
   scene->pairing = std::make_unique<Pairing>(faces.take());
   observe(Vh, *scene);
   return scene;
@@ -200,11 +200,10 @@ std::shared_ptr<Scene> pair_scene(const FESpaceType& V1, const std::vector<long>
   scene->d = Dimension<FESpaceType>::d;
   scene->dofs = dofs_of(V1.NbOfDF, V2.NbOfDF);
   const Index offset = V1.NbOfDF;
-  InterfaceBuilder faces;
-  faces.add_slave(BoundaryNodes<FESpaceType>({V1, "V1", "the mesh of V1", pair_inside}, slave),
-                  slave);
+  InterfaceBuilder faces(mortar::label_pairs(slave, master));
+  faces.add_slave(BoundaryNodes<FESpaceType>({V1, "V1", "the mesh of V1", pair_inside}, slave));
   faces.add_master(BoundaryNodes<FESpaceType>({V2, "V2", "the mesh of V2", pair_inside}, master),
-                   master, offset);
+                   offset);
   scene->pairing = std::make_unique<Pairing>(faces.take());
   observe(V1, *scene);
   for (Index node : mesh_nodes(V2)) scene->mesh_node.push_back(V1.NbOfNodes + node);

@@ -27,6 +27,11 @@ fi
     /usr/bin/python3 "$root/tests/bench/peers.py" systems.txt peers.csv ||
     echo "the peers in Python did not run: left out"
 rm -f system_*.bin peer_matrix.mtx ipopt.out
+echo "two bodies: NAFEMS CB1 ..."
+script roller >roller.log || exit 1
+/usr/bin/python3 "$root/tests/bench/rollerPeer.py" roller.csv >>roller.log 2>&1 ||
+    echo "GetFEM did not run: left out of CB1"
+rm -f roller_*.msh
 echo "stability ..."
 script stress || exit 1
 echo "random scenes ..."
