@@ -32,6 +32,8 @@ script roller >roller.log || exit 1
 /usr/bin/python3 "$root/tests/bench/rollerPeer.py" roller.csv >>roller.log 2>&1 ||
     echo "GetFEM did not run: left out of CB1"
 rm -f roller_*.msh
+echo "3D by multigrid ..."
+script multigrid3d >multigrid3d.log || exit 1
 echo "stability ..."
 script stress || exit 1
 echo "random scenes ..."

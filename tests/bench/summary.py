@@ -239,6 +239,17 @@ if total:
               "nothing. The defaults stay out of the way of any mesh: the default route does not regularize at all, and GC3 takes "
               "1e-8 max|u|, less where tol asks for it.\n")
 
+# --- 3D by multigrid -------------------------------------------------------------------------------------------------
+multigrid = rows("multigrid3d.csv")
+if multigrid:
+    md.append("\n## 3D by the scalable route\n")
+    md.append("What `auto` takes: the whole call in units of the best linear solve of the same matrix by CHOLMOD, and of one linear "
+              "solve by the same hierarchy (two bodies: the unit is the condensed route, and sticking contact by multigrid).\n")
+    md.append("| scene | dofs | contact nodes | mu | route | units | linear multigrid solves | cycles | peak MB | certificate |\n" + "|---" * 10 + "|")
+    for r in multigrid:
+        md.append("| " + " | ".join([r["scene"], r["dofs"], r["contact"], r["mu"], r["route"]] + [f"{number(r[k]):.2f}" for k in ("units", "linear")]
+                                    + [r["iterations"], r["megabytes"], r["certificate"]]) + " |")
+
 # --- stability ------------------------------------------------------------------------------------------------------
 if stress:
     md.append("\n## Stability\n")
@@ -362,6 +373,25 @@ def random_row(line):
     return f"| {method} | {scenes_run} | {solved} | {proved} | {left} ({100 * left / scenes_run:.2f} %) | {reasons} |"
 
 
+PAIR_PEERS = [("ours", "frictionCG, dual mortar"), ("GetFEM nodal", "GetFEM, nodal brick"),
+              ("GetFEM raytracing", "GetFEM, integral by raytracing")]
+
+
+def pair_cell(order, method):
+    """Errors of p0 and a in %, and CPU seconds, at a/h = 16."""
+    for r in roller:
+        if (r["method"], r["order"], r["cells"]) == (method, order, "16") and r["seconds"]:
+            return f"{abs(number(r['p0'])):.2f}, {abs(number(r['a'])):.2f} % in {number(r['seconds']):.2g} s"
+    return "-"
+
+
+if roller:
+    quote("CB1", "| p0, a | " + " | ".join(title for _, title in PAIR_PEERS) + " |", "|---" * 4 + "|",
+          *(f"| P{order} | " + " | ".join(pair_cell(order, m) for m, _ in PAIR_PEERS) + " |" for order in "12"))
+if multigrid:
+    quote("multigrid", "| scene | dofs | contact nodes | mu | route | units | linear multigrid solves | cycles | MB |", "|---" * 9 + "|",
+          *(f"| {r['scene']} | {int(r['dofs']):,} | {int(r['contact']):,} | {r['mu']} | {r['route']} | {number(r['units']):.2f} | "
+            f"{number(r['linear']):.2f} | {r['iterations']} | {number(r['megabytes']):.0f} |".replace(",", " ") for r in multigrid))
 if os.path.exists("random.txt"):
     quote("random", "| method | scenes | converged | proved to have no equilibrium | not solved | by reason |",
           "|---" * 6 + "|", *(random_row(line) for line in open("random.txt") if line.strip()))

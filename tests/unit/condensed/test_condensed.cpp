@@ -155,6 +155,7 @@ TEST(Condensed, AFurtherIncrementStartsFromTheLastBranches) {
 TEST(Condensed, ALoadOnABodyThatFloatsBesideTheOthersTakesNoStep) {
   Scene s = block(BlockOptions());
   const Index n = s.n;
+  s.modes = {};
   s.n += 4;  // two nodes and a spring between them
   for (int c = 0; c < 2; ++c)
     for (int p = 0; p < 2; ++p)
