@@ -111,7 +111,8 @@ demo: setup ## the block of the paper: displacement, contact forces, and their p
 
 check: setup ## all tests
 	@$(MAKE) --no-print-directory -j$$(nproc) all $(BUILD)/unit_tests $(BUILD)/two_springs >/dev/null
-	@bash tests/run $(BUILD)/unit_tests $(BUILD)/two_springs $(SCRIPTS) $(EXAMPLES) $(PAGES)
+	@bash tests/run $(BUILD)/unit_tests $(BUILD)/two_springs tests/figures $(SCRIPTS) $(EXAMPLES) \
+	  $(PAGES)
 
 unit: all $(BUILD)/unit_tests ## unit tests of the core only
 	$(BUILD)/unit_tests
@@ -123,7 +124,7 @@ examples: all ## every example, on coarse meshes
 	@bash tests/run $(EXAMPLES)
 
 pages: all ## every snippet of the README and of the manual, edp/doc
-	@bash tests/run $(PAGES)
+	@bash tests/run tests/figures $(PAGES)
 
 # The core first: what it has inline is then what the tests run.
 $(BUILD)/unit_tests: $(OBJECTS) $(UNIT:tests/%.cpp=$(BUILD)/%.o)

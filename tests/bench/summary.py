@@ -111,7 +111,7 @@ figure("error_iterations", FRONT, "iterations", "iterations")
 
 md.append("# Measured: error against run time, stability, and what is left out\n")
 md.append("Made by `make report` from its own runs alone. Unit of cost: one linear solve of the same matrix (CHOLMOD, the "
-          "better of AMD and METIS, analyse + factor + solve), CPU time, one thread. Errors of fields: energy norm, "
+          "best of AMD, METIS and FreeFEM's own, analyse + factor + solve), CPU time, one thread. Errors of fields: energy norm, "
           "relative.\n")
 md.append("![error against run time](error_time.png)\n")
 
@@ -260,6 +260,118 @@ if stress:
 for name, title in (("random.txt", "Random scenes"), ("left_out.txt", "What is left out"), ("leaks.txt", "Leaks")):
     if os.path.exists(name):
         md.append(f"\n## {title}\n\n```\n" + open(name).read().strip() + "\n```")
+
+# --- what README and manual quote, by name: tests/figures compares them ---------------------------------------------
+figures = []
+
+
+def quote(name, *lines):
+    figures.extend(f"{name}\t{line}" for line in lines)
+
+
+def span(values, digits=".1f"):
+    low, high = (f"{v:{digits}}" for v in (min(values), max(values)))
+    return low if low == high else f"{low} to {high}"
+
+
+def cost_row(r, extra=()):
+    cells = [r["scene"]] + [f"{number(r[k]):.2f}" for k in ("mu0", "mu0.3", "mu1", "increment", *extra)]
+    return "| " + " | ".join(cells + [f"{number(r['residual']):.0e}"]) + " |"
+
+
+cost, pair = rows("cost.csv"), rows("costPair.csv")
+if cost:
+    quote("cost", "| block | mu = 0 | mu = 0.3 | mu = 1 | further increment | certificate |", "|---" * 6 + "|",
+          *(cost_row(r) for r in cost))
+for r in pair:
+    r["scene"] = f"{r['scene']}, {int(r['dofs']):,} dofs".replace(",", " ").replace("D  ", "D, ")
+if pair:
+    quote("pair", "| block on a block | mu = 0 | mu = 0.3 | mu = 1 | further increment | mortar, T'AT | certificate |",
+          "|---" * 7 + "|", *(cost_row(r, ("mortar",)) for r in pair))
+
+
+def times_to(reached, dimension):
+    """By scene of this dimension, the cost of each method to this error where it was reached."""
+    found = defaultdict(dict)
+    for r in error:
+        if f"block{dimension}d" in r["scene"] or (dimension == 2 and "block" not in r["scene"]):
+            if r["status"] in ("converged", "regularized") and number(r["error"]) <= reached:
+                key = r["method"] if r["variant"] in ("Newton", "hessian-ssor 1.5", "SSOR 1.5", "omega 1.8") else None
+                found[r["scene"]][key] = min(number(r["units"]), found[r["scene"]].get(key, math.inf))
+    return [c for c in found.values()]
+
+
+both = times_to(1e-8, 2) + times_to(1e-8, 3)
+if any("GCX" in c and "GC3" in c for c in both):
+    quote("GCX/GC3", span([c["GCX"] / c["GC3"] for c in both if "GCX" in c and "GC3" in c]))
+solid = [c["condensed"] / min(c.get("GCX", math.inf), c.get("GC3", math.inf)) for c in times_to(1e-8, 3)
+         if "condensed" in c and ("GCX" in c or "GC3" in c)]
+if solid:
+    quote("condensed/iterations in 3D", span(solid))
+for k in ("REG1", "REG2", "REG3"):
+    floor = [number(f[k]["error"]) / eps for eps, f in floors.items() if k in f and 1e-7 <= eps <= 1e-3]
+    if floor:
+        quote(f"floor of {k}", f"{sorted(floor)[len(floor) // 2]:.1f}")
+if stress:
+    quote("extreme scenes", str(sum(r["method"] == "default" for r in stress)))
+    quote("extreme scenes, unsolved", str(len(bad)))
+
+
+QUOTED = [("block2d_n160_mu1", "block 160 x 160, mu = 1"), ("block3d_n24_mu0.3", "block 24^3, mu = 0.3"),
+          ("dovetail_q36", "dovetail-like root"), ("hertz_c16", "Hertz, no friction")]
+COLUMNS = [("condensed", "frictionCG, default"), ("GCX", "GCX"), ("GetFEM", "GetFEM, nodal Newton"),
+           ("Siconos", "Siconos, NSN_AC on our condensed system"), ("ff-Ipopt", "FreeFEM's ff-Ipopt")]
+
+
+def runs(scene, method):
+    """(cost, error) of every run of a method on a scene that ended well, whatever its parameters."""
+    return [(number(r["units"]), number(r["error"])) for r in error + peers + ipopt
+            if r["scene"] == scene and r["method"] == method
+            and r.get("status", "converged") in ("converged", "regularized", None)
+            and not math.isnan(number(r["units"]))]
+
+
+def accuracy(method):
+    """The least error on each scene where the method ran: least and largest of those."""
+    least = [min(e for _, e in runs(s, method)) for s in scenes if runs(s, method)]
+    low, high = (f"{v:.0e}" for v in (min(least), max(least))) if least else ("", "")
+    return low if low == high else f"{low} to {high}"
+
+
+def cell(scene, method, reached):
+    tried = any(r["scene"] == scene and r["method"] == method for r in error + peers + ipopt)
+    return cost_to(reached, runs(scene, method)) if tried else ""
+
+
+peer_rows = [f"| {title}, to {reached:.0e} | " + " | ".join(cell(s, m, reached) for m, _ in COLUMNS) + " |"
+             for s, title in QUOTED if s in scenes for reached in (1e-4, 1e-8)]
+if peers or ipopt:
+    quote("peers", "| | " + " | ".join(title for _, title in COLUMNS) + " |", "|---" * (len(COLUMNS) + 1) + "|", *peer_rows,
+          "| least error, by scene | " + " | ".join(accuracy(m) for m, _ in COLUMNS) + " |")
+
+
+def random_row(line):
+    """'default: 10000 scenes from seed 1: converged 9000 stagnated 2 ...' as a row of a table."""
+    method, scene_text, counts = (part.strip() for part in line.split(":", 2))
+    words = counts.split()
+    by = dict(zip(words[::2], map(int, words[1::2])))
+    scenes_run = int(scene_text.split()[0])
+    solved, proved = by.pop("converged", 0), by.pop("no_equilibrium", 0)
+    left = sum(by.values())
+    reasons = ", ".join(f"`{k}` {n}" for k, n in by.items()) or "none"
+    return f"| {method} | {scenes_run} | {solved} | {proved} | {left} ({100 * left / scenes_run:.2f} %) | {reasons} |"
+
+
+if os.path.exists("random.txt"):
+    quote("random", "| method | scenes | converged | proved to have no equilibrium | not solved | by reason |",
+          "|---" * 6 + "|", *(random_row(line) for line in open("random.txt") if line.strip()))
+if os.path.exists("left_out.txt"):
+    ratios = [float(line.split("costs ")[1].split()[0]) for line in open("left_out.txt") if " costs " in line]
+    quote("no friction", span(ratios, ".2f"))
+for line in open("examples.txt") if os.path.exists("examples.txt") else ():
+    figures.append(line.rstrip())
+with open("figures.txt", "w") as f:
+    f.write("\n".join(figures) + "\n")
 
 with open("report.md", "w") as f:
     f.write("\n".join(md) + "\n")
