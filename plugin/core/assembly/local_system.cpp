@@ -45,9 +45,13 @@ void LocalSystem::assemble(const Triplets& A, int dimension, const std::vector<I
   system_ = system;
 }
 
+/// Modes of another number of dofs are as none: System's are asked for their rows.
 RigidModes LocalSystem::in_local_dofs(RigidModes modes) const {
   if (!modes) return {};
-  return [basis = basis_, modes = std::move(modes)] { return Eigen::MatrixXd(basis->W * modes()); };
+  return [basis = basis_, modes = std::move(modes)] {
+    const Eigen::MatrixXd M = modes();
+    return M.rows() == basis->W.cols() ? Eigen::MatrixXd(basis->W * M) : Eigen::MatrixXd();
+  };
 }
 
 /// By the numbering of A.
