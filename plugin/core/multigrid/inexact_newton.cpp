@@ -9,13 +9,10 @@ namespace frictioncg {
 
 namespace {
 
-constexpr std::size_t most_directions = 20;
 constexpr Index patience = 40;         ///< inner iterations in which the residual must fall tenfold
 constexpr Index little_patience = 12;  ///< the same where the caller has another method
 constexpr Index least_cycles = 8;      ///< from which on a rate is one
-constexpr Real negative = 1e-10;       ///< -<Az,z>/<Dz,z> that is no rounding
 constexpr Real tenfold = 0.1;          ///< fall of the residual that patience waits for
-constexpr Real dependent = 1e-20;      ///< share of |Jz|^2 beside the directions before: rounding
 constexpr Real share = 0.5;            ///< of tol that the linear residual may take
 constexpr int most_retreats = 10, most_drifts = 4;
 constexpr Real least_Gamma = 1e-3, most_Gamma = 0.3, Gamma_of_springs = 0.1;
@@ -34,56 +31,6 @@ constexpr Real lasting = 0.9;        ///< of the springs' force before: the body
 constexpr Real out_of_bounds = 1e3;  ///< violation over the first with the present springs
 
 }  // namespace
-
-// ---------------------------------------------------------------------------- inner iteration
-
-ConjugateResiduals::ConjugateResiduals(const System& system)
-    : system_(system), inverse_weight_(system.weight.cwiseInverse()) {}
-
-/// The product of norm_D.
-Real ConjugateResiduals::dot(const Vector& a, const Vector& b) const {
-  return (a.array() * inverse_weight_.array() * b.array()).sum();
-}
-
-void ConjugateResiduals::start(const Vector& s) {
-  s_ = s;
-  norm_ = std::sqrt(dot(s_, s_));
-  used_ = next_ = 0;
-}
-
-bool ConjugateResiduals::step(Hierarchy& hierarchy, const Faces& faces, const Vector& springs,
-                              Vector& x, Vector& b_C) {
-  if (kept_.size() < most_directions && next_ == kept_.size()) kept_.emplace_back();
-  Direction& now = kept_[next_];
-  hierarchy.apply(s_, now.z);
-  now.Jz.noalias() = system_.A * now.z;
-  const Real work = now.z.dot(now.Jz), size = now.z.dot(system_.D.cwiseProduct(now.z));
-  indefinite_ = work < -negative * size;
-  if (indefinite_) return false;
-  now.Az_C = now.Jz.tail(springs.size()) + springs.cwiseProduct(now.z.tail(springs.size()));
-  faces.jacobian(now.z, now.Az_C, now.Jz.tail(system_.contact_dofs()));
-  const Real before = dot(now.Jz, now.Jz);
-  for (std::size_t k = 0; k < used_; ++k) {
-    const Direction& old = kept_[k];
-    if (&old == &now) continue;
-    const Real along = dot(now.Jz, old.Jz) / old.size;
-    now.z -= along * old.z;
-    now.Jz -= along * old.Jz;
-    now.Az_C -= along * old.Az_C;
-  }
-  now.size = dot(now.Jz, now.Jz);
-  if (!(now.size > dependent * before)) return false;
-  const Real alpha = dot(s_, now.Jz) / now.size;
-  x += alpha * now.z;
-  s_ -= alpha * now.Jz;
-  b_C -= alpha * now.Az_C;
-  norm_ = std::sqrt(dot(s_, s_));
-  used_ = std::max(used_, next_ + 1);
-  next_ = (next_ + 1) % most_directions;
-  return alpha != 0;
-}
-
-// ---------------------------------------------------------------------------- outer iteration
 
 InexactNewton::InexactNewton(const ContactProblem& problem, Hierarchy& hierarchy,
                              Observer* observer)
@@ -155,8 +102,8 @@ Status InexactNewton::ended(Status otherwise) {
 }
 
 void InexactNewton::recompute_forces() {
-  b_ = problem_.increment.F;
-  b_.noalias() -= system_.A * x_;
+  system_.multiply(x_, b_);
+  b_ = problem_.increment.F - b_;
   b_C_ = b_.tail(springs_.size()) + springs_.cwiseProduct((rest_ - x_).tail(springs_.size()));
 }
 
@@ -165,6 +112,14 @@ void InexactNewton::move_onto_faces() {
   const Vector before = x_.tail(springs_.size());
   faces_.place(x_);
   b_.tail(springs_.size()) = b_C_;
+  if (system_.processes) {
+    Vector moved = Vector::Zero(x_.size()), forces;
+    moved.tail(springs_.size()) = x_.tail(springs_.size()) - before;
+    system_.multiply(moved, forces);
+    b_ -= forces;
+    b_C_ = b_.tail(springs_.size()) - springs_.cwiseProduct(moved.tail(springs_.size()));
+    return;
+  }
   for (Index c = 0; c < springs_.size(); ++c) {
     const Index p = system_.interior() + c;
     const Real moved = x_[p] - before[c];
@@ -224,7 +179,7 @@ void InexactNewton::count(StepLabel label) {
 Real InexactNewton::spring_force() const {
   const auto D = system_.weight.tail(springs_.size()).array();
   const auto stretch = (x_ - rest_).tail(springs_.size()).array();
-  return std::sqrt((springs_.array() * stretch).square().cwiseQuotient(D).sum());
+  return std::sqrt(system_.sum((springs_.array() * stretch).square().cwiseQuotient(D).sum()));
 }
 
 void InexactNewton::set_springs(Real over_D) {
