@@ -57,7 +57,7 @@ export FF_INCLUDEPATH := $(CURDIR)/$(BUILD);$(FF_IDP)
 export FF_PROGRAM
 RUN       := $(FF_PROGRAM) -nw -v 0
 
-.PHONY: all core help setup demo check unit scripts examples pages bench report format lint sanitize coverage \
+.PHONY: all core mpi help setup demo check unit scripts examples pages bench report format lint sanitize coverage \
         install fresh mutants clean
 
 all: $(BUILD)/frictionCG.so $(IDP:edp/%=$(BUILD)/%) ## build the plugin
@@ -89,6 +89,29 @@ $(BUILD)/frictionCG.o: plugin/frictionCG.cpp Makefile
 
 $(BUILD)/frictionCG.so: $(BUILD)/frictionCG.o $(OBJECTS)
 	$(CXX) -shared $(LDFLAGS) $^ -o $@ $(LIBS)
+
+# The plugin of several processes: what it needs beyond the sequential one is asked for here alone.
+MPI_PACKAGES := petsc-dev libopenmpi-dev openmpi-bin pkg-config
+MPI_SOURCES  := $(wildcard plugin/mpi/*.cpp)
+# not in a folder called mpi: FreeFem++-mpi would look for plugins nowhere else
+MPI_OBJECTS   = $(MPI_SOURCES:plugin/mpi/%.cpp=$(BUILD)/distributed/%.o)
+PETSC_DIR    ?= $(firstword $(wildcard /usr/lib/petscdir/petsc-real /usr/lib/petsc))
+PETSC_FLAGS   = $(shell pkg-config --cflags PETSc 2>/dev/null || echo -I$(PETSC_DIR)/include)
+PETSC_LIBS    = $(shell pkg-config --libs PETSc 2>/dev/null || echo -L$(PETSC_DIR)/lib -lpetsc)
+MPICXX       ?= mpicxx
+MPI_FLAGS     = $(patsubst -I%,-isystem %,$(filter-out -W%,$(PETSC_FLAGS)) $(shell $(MPICXX) --showme:compile))
+MPI_LIBS      = $(PETSC_LIBS) $(shell $(MPICXX) --showme:link)
+
+mpi: setup ## the plugin of several processes, on PETSc
+	@$(MAKE) --no-print-directory setup PACKAGES="$(MPI_PACKAGES)"
+	@$(MAKE) --no-print-directory -j$$(nproc) all $(BUILD)/frictionCG-mpi.so >/dev/null
+
+$(BUILD)/distributed/%.o: plugin/mpi/%.cpp Makefile
+	@mkdir -p $(@D)
+	$(CXX) $(FLAGS) $(DEPENDS) $(MPI_FLAGS) $(FF_HEADER) -Wno-mismatched-new-delete -c $< -o $@
+
+$(BUILD)/frictionCG-mpi.so: $(MPI_OBJECTS) $(OBJECTS)
+	$(CXX) -shared $(LDFLAGS) $^ -o $@ $(LIBS) $(MPI_LIBS)
 
 core: $(BUILD)/libfrictioncg.a ## the core as a library, used through plugin/core/frictioncg.h
 
@@ -136,7 +159,7 @@ $(BUILD)/unit/%.o: tests/unit/%.cpp Makefile
 	@mkdir -p $(@D)
 	$(CXX) $(FLAGS) $(DEPENDS) -O1 -Iplugin -Itests -c $< -o $@
 
--include $(OBJECTS:.o=.d) $(UNIT:tests/%.cpp=$(BUILD)/%.d) $(BUILD)/frictionCG.d
+-include $(OBJECTS:.o=.d) $(UNIT:tests/%.cpp=$(BUILD)/%.d) $(BUILD)/frictionCG.d $(MPI_OBJECTS:.o=.d)
 
 # The benchmarks run in FreeFEM, with one thread, in the same process as what they compare with.
 $(BUILD)/%.so: tests/bench/%.cpp $(OBJECTS) $(HEADERS)

@@ -99,7 +99,9 @@ inline KN_<double> solve(Stack stack, const Call& call, Scene& scene, const Poin
   }
   if (call.verb > 2) report_phases(scene, solution);
   if (solution.status != Status::converged && !out.status)
-    refuse_unconverged(scene, solution, call.settings);
+    refuse_unconverged(
+        solution, call.settings,
+        solution.unheld_motion.size() > 0 ? describe(scene, solution.unheld_motion) : "");
   write_outputs(scene, solution, progress, out);
 
   KN<double>* u = Add2StackOfPtr2Free(stack, new KN<double>(scene.ndof()));

@@ -1,0 +1,26 @@
+#include "petsc.h"
+
+#include <stdexcept>
+#include <string>
+
+namespace frictioncg {
+
+void check(PetscErrorCode error) {
+  if (!error) return;
+  const char* text = nullptr;
+  PetscErrorMessage(error, &text, nullptr);
+  throw std::runtime_error(std::string("PETSc: ") + (text ? text : "unknown error"));
+}
+
+void start_petsc() {
+  PetscBool started = PETSC_FALSE;
+  check(PetscInitialized(&started));
+  if (started) return;
+  static int count = 0;
+  static char** arguments = nullptr;
+  check(PetscInitialize(&count, &arguments, nullptr, nullptr));
+  check(
+      PetscPushErrorHandler(PetscIgnoreErrorHandler, nullptr));  // errors are thrown, and said once
+}
+
+}  // namespace frictioncg
