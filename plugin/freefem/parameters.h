@@ -23,6 +23,7 @@ enum Parameter {
   p_smooth,
   p_uold,
   p_init,
+  p_start,
   p_method,
   p_newton,
   p_polish,
@@ -52,39 +53,40 @@ enum Parameter {
 class ContactDomainVariable;  // of frictionCG-mpi alone
 
 inline basicAC_F0::name_and_type parameters[] = {
-    {"mu", &typeid(double)},                      // friction coefficient
-    {"mu2", &typeid(double)},                     // across direction, mu being along it
-    {"direction", &typeid(E_Array)},              // of orthotropic friction
-    {"gap", &typeid(double)},                     // [length]
-    {"normal", &typeid(E_Array)},                 // outward from the body
-    {"slidinglimit", &typeid(double)},            // [force/area]
-    {"bilateral", &typeid(bool)},                 // no separation
-    {"maxgap", &typeid(double)},                  // of two bodies [length]
-    {"smooth", &typeid(bool)},                    // of two bodies: gap of the curved surfaces
-    {"uold", &typeid(KN_<double>)},               // [length]
-    {"init", &typeid(KN_<double>)},               // [length]
-    {"method", &typeid(string*)},                 //
-    {"newton", &typeid(bool)},                    // condensed: on the laws themselves
-    {"polish", &typeid(bool)},                    // its former name
-    {"reg", &typeid(string*)},                    //
-    {"regeps", &typeid(double)},                  // [length]
-    {"precon", &typeid(string*)},                 //
-    {"omega", &typeid(double)},                   //
-    {"step", &typeid(string*)},                   //
-    {"tol", &typeid(double)},                     //
-    {"nbiter", &typeid(double)},                  // a whole number
-    {"memory", &typeid(double)},                  // [GB]
-    {"verb", &typeid(long)},                      //
-    {"status", &typeid(long*)},                   // out
-    {"residual", &typeid(double*)},               // out
-    {"iterations", &typeid(long*)},               // out
-    {"force", &typeid(KN<double>*)},              // out [force]
-    {"state", &typeid(KN<long>*)},                // out
-    {"normals", &typeid(KN<double>*)},            // out
-    {"distance", &typeid(KN<double>*)},           // out, of two bodies [length]
-    {"free", &typeid(long*)},                     // out
-    {"history", &typeid(KNM<double>*)},           // out
-    {"times", &typeid(KN<double>*)},              // out [s]
+    {"mu", &typeid(double)},             // friction coefficient
+    {"mu2", &typeid(double)},            // across direction, mu being along it
+    {"direction", &typeid(E_Array)},     // of orthotropic friction
+    {"gap", &typeid(double)},            // [length]
+    {"normal", &typeid(E_Array)},        // outward from the body
+    {"slidinglimit", &typeid(double)},   // [force/area]
+    {"bilateral", &typeid(bool)},        // no separation
+    {"maxgap", &typeid(double)},         // of two bodies [length]
+    {"smooth", &typeid(bool)},           // of two bodies: gap of the curved surfaces
+    {"uold", &typeid(KN_<double>)},      // [length]
+    {"init", &typeid(KN_<double>)},      // [length]
+    {"start", &typeid(KN_<double>)},     // the same, where macro_ddm.idp takes the name init
+    {"method", &typeid(string*)},        //
+    {"newton", &typeid(bool)},           // condensed: on the laws themselves
+    {"polish", &typeid(bool)},           // its former name
+    {"reg", &typeid(string*)},           //
+    {"regeps", &typeid(double)},         // [length]
+    {"precon", &typeid(string*)},        //
+    {"omega", &typeid(double)},          //
+    {"step", &typeid(string*)},          //
+    {"tol", &typeid(double)},            //
+    {"nbiter", &typeid(double)},         // a whole number
+    {"memory", &typeid(double)},         // [GB]
+    {"verb", &typeid(long)},             //
+    {"status", &typeid(long*)},          // out
+    {"residual", &typeid(double*)},      // out
+    {"iterations", &typeid(long*)},      // out
+    {"force", &typeid(KN<double>*)},     // out [force]
+    {"state", &typeid(KN<long>*)},       // out
+    {"normals", &typeid(KN<double>*)},   // out
+    {"distance", &typeid(KN<double>*)},  // out, of two bodies [length]
+    {"free", &typeid(long*)},            // out
+    {"history", &typeid(KNM<double>*)},  // out
+    {"times", &typeid(KN<double>*)},     // out [s]
     {"domain", &typeid(ContactDomainVariable*)},  // of several processes
 };
 static_assert(sizeof(parameters) / sizeof(*parameters) == parameter_count, "one name each");

@@ -72,7 +72,8 @@ inline LocalIncrement increment_together(const Call& call, const SharedScene& sh
   domain.agree([&] {
     check_vector(call.b, "b", scene.dofs);
     if (call.args.has(p_uold)) check_vector(call.u_old, "uold", scene.dofs);
-    if (call.args.has(p_init)) check_vector(call.u_init, "init", scene.dofs);
+    if (call.args.has(call.args.start()))
+      check_vector(call.u_init, parameters[call.args.start()].name, scene.dofs);
   });
   const Vector b = shared.patch->load(domain, call.b);
   Vector u_old = call.u_old;
@@ -103,7 +104,7 @@ inline KN_<double> solve_together(Stack stack, const Call& call, SharedScene& sh
   Progress progress(problem, verb, keeps);
   const bool watches = keeps || domain.largest(static_cast<Real>(verb)) > 0;
   Vector x0;
-  if (call.args.has(p_init)) {
+  if (call.args.has(call.args.start())) {
     const Vector start = call.u_old.size() == 0 ? call.u_init : Vector(call.u_init - call.u_old);
     x0 = shared.A->own_part(scene.system->to_local(start));
   }
