@@ -51,6 +51,7 @@ void load() {
     throw ErrorLoad("frictionCG-mpi has all that frictionCG has; load one of them", 1);
   register_contactproblem();
   register_contactdomain();
+  ff_atend(end_petsc);
   add_sites<v_fes>();
   add_sites<v_fes3>();
   Global.Add(operator_name, "(", new OneOperatorCode<SharedSolveIncrement>());

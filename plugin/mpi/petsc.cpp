@@ -5,6 +5,10 @@
 
 namespace frictioncg {
 
+namespace {
+bool ours = false;  ///< another plugin may have started PETSc, and ends it
+}
+
 void check(PetscErrorCode error) {
   if (!error) return;
   const char* text = nullptr;
@@ -19,8 +23,13 @@ void start_petsc() {
   static int count = 0;
   static char** arguments = nullptr;
   check(PetscInitialize(&count, &arguments, nullptr, nullptr));
-  check(
-      PetscPushErrorHandler(PetscIgnoreErrorHandler, nullptr));  // errors are thrown, and said once
+  ours = true;
+  // errors are thrown, and said once
+  check(PetscPushErrorHandler(PetscIgnoreErrorHandler, nullptr));
+}
+
+void end_petsc() {
+  if (ours) PetscFinalize();
 }
 
 }  // namespace frictioncg

@@ -8,8 +8,10 @@ namespace frictioncg {
 /// Throws std::runtime_error with PETSc's own words.
 void check(PetscErrorCode error);
 
-/// MPI and PETSc are ready after it; FreeFEM's program may have started MPI. Ends PETSc at exit.
+/// MPI and PETSc are ready after it; FreeFEM's program may have started MPI.
 void start_petsc();
+/// For the end of the program, where PETSc was started here.
+void end_petsc();
 
 /// An object of PETSc's that is destroyed with its owner.
 template <class Object, PetscErrorCode (*destroy)(Object*)>
