@@ -45,7 +45,10 @@ HEADERS   := $(CORE_H) $(wildcard plugin/freefem/*.h)
 UNIT      := $(filter-out tests/unit/standalone/%,$(wildcard tests/unit/*.cpp tests/unit/*/*.cpp))
 IDP       := $(wildcard edp/*.idp)
 SCRIPTS   := $(wildcard tests/edp/*.edp)
-EXAMPLES  := $(wildcard examples/*.edp)
+EXAMPLES  := $(filter-out %-mpi.edp,$(wildcard examples/*.edp))
+# Under several processes: where `make mpi` has been
+WITH_MPI   = $(wildcard $(BUILD)/frictionCG-mpi.so)
+SHARED     = $(if $(WITH_MPI),$(wildcard tests/mpi/*.edp examples/*-mpi.edp))
 PAGES     := README.md $(wildcard edp/doc/*.md)
 BENCHES   := $(wildcard tests/bench/*.cpp)
 OWN       := $(CORE) $(HEADERS) $(wildcard plugin/*.cpp tests/unit/*.cpp tests/unit/*.h \
@@ -55,9 +58,10 @@ OWN       := $(CORE) $(HEADERS) $(wildcard plugin/*.cpp tests/unit/*.cpp tests/u
 export FF_LOADPATH    := $(CURDIR)/$(BUILD);$(FF_PLUGINS)
 export FF_INCLUDEPATH := $(CURDIR)/$(BUILD);$(FF_IDP)
 export FF_PROGRAM
+export FF_PROGRAM_MPI := $(if $(FREEFEM),$(FF_PREFIX)/bin/)FreeFem++-mpi
 RUN       := $(FF_PROGRAM) -nw -v 0
 
-.PHONY: all core mpi help setup demo check unit scripts examples pages bench report format lint sanitize coverage \
+.PHONY: all core mpi help setup demo check unit scripts shared examples pages bench report format lint sanitize coverage \
         install fresh mutants clean
 
 all: $(BUILD)/frictionCG.so $(IDP:edp/%=$(BUILD)/%) ## build the plugin
@@ -133,14 +137,18 @@ demo: setup ## the block of the paper: displacement, contact forces, and their p
 	cd $(BUILD) && $(RUN) $(CURDIR)/examples/block.edp
 
 check: setup ## all tests
-	@$(MAKE) --no-print-directory -j$$(nproc) all $(BUILD)/unit_tests $(BUILD)/two_springs >/dev/null
-	@bash tests/run $(BUILD)/unit_tests $(BUILD)/two_springs $(SCRIPTS) $(EXAMPLES) $(PAGES)
+	@$(MAKE) --no-print-directory -j$$(nproc) all $(BUILD)/unit_tests $(BUILD)/two_springs $(WITH_MPI) >/dev/null
+	@$(if $(WITH_MPI),,echo "left out: tests of several processes; \`make mpi\` adds them")
+	@bash tests/run $(BUILD)/unit_tests $(BUILD)/two_springs $(SCRIPTS) $(EXAMPLES) $(PAGES) $(SHARED)
 
 unit: all $(BUILD)/unit_tests ## unit tests of the core only
 	$(BUILD)/unit_tests
 
 scripts: all ## scripted tests in FreeFEM only
 	@bash tests/run $(SCRIPTS)
+
+shared: mpi ## scripted tests and examples under several processes only
+	@bash tests/run $(wildcard tests/mpi/*.edp examples/*-mpi.edp)
 
 examples: all ## every example, on coarse meshes
 	@bash tests/run $(EXAMPLES)

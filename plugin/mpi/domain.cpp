@@ -159,15 +159,17 @@ void Domain::agree(const std::function<void()>& body) const {
 }
 
 void Domain::fail_together(bool failed, const std::string& message) const {
-  int first = failed ? rank_ : size_;
-  MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, communicator_);
+  int least[] = {failed ? rank_ : size_, failed};
+  MPI_Allreduce(MPI_IN_PLACE, least, 2, MPI_INT, MPI_MIN, communicator_);
+  const int first = least[0];
+  const bool everywhere = least[1] != 0;
   if (first == size_) return;
   std::string text = message;
   int length = static_cast<int>(text.size());
   MPI_Bcast(&length, 1, MPI_INT, first, communicator_);
   text.resize(length);
   MPI_Bcast(&text[0], length, MPI_CHAR, first, communicator_);
-  throw IllegalInput(text + " (rank " + std::to_string(first) + ")");
+  throw IllegalInput(everywhere ? text : text + " (on rank " + std::to_string(first) + ")");
 }
 
 }  // namespace frictioncg

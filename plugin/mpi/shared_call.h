@@ -1,7 +1,7 @@
 #pragma once
 #include "../freefem/freefem.h"
 
-#include "shared_scene.h"
+#include "shared_report.h"
 
 namespace frictioncg {
 
@@ -89,36 +89,39 @@ inline LocalIncrement increment_together(const Call& call, const SharedScene& sh
   return local;
 }
 
+/// Where the iteration starts (own dofs): empty where the call does not say.
+inline Vector start_of(const Call& call, const SharedScene& shared) {
+  if (!call.args.has(call.args.start())) return {};
+  const Vector start = call.u_old.size() == 0 ? call.u_init : Vector(call.u_init - call.u_old);
+  return shared.A->own_part(shared.scene->system->to_local(start));
+}
+
 /// The field of one increment.   Collective.
 inline KN_<double> solve_together(Stack stack, const Call& call, SharedScene& shared,
                                   PointLaws laws) {
   const Domain& domain = *shared.domain;
-  Scene& scene = *shared.scene;
   const Outputs out(stack, call.args);
   ContactProblem problem{shared.system, {}};
   if (domain.largest(problem.nodes()) == 0) laws.law = Law::frictionless;
-  laws.law = static_cast<Law>(static_cast<int>(domain.largest(static_cast<int>(laws.law))));
   const LocalIncrement now = increment_together(call, shared, laws, problem);
   const bool keeps = domain.largest(out.history != nullptr) > 0;
   const long verb = domain.rank() == 0 ? call.verb : 0;
+  const bool speaks = domain.largest(static_cast<Real>(verb)) > 0;
+  if (speaks) report_plan(shared, problem, verb);
   Progress progress(problem, verb, keeps);
-  const bool watches = keeps || domain.largest(static_cast<Real>(verb)) > 0;
-  Vector x0;
-  if (call.args.has(call.args.start())) {
-    const Vector start = call.u_old.size() == 0 ? call.u_init : Vector(call.u_init - call.u_old);
-    x0 = shared.A->own_part(scene.system->to_local(start));
-  }
-  const Solution solution =
-      solve_together(shared, problem, call, x0, watches ? &progress : nullptr);
+  const Solution solution = solve_together(shared, problem, call, start_of(call, shared),
+                                           keeps || speaks ? &progress : nullptr);
   if (verb > 0) report_end(solution);
+  const std::string unheld = report_motions(shared, solution, verb);
   const bool wants_status = domain.largest(out.status != nullptr) > 0;
   if (solution.status != Status::converged && !wants_status)
-    refuse_unconverged(solution, call.settings, "");
+    refuse_unconverged(solution, call.settings, unheld);
   const Solution local = on_local_dofs(shared, solution);
   write_together(shared, local, progress, out);
-  KN<double>* u = Add2StackOfPtr2Free(stack, new KN<double>(scene.ndof()));
-  const Vector field = scene.system->to_global(local.x, now.u0);
-  for (long i = 0; i < scene.ndof(); ++i) (*u)[i] = field[i];
+  const long n = shared.scene->ndof();
+  KN<double>* u = Add2StackOfPtr2Free(stack, new KN<double>(n));
+  const Vector field = shared.scene->system->to_global(local.x, now.u0);
+  for (long i = 0; i < n; ++i) (*u)[i] = field[i];
   update(domain, u);
   return *u;
 }
