@@ -109,6 +109,10 @@ void Domain::update(Index width, const Pack& pack, const Unpack& unpack) const {
     from.push_back(&e);
   }
   exchange(communicator_, out, in);
+  for (const Message& m : out) {
+    traffic_.messages += 1;
+    traffic_.bytes += double(m.values.size()) * sizeof(Real);
+  }
   for (std::size_t k = 0; k < in.size(); ++k)
     for (std::size_t s = 0; s < from[k]->received.size(); ++s)
       unpack(from[k]->received[s], &in[k].values[s * width]);
@@ -122,10 +126,12 @@ void Domain::update(Vector& values) const {
 
 void Domain::sum(Real* values, Index count) const {
   MPI_Allreduce(MPI_IN_PLACE, values, count, MPI_DOUBLE, MPI_SUM, communicator_);
+  traffic_.reductions += 1;
 }
 
 Real Domain::largest(Real value) const {
   MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MAX, communicator_);
+  traffic_.reductions += 1;
   return value;
 }
 
@@ -137,6 +143,7 @@ Vector Domain::gathered(const Vector& own) const {
   Vector all(starts.back() + counts.back());
   MPI_Allgatherv(own.data(), count, MPI_DOUBLE, all.data(), counts.data(), starts.data(),
                  MPI_DOUBLE, communicator_);
+  traffic_.reductions += 2;
   return all;
 }
 

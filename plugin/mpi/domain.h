@@ -8,6 +8,18 @@
 
 namespace frictioncg {
 
+/// What one process sends, and takes part in.
+struct Traffic {
+  double messages = 0, bytes = 0;
+  double reductions = 0;  ///< over all processes
+};
+inline Traffic operator+(const Traffic& a, const Traffic& b) {
+  return {a.messages + b.messages, a.bytes + b.bytes, a.reductions + b.reductions};
+}
+inline Traffic operator-(const Traffic& a, const Traffic& b) {
+  return {a.messages - b.messages, a.bytes - b.bytes, a.reductions - b.reductions};
+}
+
 /// The part of a distributed space that this process has, with overlap, and whom it shares its
 /// dofs with: what createMat of FreeFEM's macro_ddm.idp hands to constructor(...).
 ///
@@ -43,6 +55,8 @@ class Domain {
   Real largest(Real value) const;
   Vector gathered(const Vector& own) const;
 
+  const Traffic& traffic() const { return traffic_; }  ///< so far
+
   /// Runs what one process does by itself. Where it throws on any of them, all throw IllegalInput
   /// with the message of the lowest rank that failed.
   void agree(const std::function<void()>& body) const;
@@ -60,6 +74,7 @@ class Domain {
   int rank_ = 0, size_ = 1;
   std::vector<char> owned_;  ///< n
   std::vector<Exchange> exchanges_;
+  mutable Traffic traffic_;
 };
 
 }  // namespace frictioncg

@@ -28,6 +28,15 @@ void start_petsc() {
   check(PetscPushErrorHandler(PetscIgnoreErrorHandler, nullptr));
 }
 
+Traffic petsc_traffic() {
+#if defined(PETSC_USE_LOG)
+  return {petsc_isend_ct + petsc_send_ct, petsc_isend_len + petsc_send_len,
+          petsc_allreduce_ct + petsc_gather_ct + petsc_scatter_ct};
+#else
+  return {};
+#endif
+}
+
 void end_petsc() {
   if (ours) PetscFinalize();
 }

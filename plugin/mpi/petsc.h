@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "domain.h"
+
 namespace frictioncg {
 
 /// Throws std::runtime_error with PETSc's own words.
@@ -12,6 +14,9 @@ void check(PetscErrorCode error);
 void start_petsc();
 /// For the end of the program, where PETSc was started here.
 void end_petsc();
+
+/// Of PETSc's own on this process so far; 0 where it does not count.
+Traffic petsc_traffic();
 
 /// An object of PETSc's that is destroyed with its owner.
 template <class Object, PetscErrorCode (*destroy)(Object*)>

@@ -109,9 +109,12 @@ inline KN_<double> solve_together(Stack stack, const Call& call, SharedScene& sh
   const bool speaks = domain.largest(static_cast<Real>(verb)) > 0;
   if (speaks) report_plan(shared, problem, verb);
   Progress progress(problem, verb, keeps);
+  const Traffic before = domain.traffic() + petsc_traffic();
   const Solution solution = solve_together(shared, problem, call, start_of(call, shared),
                                            keeps || speaks ? &progress : nullptr);
+  const Traffic traffic = domain.traffic() + petsc_traffic() - before;
   if (verb > 0) report_end(solution);
+  report_traffic(domain, traffic, solution.iterations, verb);
   const std::string unheld = report_motions(shared, solution, verb);
   const bool wants_status = domain.largest(out.status != nullptr) > 0;
   if (solution.status != Status::converged && !wants_status)

@@ -21,6 +21,16 @@ inline void report_plan(const SharedScene& shared, const ContactProblem& problem
   std::cout << "; multigrid by PETSc" << std::endl;
 }
 
+/// What a process sends on average in one iteration, updates of the faces included.   Collective.
+inline void report_traffic(const Domain& domain, const Traffic& all, Index iterations, long verb) {
+  Real sums[] = {all.messages, all.bytes};
+  domain.sum(sums, 2);
+  if (verb < 3) return;
+  const Real count = std::max<Index>(iterations, 1), each = count * domain.size();
+  line() << "traffic of a process in an iteration: " << sums[0] / each << " messages, "
+         << sums[1] / each / 1e3 << " kB, " << all.reductions / count << " reductions" << std::endl;
+}
+
 /// Some nodes of all processes, with their displacement under a motion of the own dofs: enough to
 /// tell what motion it is.   Collective.
 struct SampledMotion {
