@@ -32,11 +32,12 @@ struct BlockRows {
 void add_node(const Numbering& numbering, const System& local, const std::vector<Index>& dofs,
               PetscInt first_slot, BlockRows& rows) {
   const Index d = numbering.dimension;
-  std::set<PetscInt> touched{first_slot / d};
+  std::vector<PetscInt> touched{first_slot / d};
   for (Index p : dofs)
-    for (Matrix::InnerIterator e(local.A, p); e; ++e) touched.insert(numbering.slot[e.col()] / d);
-  std::map<PetscInt, std::size_t> place;
-  for (PetscInt node : touched) place.emplace(node, place.size());
+    for (Matrix::InnerIterator e(local.A, p); e; ++e)
+      touched.push_back(numbering.slot[e.col()] / d);
+  std::sort(touched.begin(), touched.end());
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
   const Real filler = local.weight[dofs.front()];
   for (Index s = 0; s < d; ++s) {
     const std::size_t begin = rows.columns.size();
@@ -44,7 +45,8 @@ void add_node(const Numbering& numbering, const System& local, const std::vector
       for (Index c = 0; c < d; ++c) rows.columns.push_back(node * d + c);
     rows.values.resize(rows.columns.size(), 0);
     const auto at = [&](PetscInt slot) -> Real& {
-      return rows.values[begin + place[slot / d] * d + slot % d];
+      const auto node = std::lower_bound(touched.begin(), touched.end(), slot / d);
+      return rows.values[begin + (node - touched.begin()) * d + slot % d];
     };
     if (s >= static_cast<Index>(dofs.size()))
       at(first_slot + s) = filler;
@@ -82,9 +84,10 @@ void SharedMatrix::find_contact(const System& local) {
   for (Index i = 0; i < local.nodes(); ++i)
     for (Index p = local.first[i]; p < local.first[i + 1]; ++p) node_of[p - local.interior()] = i;
   contact_.start.push_back(0);
+  std::map<PetscInt, Real> row;
   for (Index p : N.own) {
-    std::map<PetscInt, Real> row;
     const bool contact = p >= local.interior();
+    row.clear();
     for (Matrix::InnerIterator e(local.A, p); e; ++e)
       if (contact || e.col() >= local.interior()) row[N.slot[e.col()]] = e.value();
     if (contact) {

@@ -24,6 +24,7 @@ PetscInt solve_linear(Mat A, Vec b, Vec x) {
   check(PCSetType(pc, PCGAMG));
   check(PCGAMGSetType(pc, PCGAMGAGG));
   check(PCGAMGSetNSmooths(pc, 1));
+  check(PCSetFromOptions(pc));  // without it GAMG coarsens less, and costs twice as much
   check(KSPSolve(ksp, b, x));
   check(KSPGetIterationNumber(ksp, &iterations));
   check(KSPDestroy(&ksp));
