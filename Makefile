@@ -144,7 +144,8 @@ demo: setup ## the block of the paper: displacement, contact forces, and their p
 check: setup ## all tests
 	@$(MAKE) --no-print-directory -j$$(nproc) all $(BUILD)/unit_tests $(BUILD)/two_springs $(WITH_MPI) >/dev/null
 	@$(if $(WITH_MPI),,echo "left out: tests of several processes; \`make mpi\` adds them")
-	@bash tests/run $(BUILD)/unit_tests $(BUILD)/two_springs $(SCRIPTS) $(EXAMPLES) $(PAGES) $(SHARED)
+	@bash tests/run $(BUILD)/unit_tests $(BUILD)/two_springs tests/figures $(SCRIPTS) $(EXAMPLES) \
+	  $(PAGES) $(SHARED)
 
 unit: all $(BUILD)/unit_tests ## unit tests of the core only
 	$(BUILD)/unit_tests
@@ -159,7 +160,7 @@ examples: all ## every example, on coarse meshes
 	@bash tests/run $(EXAMPLES)
 
 pages: all ## every snippet of the README and of the manual, edp/doc
-	@bash tests/run $(PAGES)
+	@bash tests/run tests/figures $(PAGES)
 
 # The core first: what it has inline is then what the tests run.
 $(BUILD)/unit_tests: $(OBJECTS) $(UNIT:tests/%.cpp=$(BUILD)/%.o)
@@ -180,8 +181,11 @@ $(BUILD)/%.so: tests/bench/%.cpp $(OBJECTS) $(HEADERS)
 
 bench: setup ## the paper's tables, and costs as ratios to one linear solve
 	@$(MAKE) --no-print-directory -j$$(nproc) all $(BENCHES:tests/bench/%.cpp=$(BUILD)/%.so) >/dev/null
-	@for script in tests/bench/paper.edp tests/bench/cost.edp tests/bench/costPair.edp; do \
+	@for script in tests/bench/paper.edp tests/bench/cost.edp tests/bench/costPair.edp \
+	  tests/bench/roller.edp tests/bench/multigrid3d.edp; do \
 	  (cd $(BUILD) && OPENBLAS_NUM_THREADS=1 $(RUN) ../$$script) || exit 1; done
+	@cd $(BUILD) && OPENBLAS_NUM_THREADS=1 /usr/bin/python3 ../tests/bench/rollerPeer.py roller.csv \
+	  || echo "GetFEM did not run: left out of CB1"
 	@$(if $(WITH_MPI),$(MAKE) --no-print-directory scaling,echo "left out: several processes; \`make mpi\` adds them")
 
 # 114 000 dofs on 1 and 2 processes, then 14 000 on more than there are cores: iterations alone count there.

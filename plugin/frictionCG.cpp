@@ -8,6 +8,7 @@
 
 #include "freefem/load.h"
 #include "freefem/operators.h"
+#include "freefem/usage.h"
 
 namespace frictioncg {
 namespace {
@@ -18,6 +19,7 @@ void load() {
   for_each_site<v_fes>(add_site);
   for_each_site<v_fes3>(add_site);
   Global.Add(operator_name, "(", new OneOperatorCode<SolveIncrement>());
+  add_usage();
 }
 
 }  // namespace

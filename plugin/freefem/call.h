@@ -72,7 +72,7 @@ inline LocalIncrement increment(const Call& call, const Scene& scene, PointLaws 
   if (call.args.has(call.args.start()))
     check_vector(call.u_init, parameters[call.args.start()].name, scene.dofs);
   if (scene.system->nodes() == 0) laws.law = Law::frictionless;  // supports hold every normal
-  LocalIncrement now = scene.system->increment(call.b, call.u_old, laws);
+  LocalIncrement now = scene.increment(call.b, call.u_old, laws);
   refuse_other_tgv(scene, call.b, now.u0);
   return now;
 }
@@ -105,8 +105,9 @@ inline KN_<double> solve(Stack stack, const Call& call, Scene& scene, const Poin
         solution.unheld_motion.size() > 0 ? describe(scene, solution.unheld_motion) : "");
   write_outputs(scene, solution, progress, out);
 
-  KN<double>* u = Add2StackOfPtr2Free(stack, new KN<double>(scene.ndof()));
   const Vector field = scene.system->to_global(solution.x, now.u0);
+  if (call.verb > 0) warn_of_large_displacements(scene, field);
+  KN<double>* u = Add2StackOfPtr2Free(stack, new KN<double>(scene.ndof()));
   for (long i = 0; i < scene.ndof(); ++i) (*u)[i] = field[i];
   if (out.times) write_times(scene, solution.times, cpu_seconds() - start, out.times);
   scene.copy_seconds = 0;  // further increments do not copy

@@ -38,7 +38,7 @@ constexpr const char* obstacle_inside = "an obstacle touches the outer boundary 
 constexpr const char* pair_inside =
     "contact of two bodies needs two faces there, and meshes that were merged, as + does with near "
     "vertices, have none: use one space per mesh, or join them apart and move them back with "
-    "movemesh";
+    "movemesh, in 3D with cleanmesh=false";
 
 /// The nodes of one facet: dofs of each component, grouped by the interpolation points they share.
 struct FacetNodes {

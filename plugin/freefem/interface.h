@@ -1,60 +1,67 @@
 #pragma once
 #include "freefem.h"
 
+#include <algorithm>
 #include <map>
 
 #include "../core/assembly/mortar/coupling.h"
+#include "../core/assembly/mortar/label_pairs.h"
 #include "../core/assembly/mortar/topology.h"
 #include "contact_boundary.h"
 
 namespace frictioncg {
 
-/// Slave and master as their meshes have them, in one numbering of nodes: those of the slave first.
+/// Slaves and masters as their meshes have them, in one numbering of nodes: those of slaves first.
 struct Interface {
-  struct MidEdge {
-    Index node, a, b;  ///< between the vertices a and b
-  };
   std::vector<mortar::Vec3> X;
   mortar::NodeDofs dof;
-  mortar::Pair pair;
-  std::vector<SharedNode> slave;      ///< the slave's nodes
-  std::vector<MidEdge> slave_edges;   ///< of a P2 slave
+  std::vector<mortar::Pair> pairs;
+  std::vector<SharedNode> slave;      ///< the slaves' nodes
   std::map<Index, Index> body_count;  ///< facet-connected groups of elements at nodes of both sides
 };
 
-/// Fills an Interface from the two sides.
+/// Fills an Interface from the two sides, which have the labels of all pairs.
 class InterfaceBuilder {
  public:
+  explicit InterfaceBuilder(const std::vector<mortar::LabelPair>& pairs) : all_{} {
+    for (const mortar::LabelPair& labels : pairs) {
+      all_.pairs.emplace_back();
+      all_.pairs.back().slave.labels = labels.slave;
+      all_.pairs.back().master.labels = labels.master;
+    }
+  }
   template <class FESpaceType>
-  void add_slave(const BoundaryNodes<FESpaceType>& side, const std::vector<long>& labels) {
+  void add_slave(const BoundaryNodes<FESpaceType>& side) {
     all_.slave = side.nodes();
-    add(side, labels, 0, all_.pair.slave);
-    for (const mortar::Facet& f : all_.pair.slave.facets) add_edges(Dimension<FESpaceType>::d, f);
+    add(side, 0, &mortar::Pair::slave);
   }
   /// dof_offset: of the master's dofs among those of the call.
   template <class FESpaceType>
-  void add_master(const BoundaryNodes<FESpaceType>& side, const std::vector<long>& labels,
-                  Index dof_offset) {
-    add(side, labels, dof_offset, all_.pair.master);
+  void add_master(const BoundaryNodes<FESpaceType>& side, Index dof_offset) {
+    add(side, dof_offset, &mortar::Pair::master);
     if (dof_offset == 0) count_bodies(side);
   }
   Interface take() { return std::move(all_); }
 
  private:
+  /// Each pair takes the facets of its labels.
   template <class FESpaceType>
-  void add(const BoundaryNodes<FESpaceType>& side, const std::vector<long>& labels,
-           Index dof_offset, mortar::Surface& surface) {
+  void add(const BoundaryNodes<FESpaceType>& side, Index dof_offset,
+           mortar::Surface mortar::Pair::*which) {
     constexpr int d = Dimension<FESpaceType>::d;
     std::vector<Index> number;
     for (const SharedNode& n : side.nodes()) number.push_back(node(n, d, dof_offset));
-    surface.labels = labels;
     for (const BoundaryFacet& f : side.facets()) {
       mortar::Facet facet;
       facet.label = f.label;
       facet.outward = {f.normal.x, f.normal.y, f.normal.z};
       for (std::size_t k = 0; k < f.node.size(); ++k) facet.node[k] = number[f.node[k]];
-      surface.quadratic = static_cast<int>(f.node.size()) > d;
-      surface.facets.push_back(facet);
+      for (mortar::Pair& pair : all_.pairs) {
+        mortar::Surface& surface = pair.*which;
+        if (!std::count(surface.labels.begin(), surface.labels.end(), f.label)) continue;
+        surface.quadratic = static_cast<int>(f.node.size()) > d;
+        surface.facets.push_back(facet);
+      }
     }
   }
 
@@ -68,14 +75,6 @@ class InterfaceBuilder {
       all_.dof.push_back(dof);
     }
     return entry->second;
-  }
-
-  void add_edges(int d, const mortar::Facet& f) {
-    for (int k = 0; k < mortar::edges_of_facet(d) && f.node[d + k] >= 0; ++k) {
-      const auto [a, b] = mortar::edge_ends(d, k);
-      if (has_edge_.insert(f.node[d + k]).second)
-        all_.slave_edges.push_back({f.node[d + k], f.node[a], f.node[b]});
-    }
   }
 
   /// How many bodies meet at each vertex that both sides have.
@@ -107,7 +106,6 @@ class InterfaceBuilder {
 
   Interface all_;
   std::map<Index, Index> number_;  ///< first dof of a node -> its number
-  std::set<Index> has_edge_;
 };
 
 }  // namespace frictioncg

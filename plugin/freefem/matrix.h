@@ -13,6 +13,7 @@ struct DofCount {
   long count = 0;
   std::string in_words;  ///< "Vh has 72 degrees of freedom"
   std::string assemble;  ///< how A comes to have as many
+  long first = 0;        ///< of two spaces, those of the first
 };
 
 inline DofCount dofs_of(long ndof) {
@@ -23,7 +24,24 @@ inline DofCount dofs_of(long ndof1, long ndof2) {
   return {ndof1 + ndof2,
           "V1 and V2 have " + std::to_string(ndof1) + " + " + std::to_string(ndof2) +
               " degrees of freedom",
-          "give the matrix of both bodies, A = [[A1, 0], [0, A2]], and b = [b1, b2]"};
+          "give the matrix of both bodies, A = [[A1, 0], [0, A2]], and b = [b1, b2]", ndof1};
+}
+
+/// Refuses the blocks of two bodies that come in the other order: nothing else would tell, where
+/// the sizes add up. Couplings that the script has put between the bodies are none of it.
+inline void refuse_other_order(const Triplets& A, const DofCount& dofs) {
+  const long second = dofs.count - dofs.first;
+  bool crosses_first = false, crosses_second = false;
+  for (std::size_t k = 0; k < A.size; ++k) {
+    if (A.a[k] == 0) continue;
+    const long i = A.i[k] - A.base, j = A.j[k] - A.base;
+    crosses_first = crosses_first || (i < dofs.first) != (j < dofs.first);
+    crosses_second = crosses_second || (i < second) != (j < second);
+  }
+  if (!crosses_first || crosses_second) return;
+  throw IllegalInput("the blocks of A are in the other order: " + dofs.in_words +
+                     ", and A = [[A1, 0], [0, A2]] and b = [b1, b2] have those of V1, the space of "
+                     "the slave, first");
 }
 
 /// A view of the script's matrix. Its triplets are read as they lie: sorting them, as FreeFEM's own
@@ -44,6 +62,7 @@ inline Triplets triplets(Matrice_Creuse<double>* A, const DofCount& dofs) {
   t.a = H->aij;
   t.base = H->fortran;
   t.half = H->half > 0;
+  if (dofs.first > 0 && 2 * dofs.first != dofs.count) refuse_other_order(t, dofs);
   return t;
 }
 

@@ -54,12 +54,13 @@ inline NodeState state_in_corner(const Scene& scene, const std::vector<NodeState
   return closed == scene.d ? NodeState::stick : NodeState::slip;
 }
 
-/// The mid-edges of a P2 slave, which carry no law, between their ends: by the dofs of component c.
+/// The mid-edges of a P2 slave that something faces, which carry no law, between their ends: by the
+/// dofs of component c.
 template <class Between>
 void fill_slave_edges(const Scene& scene, Between between) {
   if (!scene.pairing) return;
   const Interface& faces = scene.pairing->between();
-  for (const Interface::MidEdge& e : faces.slave_edges)
+  for (const mortar::MidEdge& e : scene.pairing->edges())
     for (int c = 0; c < scene.d; ++c)
       between(faces.dof[e.node][c], faces.dof[e.a][c], faces.dof[e.b][c]);
 }
@@ -84,7 +85,7 @@ inline void write_state(const Scene& scene, const std::vector<NodeState>& state,
 inline void normalize_slave_edges(const Scene& scene, KN<double>* out) {
   if (!scene.pairing) return;
   const Interface& faces = scene.pairing->between();
-  for (const Interface::MidEdge& e : faces.slave_edges) {
+  for (const mortar::MidEdge& e : scene.pairing->edges()) {
     double length = 0;
     for (int c = 0; c < scene.d; ++c) length = std::hypot(length, (*out)[faces.dof[e.node][c]]);
     for (int c = 0; c < scene.d && length > 0; ++c) (*out)[faces.dof[e.node][c]] /= length;
@@ -111,7 +112,8 @@ inline void write_normals(const Scene& scene, const Vector& r, KN<double>* out) 
   normalize_slave_edges(scene, out);
 }
 
-/// The distance of the bodies at each dof of a contact node; zero elsewhere (ndof).
+/// The distance of the bodies at each dof of a contact node, and of a mid-edge of a P2 slave that
+/// something faces; zero elsewhere (ndof).
 inline void write_distance(const Scene& scene, KN<double>* out) {
   out->resize(scene.ndof());
   *out = 0.;
@@ -119,9 +121,8 @@ inline void write_distance(const Scene& scene, KN<double>* out) {
     for (int c = 0; c < scene.d; ++c)
       (*out)[scene.contact_point(k).point.dof[c]] =
           scene.pairing->distance(scene.system->node(k).point);
-  fill_slave_edges(scene, [out](Index middle, Index a, Index b) {
-    (*out)[middle] = ((*out)[a] + (*out)[b]) / 2;
-  });
+  for (const mortar::MidEdge& e : scene.pairing->edges())
+    for (int c = 0; c < scene.d; ++c) (*out)[scene.pairing->between().dof[e.node][c]] = e.distance;
 }
 
 /// CPU seconds of the phases; `all` from the call's beginning.

@@ -7,8 +7,8 @@
 
 namespace frictioncg {
 
-/// Contact of two bodies: their faces, and once A has told what Dirichlet conditions hold, the
-/// mortar between them.
+/// Contact of bodies with each other: their faces, and once A has told what Dirichlet conditions
+/// hold, the mortar between them.
 class Pairing {
  public:
   explicit Pairing(Interface between) : between_(std::move(between)) {}
@@ -21,8 +21,7 @@ class Pairing {
     };
     dirichlet_ = std::make_unique<Dirichlet>(A, std::vector<ContactPoint>{});
     const mortar::Nodes nodes{d, between_.X, mortar::held_components(d, between_.dof, *dirichlet_)};
-    mortar_ =
-        std::make_unique<mortar::Mortar>(nodes, std::vector<mortar::Pair>{between_.pair}, options);
+    mortar_ = std::make_unique<mortar::Mortar>(nodes, between_.pairs, options);
     std::vector<BoundaryNode> contact;
     const std::vector<ContactPoint> points = mortar::contact_points(*mortar_, between_.dof);
     for (std::size_t k = 0; k < points.size(); ++k) {
@@ -65,7 +64,8 @@ class Pairing {
   Real distance(Index point) const { return mortar_->nodes()[point].distance; }
 
   const Interface& between() const { return between_; }
-  const mortar::Statistics& statistics() const { return mortar_->statistics(); }
+  const std::vector<mortar::MidEdge>& edges() const { return mortar_->edges(); }
+  const mortar::Statistics& statistics(Index pair) const { return mortar_->statistics(pair); }
 
  private:
   /// A node of the slave as one of its facets sees it, of the label if there is one.

@@ -4,6 +4,7 @@
 #include <iostream>
 #include <string>
 
+#include "../core/assembly/mortar/validation.h"
 #include "options.h"
 #include "progress.h"
 #include "scene.h"
@@ -114,20 +115,32 @@ inline void warn_of_averages(const Scene& scene) {
   }
 }
 
-/// What faces what, between two bodies.
-inline void report_pair(const Scene& scene) {
-  const mortar::Pair& pair = scene.pairing->between().pair;
-  const mortar::Statistics& s = scene.pairing->statistics();
-  line() << "two bodies: " << s.facing << " slave nodes on " << pair.slave.facets.size()
-         << " facets face " << pair.master.facets.size() << " master facets, gap " << s.least_gap
-         << " to " << s.largest_gap << "; " << s.partly_covered << " slave facets partly covered, "
-         << s.removed << " nodes removed" << std::endl;
+/// What faces what, between two bodies; nodes that carry no law are named by place.
+inline void report_pair(const Scene& scene, Index number) {
+  const Interface& faces = scene.pairing->between();
+  const mortar::Pair& pair = faces.pairs[number];
+  const mortar::Statistics& s = scene.pairing->statistics(number);
+  line();
+  if (faces.pairs.size() > 1)
+    std::cout << mortar::labels_of(pair.slave) << " on " << mortar::labels_of(pair.master) << ": ";
+  else
+    std::cout << "two bodies: ";
+  std::cout << s.facing << " slave nodes on " << pair.slave.facets.size() << " facets face "
+            << pair.master.facets.size() << " master facets, gap " << s.least_gap << " to "
+            << s.largest_gap << "; " << s.partly_covered << " slave facets partly covered, "
+            << s.removed << " nodes removed";
+  if (s.held > 0)
+    std::cout << ", " << s.held << " of them since Dirichlet conditions hold the normal or a part "
+              << "of it, as at " << mortar::place(scene.d, faces.X[s.first_held])
+              << ": their neighbours take their share";
+  std::cout << std::endl;
 }
 
 /// What the scene needs, and what it does not.
 inline void report_plan(const Arguments& args, const Scene& scene, const ContactProblem& problem,
                         const Settings& s) {
-  if (scene.pairing) report_pair(scene);
+  const Index pairs = scene.pairing ? static_cast<Index>(scene.pairing->between().pairs.size()) : 0;
+  for (Index k = 0; k < pairs; ++k) report_pair(scene, k);
   const Plan plan = make_plan(problem, s);
   line() << scene.d << "D, " << plan.dofs << " dofs, " << plan.nodes << " contact nodes, "
          << name_of(plan.law);
@@ -185,6 +198,34 @@ inline void report_motions(const Scene& scene, const Solution& solution) {
   for (Index k = 0; k < solution.undetermined.cols(); ++k)
     line() << "nothing determines " << describe(scene, solution.undetermined.col(k))
            << "; the field has the least of it" << std::endl;
+}
+
+/// Diagonal of the box around the contact nodes.
+inline Real contact_extent(const Scene& scene) {
+  if (scene.nodes.empty()) return 0;
+  Fem2D::R3 least = scene.nodes.front().x, most = least;
+  for (const BoundaryNode& n : scene.nodes) {
+    least = Minc(least, n.x);
+    most = Maxc(most, n.x);
+  }
+  return Norme2(most - least);
+}
+
+/// A warning for a field that moves a node further than its body is large: the laws hold on the
+/// undeformed geometry, and what balances such a load there hardly holds it.
+inline void warn_of_large_displacements(const Scene& scene, const Vector& u) {
+  if (u.size() == 0 || u.cwiseAbs().maxCoeff() <= contact_extent(scene)) return;
+  std::map<Index, std::vector<NodePlace>> bodies;
+  for (const NodePlace& n : scene.places()) bodies[n.body].push_back(n);
+  for (const auto& [number, body] : bodies) {
+    const Real size = 2 * nearest_rigid_motion(body, scene.d, u).extent;
+    const Real most = largest_displacement(body, scene.d, u);
+    if (most <= size) continue;
+    line() << "warning: displacements of up to " << most << " in a body of size " << size
+           << "; the laws are those of small displacements, and hold on the undeformed geometry"
+           << std::endl;
+    return;
+  }
 }
 
 /// How a call ended, and which layer answered: a fallback shows here.

@@ -44,6 +44,19 @@ struct Scene {
   void face(const Triplets& A, const mortar::Options& options);
   /// Copies A into the local frames; the nodes carry their normals and whether they have friction.
   void assemble(const Triplets& A);
+  /// The vectors of a call, and its laws, in local dofs.
+  LocalIncrement increment(const Vector& b, const Vector& u_old, const PointLaws& laws) const;
+
+ private:
+  /// make(), whose refusals of a contact point get the place of its node.
+  template <class Make>
+  auto placed(const Make& make) const {
+    try {
+      return make();
+    } catch (const ConflictingObstacles& e) {
+      throw ConflictingObstacles(e.point, place(nodes[e.point], d), e.why);
+    }
+  }
 };
 
 /// Which dofs Dirichlet conditions hold: their rows of the change of basis have prescribed
@@ -69,15 +82,18 @@ inline void Scene::assemble(const Triplets& A) {
   const Index n = static_cast<Index>(ndof());
   const auto modes = [places = places, d = d, n] { return rigid_modes(places(), d, n); };
   const auto each = [places = places, d = d, n] { return body_modes(places(), d, n); };
-  try {
-    system = pairing ? pairing->system(A, d, std::move(points), mesh_node, modes, each)
-                     : std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, modes);
-  } catch (const DependentNormals& e) {
-    throw DependentNormals(e.point, "the obstacles at " + place(nodes[e.point], d));
-  }
+  system = placed([&] {
+    return pairing ? pairing->system(A, d, std::move(points), mesh_node, modes, each)
+                   : std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, modes);
+  });
   solver = std::make_unique<Solver>(system->system());
   held = held_dofs(system->basis());
   copy_seconds += cpu_seconds() - start;
+}
+
+inline LocalIncrement Scene::increment(const Vector& b, const Vector& u_old,
+                                       const PointLaws& laws) const {
+  return placed([&] { return system->increment(b, u_old, laws); });
 }
 
 /// Which node of the mesh each dof belongs to.
@@ -102,32 +118,34 @@ std::vector<Index> body_of_element(const Mesh& Th, int d) {
   return body;
 }
 
-/// The nodes that carry values of every component of the displacement.
+/// The nodes that carry values of every component of the displacement. Elements with nothing new
+/// are passed over: most of them, in 3D.
 template <class Space>
 std::vector<NodePlace> node_places(const Space& Vh) {
   using D = Dimension<Space>;
   const std::vector<Index> body = body_of_element(Vh.Th, D::d);
-  std::vector<NodePlace> places;
+  std::vector<NodePlace> places, at_point;
   std::vector<char> seen(Vh.NbOfDF, 0);
   for (int k = 0; k < Vh.Th.nt; ++k) {
     const typename D::Element K(Vh[k]);
+    bool news = false;
+    for (int i = 0; i < K.NbDoF() && !news; ++i) news = !seen[K(i)];
+    if (!news) continue;
     const Interpolation ip = D::interpolation(K);
-    std::map<int, NodePlace> at_point;
-    for (std::size_t e = 0; e < ip.dof.size(); ++e) {
-      if (ip.coefficient[e] != 1) continue;
-      NodePlace& n = at_point[ip.point[e]];
-      const Fem2D::R3 x = D::position(K, ip.hat[ip.point[e]]);
-      n.x = {x.x, x.y, x.z};
-      n.body = body[k];
-      n.dof[ip.component[e]] = K(ip.dof[e]);
-    }
-    for (const auto& [point, n] : at_point) {
+    at_point.assign(ip.hat.size(), NodePlace());
+    for (std::size_t e = 0; e < ip.dof.size(); ++e)
+      if (ip.coefficient[e] == 1) at_point[ip.point[e]].dof[ip.component[e]] = K(ip.dof[e]);
+    for (std::size_t p = 0; p < at_point.size(); ++p) {
+      NodePlace& n = at_point[p];
       bool whole = true;
       for (int c = 0; c < D::d; ++c) whole &= n.dof[c] >= 0;
       if (!whole || seen[n.dof[0]]) continue;
-      seen[n.dof[0]] = 1;
+      const Fem2D::R3 x = D::position(K, ip.hat[p]);
+      n.x = {x.x, x.y, x.z};
+      n.body = body[k];
       places.push_back(n);
     }
+    for (int i = 0; i < K.NbDoF(); ++i) seen[K(i)] = 1;
   }
   return places;
 }
@@ -166,9 +184,9 @@ std::shared_ptr<Scene> pair_scene(const FESpaceType& Vh, const std::vector<long>
   scene->d = Dimension<FESpaceType>::d;
   scene->dofs = dofs_of(Vh.NbOfDF);
   const NamedSpace<FESpaceType> space{Vh, "Vh", "the mesh", pair_inside};
-  InterfaceBuilder faces;
-  faces.add_slave(BoundaryNodes<FESpaceType>(space, slave), slave);
-  faces.add_master(BoundaryNodes<FESpaceType>(space, master), master, 0);
+  InterfaceBuilder faces(mortar::label_pairs(slave, master));
+  faces.add_slave(BoundaryNodes<FESpaceType>(space, slave));
+  faces.add_master(BoundaryNodes<FESpaceType>(space, master), 0);
   scene->pairing = std::make_unique<Pairing>(faces.take());
   observe(Vh, *scene);
   return scene;
@@ -182,11 +200,10 @@ std::shared_ptr<Scene> pair_scene(const FESpaceType& V1, const std::vector<long>
   scene->d = Dimension<FESpaceType>::d;
   scene->dofs = dofs_of(V1.NbOfDF, V2.NbOfDF);
   const Index offset = V1.NbOfDF;
-  InterfaceBuilder faces;
-  faces.add_slave(BoundaryNodes<FESpaceType>({V1, "V1", "the mesh of V1", pair_inside}, slave),
-                  slave);
+  InterfaceBuilder faces(mortar::label_pairs(slave, master));
+  faces.add_slave(BoundaryNodes<FESpaceType>({V1, "V1", "the mesh of V1", pair_inside}, slave));
   faces.add_master(BoundaryNodes<FESpaceType>({V2, "V2", "the mesh of V2", pair_inside}, master),
-                   master, offset);
+                   offset);
   scene->pairing = std::make_unique<Pairing>(faces.take());
   observe(V1, *scene);
   for (Index node : mesh_nodes(V2)) scene->mesh_node.push_back(V1.NbOfNodes + node);

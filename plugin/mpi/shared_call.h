@@ -81,7 +81,7 @@ inline LocalIncrement increment_together(const Call& call, const SharedScene& sh
   LocalIncrement local;
   LocalLoad load;
   domain.agree([&] {
-    local = scene.system->increment(b, u_old, laws);
+    local = scene.increment(b, u_old, laws);
     load = scene.system->load(b, u_old);
   });
   problem.increment = own_increment(shared, local, load);
@@ -124,6 +124,7 @@ inline KN_<double> solve_together(Stack stack, const Call& call, SharedScene& sh
   const long n = shared.scene->ndof();
   KN<double>* u = Add2StackOfPtr2Free(stack, new KN<double>(n));
   const Vector field = shared.scene->system->to_global(local.x, now.u0);
+  if (speaks) warn_of_large_displacements(shared, field, verb);
   for (long i = 0; i < n; ++i) (*u)[i] = field[i];
   update(domain, u);
   return *u;

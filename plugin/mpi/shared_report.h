@@ -31,6 +31,18 @@ inline void report_traffic(const Domain& domain, const Traffic& all, Index itera
          << sums[1] / each / 1e3 << " kB, " << all.reductions / count << " reductions" << std::endl;
 }
 
+/// As in one process, for the mesh as a whole.   Collective.
+inline void warn_of_large_displacements(const SharedScene& shared, const Vector& field, long verb) {
+  const Domain& domain = *shared.domain;
+  const std::vector<NodePlace> places = shared.scene->places();
+  const Real size = 2 * extent_of_all(domain, places).radius;
+  const Real most = domain.largest(largest_displacement(places, shared.scene->d, field));
+  if (verb > 0 && most > size)
+    line() << "warning: displacements of up to " << most << " in a mesh of size " << size
+           << "; the laws are those of small displacements, and hold on the undeformed geometry"
+           << std::endl;
+}
+
 /// Some nodes of all processes, with their displacement under a motion of the own dofs: enough to
 /// tell what motion it is.   Collective.
 struct SampledMotion {

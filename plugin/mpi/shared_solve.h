@@ -5,15 +5,32 @@
 
 namespace frictioncg {
 
-/// Laws at the contact points of own nodes, with zeros for those of ghosts, which follow.
-inline PointLaws with_ghosts(PointLaws laws, const Scene& scene) {
-  const auto extend = [&](Vector& values) {
-    const Index before = static_cast<Index>(values.size());
-    values.conservativeResize(static_cast<Index>(scene.nodes.size()));
-    values.tail(values.size() - before).setZero();
+/// Laws at the contact points of own nodes, with those of ghosts, which follow: their gaps, as
+/// their owners have them; friction is the owner's matter.   Collective.
+inline PointLaws with_ghosts(PointLaws laws, const SharedScene& shared) {
+  constexpr Index most = 3;  // points of a node
+  const std::vector<BoundaryNode>& nodes = shared.scene->nodes;
+  const Index all = static_cast<Index>(nodes.size());
+  std::map<Index, std::vector<Index>> points;
+  for (Index k = 0; k < all; ++k) points[nodes[k].point.dof[0]].push_back(k);
+  laws.gap.conservativeResize(all);
+  const auto each = [&](Index dof, const auto& take) {
+    const auto found = points.find(dof);
+    if (found == points.end()) return;
+    for (std::size_t k = 0; k < found->second.size(); ++k) take(k, laws.gap[found->second[k]]);
   };
-  extend(laws.gap);
-  if (laws.law != Law::frictionless) extend(laws.friction);
+  shared.domain->update(
+      most,
+      [&](Index dof, Real* out) {
+        std::fill(out, out + most, 0);
+        each(dof, [&](std::size_t k, Real& gap) { out[k] = gap; });
+      },
+      [&](Index dof, const Real* in) {
+        each(dof, [&](std::size_t k, Real& gap) { gap = in[k]; });
+      });
+  if (laws.law == Law::frictionless) return laws;
+  laws.friction.conservativeResize(all);
+  laws.friction.tail(all - static_cast<Index>(shared.own_points)).setZero();
   return laws;
 }
 
@@ -48,8 +65,7 @@ class SharedSolveOnce : public E_F0mps {
       });
       PointLaws laws;
       const auto shared = read_shared(stack, arguments_, A_, *shared_, domain, false, laws);
-      return SetAny<KN_<double>>(
-          solve_together(stack, *call, *shared, with_ghosts(laws, *shared->scene)));
+      return SetAny<KN_<double>>(solve_together(stack, *call, *shared, with_ghosts(laws, *shared)));
     });
   }
   static constexpr const char* two_bodies =
@@ -88,7 +104,7 @@ class SharedConstruct : public E_F0mps {
       PosedProblem posed;
       posed.shared = read_shared(stack, arguments_, A_, *shared_, domain, true, posed.laws);
       posed.scene = posed.shared->scene;
-      posed.laws = with_ghosts(posed.laws, *posed.scene);
+      posed.laws = with_ghosts(posed.laws, *posed.shared);
       auto* C = Add2StackOfPtr2Free(stack, new ContactProblemVariable);
       C->set(std::move(posed));
       return SetAny<ContactProblemVariable*>(C);
@@ -134,7 +150,7 @@ class SharedSolveIncrement : public E_F0mps {
         set_method(call->settings);
         laws = read_increment_laws(stack, shared, posed.laws);
       });
-      return SetAny<KN_<double>>(solve_together(stack, *call, shared, laws));
+      return SetAny<KN_<double>>(solve_together(stack, *call, shared, with_ghosts(laws, shared)));
     });
   }
 
@@ -152,7 +168,7 @@ class SharedSolveIncrement : public E_F0mps {
       throw;
     }
     scene.nodes = std::move(all);
-    return with_ghosts(laws, scene);
+    return laws;
   }
 
   Arguments arguments_;

@@ -15,6 +15,7 @@ scripts; without a fault all of them must pass. Faults with a reason are tried o
 that nothing noticed again at the end.
 """
 import functools
+import glob
 import hashlib
 import os
 import re
@@ -161,8 +162,8 @@ def noticed(mutant, build):
                 exchange[f"{build.build}/{target}"] = os.path.join(folder, target)
                 if not run(build.command(target, exchange), log, shell=True, cwd=ROOT):
                     return "linker"
-                for idp in os.listdir(os.path.join(ROOT, "edp")):
-                    shutil.copy(os.path.join(ROOT, "edp", idp), folder)
+                for idp in glob.glob(os.path.join(ROOT, "edp", "*.idp")):
+                    shutil.copy(idp, folder)
                 if notice(folder, log, mutant.path):
                     return name
             return None

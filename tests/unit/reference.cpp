@@ -92,6 +92,19 @@ Reference reference_solution(const ContactProblem& p) {
   return result;
 }
 
+namespace {
+
+/// The solution of K x = b; the least of all where K is singular.
+Eigen::VectorXd solve_or_least_squares(const Eigen::MatrixXd& K, const Eigen::VectorXd& b) {
+  const Eigen::PartialPivLU<Eigen::MatrixXd> lu(K);
+  if (lu.rcond() > 1e-9) return lu.solve(b);
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> cod;
+  cod.setThreshold(1e-12);
+  return cod.compute(K).solve(b);
+}
+
+}  // namespace
+
 bool any_combination_of_branches(const Eigen::MatrixXd& S, const Eigen::VectorXd& f,
                                  const Eigen::VectorXd& gap, const Eigen::VectorXd& mu) {
   const int m = int(gap.size());
@@ -116,9 +129,7 @@ bool any_combination_of_branches(const Eigen::MatrixXd& S, const Eigen::VectorXd
         b[T] = 0;
       }
     }
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> cod;
-    cod.setThreshold(1e-12);
-    const Eigen::VectorXd x = cod.compute(K).solve(b);
+    const Eigen::VectorXd x = solve_or_least_squares(K, b);
     const Eigen::VectorXd r = f - S * x;
     const double length = std::max(x.cwiseAbs().maxCoeff(), force / stiffness);
     bool good = (K * x - b).norm() < 1e-9 * (b.norm() + length);

@@ -161,7 +161,7 @@ TEST_F(Faults, MultigridTakesLessThanTwelveTimesTheStorageOfTheMatrix) {
   const long before = bytes;
   peak = bytes;
   EXPECT_EQ(solve(posed.problem(), settings).layer, Layer::multigrid);
-  EXPECT_GT(double(peak - before), storage / 2);  // it is counted
+  EXPECT_GT(double(peak - before), storage / 2);   // it is counted
   EXPECT_LE(double(peak - before), 11 * storage);  // the twelfth is A
   RecordProperty("copies", std::to_string(double(peak - before) / storage));
 }

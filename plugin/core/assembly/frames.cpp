@@ -18,6 +18,28 @@ using Entries = std::vector<Eigen::Triplet<Real>>;
 
 Real cleaned(Real component) { return std::abs(component) > aligned ? component : 0; }
 
+/// Nearly all rows are rows of the identity, 1 at column unit[i]; where that is -1 the row has the
+/// entries given for it, of which equal places add.
+Matrix with_unit_rows(const std::vector<Index>& unit, Index columns, Entries& entries) {
+  std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) {
+    return std::make_pair(a.row(), a.col()) < std::make_pair(b.row(), b.col());
+  });
+  Matrix M(unit.size(), columns);
+  M.reserve(unit.size() + entries.size());
+  auto e = entries.begin();
+  for (Index i = 0; i < M.rows(); ++i) {
+    M.startVec(i);
+    if (unit[i] >= 0) M.insertBack(i, unit[i]) = 1;
+    Real* value = nullptr;
+    for (Index last = -1; e != entries.end() && e->row() == i; last = e++->col()) {
+      if (e->col() != last) value = &(M.insertBack(i, e->col()) = 0);
+      *value += e->value();
+    }
+  }
+  M.finalize();
+  return M;
+}
+
 }  // namespace
 
 Frames::Frames(int dimension, Index n, const std::vector<ContactPoint>& points,
@@ -79,9 +101,9 @@ bool Frames::add_normal(Frame& f, Index point) const {
     for (int k = 0; k < before; ++k) others.col(k) = free_part(points_[f.nodes[k].point]);
     rest -= others * others.colPivHouseholderQr().solve(rest);
   }
-  if (before == f.free || rest.norm() < dependent) {
-    throw DependentNormals(point, "the obstacles at the node of dof " + std::to_string(p.dof[0]));
-  }
+  if (before == f.free || rest.norm() < dependent)
+    throw ConflictingObstacles(point, "the node of dof " + std::to_string(p.dof[0]),
+                               dependent_normals);
   for (int c = 0; c < d_; ++c) f.to_local(before, c) = cleaned(p.normal[c]);
   f.nodes.push_back({point, false});
   return true;
@@ -200,14 +222,13 @@ void Frames::number(Index n) {
 
 void Frames::fill(Index n) {
   const Index w = basis_.local_dofs();
-  Entries T, W;
-  T.reserve(n);
-  W.reserve(n);
+  std::vector<Index> of_u(n, -1), of_w(w, -1);  // where a row is one of the identity
   for (Index p = 0; p < unframed_; ++p) {
-    T.emplace_back(basis_.origin[p], p, 1);
-    W.emplace_back(p, basis_.origin[p], 1);
+    of_w[p] = basis_.origin[p];
+    of_u[basis_.origin[p]] = p;
   }
-  for (Index k = 0; k < dirichlet_.size(); ++k) T.emplace_back(dirichlet_.dof(k), w + k, 1);
+  for (Index k = 0; k < dirichlet_.size(); ++k) of_u[dirichlet_.dof(k)] = w + k;
+  Entries T, W;
   for (const Frame& f : frames_)
     for (int c = 0; c < d_; ++c) {
       const bool held = dirichlet_.holds(f.dof[c]);
@@ -224,10 +245,8 @@ void Frames::fill(Index n) {
       }
       basis_.rotated |= entries > 1;
     }
-  basis_.T.resize(n, w + dirichlet_.size());
-  basis_.T.setFromTriplets(T.begin(), T.end());
-  basis_.W.resize(w, n);
-  basis_.W.setFromTriplets(W.begin(), W.end());
+  basis_.T = with_unit_rows(of_u, w + dirichlet_.size(), T);
+  basis_.W = with_unit_rows(of_w, n, W);
 }
 
 }  // namespace frictioncg

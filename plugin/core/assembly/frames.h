@@ -22,14 +22,20 @@ struct ContactNode {
   std::vector<Rival> rivals = {};  ///< the nearest of all its obstacles counts
 };
 
-/// The normals of one mesh node ask for what its free directions cannot give.
-struct DependentNormals : IllegalInput {
-  DependentNormals(Index point_, const std::string& where)
-      : IllegalInput(where +
-                     " have linearly dependent normals on what is free to move there; leave one of "
-                     "their labels out, or give one normal"),
-        point(point_) {}
-  Index point;  ///< contact point: the last of the mesh node
+constexpr const char* dependent_normals =
+    " have linearly dependent normals on what is free to move there; leave one of their labels "
+    "out, "
+    "or give one normal";
+constexpr const char* different_gaps =
+    " are at different gaps along the one direction that is free to move there, and bilateral "
+    "contact can follow one alone; leave one of their labels out";
+
+/// The obstacles at one mesh node ask for what its free directions cannot give.
+struct ConflictingObstacles : IllegalInput {
+  ConflictingObstacles(Index point_, const std::string& where, const char* why_)
+      : IllegalInput("the obstacles at " + where + why_), point(point_), why(why_) {}
+  Index point;      ///< contact point: the last of the mesh node
+  const char* why;  ///< dependent_normals or different_gaps
 };
 
 /// Local frames at the contact points.
@@ -42,8 +48,8 @@ struct DependentNormals : IllegalInput {
 /// Several normals at one node (a corner): w_j = n_j.u for each, and the rest of an orthonormal
 /// basis of what is orthogonal to them all: rows of W are the normals, columns of T their dual
 /// basis. Where Dirichlet conditions leave two of them parallel (the tip of a groove held along it)
-/// they are rivals for one direction. Throws DependentNormals where they depend on each other
-/// otherwise.
+/// they are rivals for one direction. Throws ConflictingObstacles where they depend on each
+/// other otherwise.
 class Frames {
  public:
   /// n dofs in all.

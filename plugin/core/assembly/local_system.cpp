@@ -8,6 +8,9 @@
 
 namespace frictioncg {
 
+/// Over the largest gap: up to which two gaps are taken for one.
+constexpr Real same_gap = 1e-9;
+
 LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
                          const std::vector<Index>& mesh_node, RigidModes modes)
     : points_(std::move(points)), dirichlet_(A, points_) {
@@ -42,9 +45,13 @@ void LocalSystem::assemble(const Triplets& A, int dimension, const std::vector<I
   system_ = system;
 }
 
+/// Modes of another number of dofs are as none: System's are asked for their rows.
 RigidModes LocalSystem::in_local_dofs(RigidModes modes) const {
   if (!modes) return {};
-  return [basis = basis_, modes = std::move(modes)] { return Eigen::MatrixXd(basis->W * modes()); };
+  return [basis = basis_, modes = std::move(modes)] {
+    const Eigen::MatrixXd M = modes();
+    return M.rows() == basis->W.cols() ? Eigen::MatrixXd(basis->W * M) : Eigen::MatrixXd();
+  };
 }
 
 /// By the numbering of A.
@@ -111,7 +118,7 @@ LocalIncrement LocalSystem::increment(const Vector& b, const Vector& u_old,
   result.u0 = basis_->T * start;
   increment.gap.resize(nodes());
   for (Index k = 0; k < nodes(); ++k)
-    increment.gap[k] = nearest_obstacle(nodes_[k], laws.gap, start) - start[system_->first[k]];
+    increment.gap[k] = nearest_obstacle(nodes_[k], laws, start) - start[system_->first[k]];
   increment.law = laws.law;
   increment.bilateral = laws.bilateral;
   set_load(load, *system_, increment);
@@ -124,8 +131,9 @@ LocalIncrement LocalSystem::increment(const Vector& b, const Vector& u_old,
 }
 
 /// The bound on w_N = n.u: the gap, or a rival's, n_r.u <= gap_r on the free components: with the
-/// held ones prescribed, n.u <= factor (gap_r - n_r.u_D) + n.u_D.
-Real LocalSystem::nearest_obstacle(const ContactNode& node, const Vector& gap,
+/// held ones prescribed, n.u <= factor (gap_r - n_r.u_D) + n.u_D. Bilateral contact takes the gaps
+/// for one: throws ConflictingObstacles where they differ.
+Real LocalSystem::nearest_obstacle(const ContactNode& node, const PointLaws& laws,
                                    const Vector& start) const {
   const auto prescribed = [&](Index point) {
     const ContactPoint& p = points_[point];
@@ -135,10 +143,16 @@ Real LocalSystem::nearest_obstacle(const ContactNode& node, const Vector& gap,
         sum += p.normal[c] * start[basis_->local_dofs() + dirichlet_.number(p.dof[c])];
     return sum;
   };
-  Real nearest = gap[node.point];
-  for (const Rival& r : node.rivals)
-    nearest =
-        std::min(nearest, r.factor * (gap[r.point] - prescribed(r.point)) + prescribed(node.point));
+  const Real own = laws.gap[node.point];
+  Real nearest = own;
+  for (const Rival& r : node.rivals) {
+    const Real other =
+        r.factor * (laws.gap[r.point] - prescribed(r.point)) + prescribed(node.point);
+    if (laws.bilateral && std::abs(other - own) > same_gap * laws.gap.cwiseAbs().maxCoeff())
+      throw ConflictingObstacles(
+          r.point, "the node of dof " + std::to_string(points_[r.point].dof[0]), different_gaps);
+    nearest = std::min(nearest, other);
+  }
   return nearest;
 }
 

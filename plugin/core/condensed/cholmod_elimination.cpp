@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "clock.h"
+#include "statics/floating.h"
 
 namespace frictioncg {
 
@@ -201,6 +202,10 @@ bool CholmodElimination::find_floating(const System& system) {
     if (v.dot(system.A * v) > rigid * v.dot(system.D.cwiseProduct(v))) return false;
     floating_.col(k) = v;
   }
+  if (springs_.empty()) return true;
+  // Beside a body 1e6 times as stiff a solution has eight digits, too few for a proof.
+  const DenseMatrix known = motions_of_interior(floating_motions(system), interior_, springs_);
+  if (known.cols() > 0) floating_ = known;
   return true;
 }
 

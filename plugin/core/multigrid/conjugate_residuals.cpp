@@ -1,5 +1,6 @@
 #include "multigrid/conjugate_residuals.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 

@@ -1,5 +1,8 @@
 #pragma once
+#include <vector>
+
 #include "multigrid/faces.h"
+#include "multigrid/hierarchy.h"
 
 namespace frictioncg {
 

@@ -15,7 +15,6 @@ SymmetricBlocks<D> make_fine_matrix(const Matrix& A, const NodeBlocks& blocks, R
   M.row.reserve(blocks.blocks + 1);
   std::vector<Index> block_of(blocks.slot.size()), place(blocks.blocks, -1);
   for (std::size_t p = 0; p < block_of.size(); ++p) block_of[p] = blocks.slot[p] / D;
-
   // visit(place in the block, entry) for the dofs of block i
   const auto for_each_entry = [&](Index i, auto visit) {
     for (Index r = 0; r < D; ++r) {

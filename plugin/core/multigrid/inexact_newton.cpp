@@ -12,6 +12,9 @@ namespace {
 constexpr Index patience = 40;         ///< inner iterations in which the residual must fall tenfold
 constexpr Index little_patience = 12;  ///< the same where the caller has another method
 constexpr Index least_cycles = 8;      ///< from which on a rate is one
+constexpr Real settled = 0.1;          ///< violation over the first, below which few faces change
+constexpr Real of_unsettled = 2.5;     ///< cycles over those of one linear system, before that
+constexpr Real in_time = 0.5;          ///< of the affordable cycles, to settle the faces
 constexpr Real tenfold = 0.1;          ///< fall of the residual that patience waits for
 constexpr Real share = 0.5;            ///< of tol that the linear residual may take
 constexpr int most_retreats = 10, most_drifts = 4;
@@ -146,14 +149,15 @@ bool InexactNewton::solve_faces() {
     falls = inner_.step(hierarchy_, faces_, springs_, x_, b_C_);
     count(first ? StepLabel::newton : StepLabel::conjugate);
     first = false;
-    const Real aim = std::max(Gamma_ * faces_.violation(x_, b_C_), share * goal_);
+    const Real violation = faces_.violation(x_, b_C_);
+    const Real aim = std::max(Gamma_ * violation, share * goal_);
     if (inner_.norm() <= aim) break;
     ++since;
     if (inner_.norm() <= tenfold * mark) {
       mark = inner_.norm();
       since = 0;
     }
-    gave_up_ = costs_too_much(from, iterations_ - begin);
+    gave_up_ = costs_too_much(from, iterations_ - begin, violation);
     falls = falls && since < bound && !gave_up_;
   }
   b_ = inner_.residual();
@@ -161,12 +165,17 @@ bool InexactNewton::solve_faces() {
 }
 
 /// Whether tol takes more cycles than are affordable, at the rate at which this many of them have
-/// reduced the residual from what it was. Further faces take more: what is left is a lower bound.
-bool InexactNewton::costs_too_much(Real from, Index cycles) const {
-  if (!std::isfinite(affordable_) || cycles < least_cycles) return false;
+/// reduced the residual from what it was. With friction, faces that are not settled yet take as
+/// many again, and half as many; where they do not settle in time, the rate says nothing.
+bool InexactNewton::costs_too_much(Real from, Index cycles, Real violation) const {
+  if (!std::isfinite(affordable_)) return false;
+  const bool unsettled = problem_.increment.law != Law::frictionless &&
+                         (updates_ == 0 || violation > settled * first_);
+  if (unsettled && iterations_ > in_time * affordable_) return true;
+  if (cycles < least_cycles) return false;
   const Real rate = std::log(from / inner_.norm()) / cycles;
   const Real left = std::log(inner_.norm() / (share * goal_));
-  return !(iterations_ * rate + left <= affordable_ * rate);
+  return !(iterations_ * rate + (unsettled ? of_unsettled : 1) * left <= affordable_ * rate);
 }
 
 void InexactNewton::count(StepLabel label) {

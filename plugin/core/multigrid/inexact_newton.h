@@ -2,6 +2,7 @@
 #include <limits>
 
 #include "multigrid/conjugate_residuals.h"
+#include "multigrid/faces.h"
 #include "settings.h"
 
 namespace frictioncg {
@@ -39,7 +40,7 @@ class InexactNewton {
   void move_onto_faces();
   void recompute_forces();
   bool solve_faces();
-  bool costs_too_much(Real from, Index cycles) const;
+  bool costs_too_much(Real from, Index cycles, Real violation) const;
   void count(StepLabel label);
   bool progress(bool solved, Real violation);
   Real spring_force() const;

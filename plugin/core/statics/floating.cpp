@@ -1,7 +1,9 @@
 #include "statics/floating.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Dense>
 
+#include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace frictioncg {
@@ -13,15 +15,18 @@ using DenseMatrix = Eigen::MatrixXd;
 constexpr Real dependent = 1e-13;    ///< of the largest <Dw,w>: a candidate that the others make up
 constexpr Real nearly_rigid = 1e-6;  ///< <Aw,w>/<Dw,w>, with what rounding leaves of small bodies
 constexpr Real rigid = 1e-12;        ///< the same, of motions that are made and tried
+constexpr Real still = 1e-10;        ///< over the largest displacement: what does not move
 
 /// The motions of one body: combinations (k x j) of the candidates, from their Gram matrices in A
-/// and D. Those nearly in the kernel, <Dw,w> = 1.
-DenseMatrix candidates_of_a_body(const DenseMatrix& in_A, const DenseMatrix& in_D) {
+/// and D. Those nearly in the kernel, <Dw,w> = 1. size_of_all: below its rounding a candidate is 0.
+DenseMatrix candidates_of_a_body(const DenseMatrix& in_A, const DenseMatrix& in_D,
+                                 Real size_of_all) {
   const Eigen::SelfAdjointEigenSolver<DenseMatrix> sizes(in_D);
   const Vector& size = sizes.eigenvalues();
   const Index k = static_cast<Index>(size.size());
   Index first = 0;
-  while (first < k && !(size[first] > dependent * size[k - 1])) ++first;
+  const Real least = dependent * std::max(size[k - 1], size_of_all);
+  while (first < k && !(size[first] > least)) ++first;
   const DenseMatrix V = sizes.eigenvectors().rightCols(k - first) *
                         size.tail(k - first).cwiseSqrt().cwiseInverse().asDiagonal();
   if (V.cols() == 0) return V;
@@ -29,6 +34,33 @@ DenseMatrix candidates_of_a_body(const DenseMatrix& in_A, const DenseMatrix& in_
   Index count = 0;
   while (count < V.cols() && ritz.eigenvalues()[count] <= nearly_rigid) ++count;
   return V * ritz.eigenvectors().leftCols(count);
+}
+
+/// The motions of a body, or of several that a coupling joins in A, each given to take(), which
+/// says whether it is one. First those of each alone, of which `each` columns are the candidates:
+/// beside a stiff body, what rounding leaves of a soft one would blur them. Then what is left in
+/// common.
+template <class Take>
+void find_motions(const DenseMatrix& in_A, const DenseMatrix& in_D, Index each, const Take& take) {
+  const Index k = static_cast<Index>(in_A.rows());
+  DenseMatrix rest = DenseMatrix::Identity(k, k);
+  for (Index first = 0; first < k && each < k; first += each) {
+    const Index size = std::min(each, k - first);
+    const DenseMatrix alone = candidates_of_a_body(in_A.block(first, first, size, size),
+                                                   in_D.block(first, first, size, size), 0);
+    for (Index j = 0; j < alone.cols(); ++j) {
+      Vector c = Vector::Zero(k);
+      c.segment(first, size) = alone.col(j);
+      if (!take(c)) continue;
+      // rest: the projector along what is found, in the product of D
+      const Vector left = rest * c;
+      const Real norm2 = left.dot(in_D * left);
+      if (norm2 > 0) rest -= left * (left.transpose() * in_D * rest) / norm2;
+    }
+  }
+  const DenseMatrix common = candidates_of_a_body(rest.transpose() * in_A * rest,
+                                                  rest.transpose() * in_D * rest, in_D.trace());
+  for (Index j = 0; j < common.cols(); ++j) take(rest * common.col(j));
 }
 
 /// Sums over each body's dofs of left_i right_j: one k x k matrix a body.
@@ -89,18 +121,41 @@ Eigen::MatrixXd floating_motions(const System& system, const Eigen::MatrixXd& M)
   const auto in_A = gram(system, bodies, M, product(system, M));
   const auto in_D = gram(system, bodies, M, system.D.asDiagonal() * M);
   for (Index body = 0; body < bodies.count; ++body) {
-    const DenseMatrix c = candidates_of_a_body(in_A[body], in_D[body]);
-    for (Index k = 0; k < c.cols(); ++k) {
-      Vector w = M * c.col(k);
+    const auto take = [&](const Vector& c) {
+      Vector w = M * c;
       for (Index i = 0; i < n; ++i)
         if (bodies.of[i] != body) w[i] = 0;
       const Real size = system.sum(w.dot(system.D.cwiseProduct(w)));
-      if (!(size > 0) || system.sum(w.dot(product(system, w).col(0))) > rigid * size) continue;
+      if (!(size > 0) || system.sum(w.dot(product(system, w).col(0))) > rigid * size) return false;
       W.conservativeResize(n, W.cols() + 1);
       W.rightCols(1) = w / std::sqrt(size);
-    }
+      return true;
+    };
+    find_motions(in_A[body], in_D[body], system.dimension == 2 ? 3 : 6, take);
   }
   return W;
+}
+
+Eigen::MatrixXd motions_of_interior(const Eigen::MatrixXd& W, Index interior,
+                                    const std::vector<Index>& units) {
+  const Index n = static_cast<Index>(W.rows()), k = static_cast<Index>(W.cols());
+  const Index count = static_cast<Index>(units.size());
+  DenseMatrix Z = W;
+  if (k > 0 && interior < n) {
+    const Eigen::ColPivHouseholderQR<DenseMatrix> moves(W.bottomRows(n - interior).transpose());
+    const Real least = still * W.cwiseAbs().maxCoeff();
+    Index rank = 0;
+    while (rank < std::min(k, n - interior) && std::abs(moves.matrixR()(rank, rank)) > least)
+      ++rank;
+    const DenseMatrix Q = moves.householderQ();
+    Z = W * Q.rightCols(k - rank);
+    Z.bottomRows(n - interior).setZero();
+  }
+  if (Z.cols() != count) return DenseMatrix(n, 0);
+  DenseMatrix at_units(count, count);
+  for (Index j = 0; j < count; ++j) at_units.row(j) = Z.row(units[j]);
+  const Eigen::FullPivLU<DenseMatrix> inverse(at_units);
+  return inverse.isInvertible() ? DenseMatrix(Z * inverse.inverse()) : DenseMatrix(n, 0);
 }
 
 }  // namespace frictioncg

@@ -16,4 +16,10 @@ Eigen::MatrixXd floating_motions(const System& system);
 /// The same among candidates that are made already.
 Eigen::MatrixXd floating_motions(const System& system, const Eigen::MatrixXd& candidates);
 
+/// Of motions W (n x k) the combinations that move none of the dofs from `interior` on: one for
+/// each of `units`, where it is 1, and 0 at the others. No columns where there are more or less of
+/// them.
+Eigen::MatrixXd motions_of_interior(const Eigen::MatrixXd& W, Index interior,
+                                    const std::vector<Index>& units);
+
 }  // namespace frictioncg

@@ -197,6 +197,28 @@ TEST(Frames, TheNearestOfTwoFlanksHoldsTheTipOfAGrooveWhoseOtherComponentsAreHel
   }
 }
 
+TEST(Frames, BilateralContactWithTwoFlanksAtOneNodeNeedsOneGap) {
+  Scene s = block(BlockOptions());
+  const ContactPoint tip = s.points.front();
+  s.points = {tip, tip};
+  s.points[0].normal = {-0.8, -0.6, 0};
+  s.points[1].normal = {0.6, -0.8, 0};
+  for (std::size_t k = 0; k < s.a.size(); ++k)  // a support along x
+    if (s.i[k] == tip.dof[0] && s.j[k] == tip.dof[0]) s.a[k] = 1e30;
+  const LocalSystem system(s.triplets(), 2, s.points);
+  PointLaws laws{Law::frictionless, true, Vector(2), {}};
+  laws.gap << 0.6e-3, 0.8e-3;  // both 1e-3 below
+  EXPECT_NEAR(system.increment(s.b, {}, laws).increment.gap[0], 0.6e-3, 1e-18);
+  laws.gap[1] = 0.9e-3;
+  try {
+    system.increment(s.b, {}, laws);
+    ADD_FAILURE();
+  } catch (const ConflictingObstacles& e) {
+    EXPECT_EQ(e.point, 1);
+    EXPECT_NE(std::string(e.what()).find("bilateral"), std::string::npos);
+  }
+}
+
 TEST(Frames, NormalsThatFaceEachOtherOnWhatIsFreeAreRefused) {
   BlockOptions o;
   o.clamp_side = true;
@@ -210,7 +232,7 @@ TEST(Frames, NormalsThatFaceEachOtherOnWhatIsFreeAreRefused) {
   try {
     LocalSystem(s.triplets(), 2, s.points);
     ADD_FAILURE();
-  } catch (const DependentNormals& e) {
+  } catch (const ConflictingObstacles& e) {
     EXPECT_EQ(e.point, Index(s.points.size()) - 1);
   }
 }

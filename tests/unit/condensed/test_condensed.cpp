@@ -116,6 +116,63 @@ TEST(Condensed, AgreesWithTheConjugateGradientOnAToTheRegularizationsBound) {
   }
 }
 
+TEST(Condensed, FurtherPassesRefineTheFirstAndTheBestIsKept) {
+  int solved = 0, refined = 0;
+  for (unsigned seed = 1; seed <= 60; ++seed) {
+    Recipe recipe = random_recipe(seed);
+    recipe.block.nu = 0.4999;
+    const Posed posed = make_scene(recipe).system();
+    const auto by_itself = [&](Real tol) {
+      CondensedSolver solver(posed.problem().system);
+      EXPECT_EQ(solver.factor(1e9), Elimination::Outcome::done);
+      Settings settings;
+      settings.tol = tol;
+      return solver.solve(posed.problem(), settings, {});
+    };
+    const Solution first = by_itself(1e-5);
+    if (first.status != Status::converged || first.layer != Layer::newton) continue;
+    const Real best = by_itself(1e-18).certificate.residual;
+    EXPECT_LE(best, first.certificate.residual) << recipe;
+    ++solved;
+    refined += best < first.certificate.residual;
+  }
+  EXPECT_GE(solved, 30);
+  EXPECT_GE(refined, 0.5 * solved);
+}
+
+TEST(Condensed, AFurtherIncrementStartsFromTheLastBranches) {
+  BlockOptions o;
+  o.cells = 8;
+  o.clamp_side = true;
+  o.shear = 4;
+  const ContactProblem p = problem_of(o);
+  CondensedSolver solver(p.system);
+  ASSERT_EQ(solver.factor(1e9), Elimination::Outcome::done);
+  EXPECT_GT(solver.solve(p, Settings(), {}).iterations, 2);
+  EXPECT_LE(solver.solve(p, Settings(), {}).iterations, 2);  // a step, and one that ends it
+}
+
+TEST(Condensed, ALoadOnABodyThatFloatsBesideTheOthersTakesNoStep) {
+  Scene s = block(BlockOptions());
+  const Index n = s.n;
+  s.modes = {};
+  s.n += 4;  // two nodes and a spring between them
+  for (int c = 0; c < 2; ++c)
+    for (int p = 0; p < 2; ++p)
+      for (int q = 0; q < 2; ++q) {
+        s.i.push_back(n + 2 * p + c);
+        s.j.push_back(n + 2 * q + c);
+        s.a.push_back(p == q ? 100 : -100);
+      }
+  s.b.conservativeResize(s.n);
+  s.b.tail(4) << 1, 0, 1, 0;
+  const Posed posed = s.system();
+  const Solution a = solve(posed.problem(), Settings());
+  EXPECT_EQ(a.status, Status::no_equilibrium);
+  EXPECT_EQ(a.iterations, 0);
+  EXPECT_GT(a.unheld_motion.cwiseAbs().maxCoeff(), 0);
+}
+
 TEST(Condensed, PermutedNumberingGivesTheSameAnswer) {
   BlockOptions o;
   o.cells = 6;

@@ -97,6 +97,43 @@ TEST(MortarGap, AlongTheNormalOfTheSlaveBetweenParallelPlanes) {
       }
 }
 
+TEST(MortarGap, AtTheMiddleOfAnEdgeItIsExactForPlanesWhereTheFacetIsPartlyCoveredToo) {
+  for (int d : {2, 3}) {
+    Surfaces s(d, true);
+    const int up = d - 1;
+    const auto tilted = [up](const Vec3& x) {
+      return Vec3(x + (0.1 + 0.3 * x[0]) * Vec3::Unit(up));
+    };
+    const auto smaller = [](const Vec3& x) { return Vec3(0.16 + 0.48 * x[0], 0.45 * x[1], 0); };
+    s.pairs[0].slave = s.sheet(5, -1, tilted, 2);
+    s.pairs[0].master = s.sheet(4, 1, smaller, 1);
+    const Mortar mortar = s.mortar();
+    EXPECT_GT(mortar.statistics().partly_covered, 0);
+    const std::size_t edges = s.middle.size();
+    EXPECT_LT(mortar.edges().size(), edges);
+    EXPECT_GT(mortar.edges().size(), 1u);
+    const Real along_normal = std::sqrt(1 + 0.3 * 0.3);
+    for (const MidEdge& e : mortar.edges()) {
+      EXPECT_LT((s.nodes.X[e.node] - (s.nodes.X[e.a] + s.nodes.X[e.b]) / 2).norm(), 1e-15);
+      EXPECT_NEAR(e.distance, s.nodes.X[e.node][up] * along_normal, 1e-13);
+    }
+  }
+}
+
+TEST(MortarGap, AtTheMiddleOfAnEdgeWithoutLawsItIsThatOfWhatFacesIt) {
+  Surfaces s(2, true);
+  const auto lifted = [](const Vec3& x) { return Vec3(x + 0.25 * Vec3::Unit(1)); };
+  s.pairs[0].slave = s.sheet(4, -1, lifted, 2);
+  s.pairs[0].master = s.sheet(
+      3, 1, [](const Vec3& x) { return x; }, 1);
+  s.nodes.held.assign(s.nodes.X.size(), 0);
+  s.nodes.held[0] = 2;  // an end of the slave
+  const Mortar mortar = s.mortar();
+  EXPECT_EQ(mortar.statistics().removed, 1);
+  EXPECT_EQ(mortar.edges().size(), 4u);
+  for (const MidEdge& e : mortar.edges()) EXPECT_NEAR(e.distance, 0.25, 1e-15);
+}
+
 TEST(MortarGap, AcrossAStepOfTheMasterItIsTheWeightedMean) {
   // gap x^2 between a flat slave and a master below: the mean of the quadratic interpolant
   Surfaces s(2);

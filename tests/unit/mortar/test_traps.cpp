@@ -47,6 +47,22 @@ TEST(MortarRefuses, ALabelOnBothSides) {
   EXPECT_TRUE(names(refusal(twice), "label 2 is slave twice")) << refusal(twice);
 }
 
+TEST(MortarRefuses, AFacetThatIsSlaveOfOnePairAndMasterOfAnotherByPlace) {
+  for (int d : {2, 3}) {
+    // a plate between two: its upper face is the second one's slave, and the first one's master
+    Surfaces s = above(d, 0);
+    s.pairs.emplace_back();
+    s.pairs[1].slave = s.pairs[0].master;
+    s.pairs[1].master = s.sheet(5, -1, lifted(d, 0.2), 3);
+    EXPECT_TRUE(names(refusal(s),
+                      "on label 1 is slave of one pair (master: label 3) and master of "
+                      "another (slave: label 2); exchange slave and master"))
+        << refusal(s);
+    std::swap(s.pairs[0].slave, s.pairs[0].master);
+    EXPECT_TRUE(names(refusal(s), "label 1 is slave twice")) << refusal(s);
+  }
+}
+
 TEST(MortarRefuses, SurfacesWithNothingBetweenThemAndNamesTheDistance) {
   for (int d : {2, 3}) {
     Surfaces s = above(d, 0.5);
@@ -129,12 +145,45 @@ TEST(MortarTraps, AHeldNormalRemovesTheNodeAndALittleIsProjected) {
     s.nodes.held[last] = 1;  // x held, as on a plane of symmetry
     const Mortar mortar = s.mortar();
     EXPECT_EQ(mortar.statistics().removed, tilt > 0.02 ? 1 : 0);
+    EXPECT_EQ(mortar.statistics().held, tilt > 0.02 ? 1 : 0);
+    EXPECT_EQ(mortar.statistics().first_held, tilt > 0.02 ? last : -1);
     for (const ContactNode& node : mortar.nodes()) {
       const Vec3 free = Vec3(tilt, -1, 0).normalized();
       const Vec3 expected = node.node == last ? Vec3(0, -1, 0) : free;
       EXPECT_LT((node.normal - expected).norm(), 1e-15);
     }
   }
+}
+
+TEST(MortarTraps, AFaceMayBeSlaveOnOnePartAndMasterOnAnother) {
+  for (int d : {2, 3})
+    for (const bool meet : {false, true}) {
+      // of the plate 1, x < 1 is the slave of what stands there, x > 1 the master; where these
+      // parts meet the nodes are removed
+      Surfaces s(d);
+      const auto stretched = [](const Vec3& x) { return Vec3(2 * x[0], x[1], 0); };
+      const auto on = [d](Real from, Real to) {
+        return [=](const Vec3& x) {
+          return Vec3(Vec3(from + (to - from) * x[0], x[1], 0) + 0.1 * Vec3::Unit(d - 1));
+        };
+      };
+      const Surface plate = s.sheet(6, 1, stretched, 1);
+      s.pairs.resize(2);
+      s.pairs[0] = {plate, s.sheet(4, -1, on(0, meet ? 1 : 0.6), 2)};
+      s.pairs[1] = {s.sheet(5, -1, on(meet ? 1 : 1.4, 2), 3), plate};
+      const Mortar mortar = s.mortar();
+      EXPECT_EQ(mortar.statistics(0).removed, !meet ? 0 : d == 2 ? 1 : 7);
+      EXPECT_EQ(mortar.statistics(1).removed, 0);
+      EXPECT_EQ(mortar.statistics(1).facing, d == 2 ? 6 : 36);
+      for (const ContactNode& node : mortar.nodes()) {
+        EXPECT_NEAR(node.distance, 0.1, 1e-14);
+        EXPECT_EQ(node.label, node.pair == 0 ? 1 : 3);
+      }
+      const Matrix T = mortar.change_of_basis(), W = mortar.inverse_basis();
+      Matrix I(T.rows(), T.rows());
+      I.setIdentity();
+      EXPECT_LT(Matrix(Matrix(T * W) - I).norm(), 1e-13);
+    }
 }
 
 TEST(MortarTraps, LabelsThatMeetSmoothlyShareTheirNode) {

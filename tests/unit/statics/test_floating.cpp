@@ -76,6 +76,53 @@ TEST(Floating, ASmallBodyFarFromTheOriginIsFound) {
   expect_floating(*s.system().problem().system, 3);
 }
 
+TEST(Floating, OfAStiffBodyOnASoftOneThatIsHeldTheMotionsAreSharp) {
+  // The coupling u = w + u_soft puts entries of the stiff body beside those of the soft one.
+  BlockOptions o;
+  o.cells = 4;
+  const System one = *problem_of(o).system;
+  const Index n = one.dofs();
+  const Matrix K = one.A;
+  for (const Real ratio : {1., 1e4, 1e7, 1e9}) {
+    System two = one;
+    std::vector<Eigen::Triplet<Real, Index>> entries;
+    for (Index i = 0; i < n; ++i)
+      for (Matrix::InnerIterator e(K, i); e; ++e) {
+        const Index j = static_cast<Index>(e.col());
+        for (const auto& [row, column] : {std::pair(i, j), {i, j + n}, {i + n, j}, {i + n, j + n}})
+          entries.emplace_back(row, column, ratio * e.value());
+        entries.emplace_back(i + n, j + n, e.value() + (i == j ? one.D[i] : 0));
+      }
+    two.A = Matrix(2 * n, 2 * n);
+    two.A.setFromTriplets(entries.begin(), entries.end());
+    two.D = two.A.diagonal();
+    for (Index& f : two.first) f += n;
+    const Eigen::MatrixXd M = one.rigid_modes();
+    two.body_modes = [n, M] {
+      Eigen::MatrixXd both = Eigen::MatrixXd::Zero(2 * n, 6);
+      both.topLeftCorner(n, 3) = M;
+      both.bottomRightCorner(n, 3) = M;
+      both.topRightCorner(n, 3) = -M;  // w of the first, where only the second moves
+      return both;
+    };
+    const Eigen::MatrixXd W = floating_motions(two);
+    ASSERT_EQ(W.cols(), 3);
+    EXPECT_LT(W.bottomRows(n).norm(), 1e-14 * W.norm()) << ratio;
+  }
+}
+
+TEST(Floating, OfTheInteriorAreThoseThatMoveNoContactDof) {
+  Eigen::MatrixXd W(4, 3);
+  W << 1, 2, 0, 3, 1, 1, 0, 1, 2, 0, 2, 4;  // rows 2 and 3 move by c_2 + 2 c_3
+  const Eigen::MatrixXd Z = motions_of_interior(W, 2, {0, 1});
+  ASSERT_EQ(Z.cols(), 2);
+  EXPECT_LT((Z - Eigen::MatrixXd::Identity(4, 2)).norm(), 1e-14);
+  EXPECT_EQ(motions_of_interior(W, 2, {0}).cols(), 0);     // more than asked for
+  EXPECT_EQ(motions_of_interior(W, 1, {0, 1}).cols(), 0);  // less
+  EXPECT_LT((motions_of_interior(W.topRows(3), 3, {0, 1, 2}) - Eigen::Matrix3d::Identity()).norm(),
+            1e-14);
+}
+
 TEST(Floating, WithoutCandidatesThereAreNone) {
   BlockOptions o;
   Scene s = block(o);

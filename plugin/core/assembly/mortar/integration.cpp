@@ -23,13 +23,15 @@ Moments Integration::over(const Part& part) const {
       const Shape phi_m = shape_functions(d, quadratic, on_master);
       of_cell += weighted * Eigen::Map<const Eigen::Matrix<Real, 1, 6>>(phi_m.data());
       moments.vertices += weighted * lambda.transpose();
+      Vec3 offset = Vec3::Zero();
+      if (smooth_) offset = master_.at(cell.master, on_master) - slave_.at(part.facet, lambda);
+      moments.offset += weighted * offset.transpose();
+      const Real distance = chi.distance(point.xi) + plane.normal.dot(offset);
       for (int k = 0; k < edges_of_facet(d); ++k) {
         const auto [a, b] = edge_ends(d, k);
         moments.edges.col(k) += 4 * lambda[a] * lambda[b] * weighted;
+        moments.distance[k] += 4 * lambda[a] * lambda[b] * jacobian * point.weight * distance;
       }
-      if (!smooth_) continue;
-      const Vec3 offset = master_.at(cell.master, on_master) - slave_.at(part.facet, lambda);
-      moments.offset += weighted * offset.transpose();
     }
     moments.master.push_back(of_cell);
   }

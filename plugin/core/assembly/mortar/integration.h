@@ -18,6 +18,7 @@ struct Moments {
   Eigen::Matrix3d edges = Eigen::Matrix3d::Zero();     ///< ... phi_e
   Eigen::Matrix3d offset = Eigen::Matrix3d::Zero();    ///< ... delta_m(chi) - delta_s, row v
   std::vector<Eigen::Matrix<Real, 3, 6>> master;       ///< ... phi^m_l(chi), one per cell
+  Vec3 distance = Vec3::Zero();                        ///< of phi_e times the distance
 };
 
 class Integration {

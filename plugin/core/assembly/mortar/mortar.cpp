@@ -1,5 +1,6 @@
 #include "assembly/mortar/mortar.h"
 
+#include <map>
 #include <stdexcept>
 
 #include "assembly/mortar/dual_basis.h"
@@ -30,11 +31,16 @@ Matrix identity(Index n) {
 
 /// Sums over the facets; then the rows are divided by D.
 class Assembly {
+  /// Integrals over the covered facets at a mid-edge, of phi_e times ...
+  struct EdgeMoments {
+    Real of_distance = 0;                             ///< ... the distance
+    std::vector<std::pair<Index, Real>> of_vertices;  ///< ... lambda_v, v a node
+  };
+
  public:
   Assembly(const Nodes& nodes, const Options& options, const Ownership& ownership)
       : nodes_(nodes), options_(options), ownership_(ownership), D_(Vector::Zero(size())) {
     offset_.assign(nodes.X.size(), Vec3::Zero());
-    on_edge_.assign(nodes.X.size(), 0);
   }
   void add_pair(Index p, const Side& slave, const Side& master, const Cover& cover);
   void finish(Mortar& mortar);
@@ -44,33 +50,36 @@ class Assembly {
   void add_facet(const Part& part, const Moments& moments, const Ownership::Carriers& carriers);
   void add_multiplier(Index i, const Eigen::RowVector3d& psi, const Part& part,
                       const Moments& moments, const std::array<bool, 3>& kept);
-  void add_edges(const Side& slave, Index f);
+  void add_edges(const Side& slave, Index f, const Moments& moments);
   void set_nodes(Mortar& mortar) const;
   void set_gaps(Mortar& mortar) const;
-  void set_statistics(Mortar& mortar) const;
+  void set_distances_of_edges(Mortar& mortar) const;
+  void set_statistics(Mortar& mortar);
 
   const Nodes& nodes_;
   const Options& options_;
   const Ownership& ownership_;
   Vector D_;
   Entries N_, P_;
-  std::vector<Vec3> offset_;  ///< int psi_i (delta_m(chi) - delta_s)
-  std::vector<char> on_edge_;
-  std::vector<Mortar::Edge> edges_;
-  Index partly_covered_ = 0;
-  std::size_t visited_ = 0;
+  std::vector<Vec3> offset_;               ///< int psi_i (delta_m(chi) - delta_s)
+  std::map<Index, Index> number_of_edge_;  ///< in edges_, by node
+  std::vector<MidEdge> edges_;
+  std::vector<EdgeMoments> edge_moments_;  ///< in their order
+  std::vector<Statistics> statistics_;     ///< per pair
 };
 
 void Assembly::add_pair(Index p, const Side& slave, const Side& master, const Cover& cover) {
   const Integration integration(slave, master, nodes_.X, options_.smooth);
-  visited_ += cover.visited;
+  Statistics& s = statistics_.emplace_back();
+  s.visited = cover.visited;
   for (Index f = 0; f < slave.facets(); ++f) {
     const std::vector<Cell>& cells = cover.cells[f];
     if (cells.empty()) continue;
-    if (cover.fraction[f] < 1 - 1e-9) ++partly_covered_;
+    if (cover.fraction[f] < 1 - 1e-9) ++s.partly_covered;
     const Part part{slave, master, f, cells};
-    add_facet(part, integration.over(part), ownership_.carriers[p][f]);
-    if (slave.surface.quadratic) add_edges(slave, f);
+    const Moments moments = integration.over(part);
+    add_facet(part, moments, ownership_.carriers[p][f]);
+    if (slave.surface.quadratic) add_edges(slave, f, moments);
   }
 }
 
@@ -102,13 +111,19 @@ void Assembly::add_multiplier(Index i, const Eigen::RowVector3d& psi, const Part
                       psi.dot(moments.master[c].col(l)));
 }
 
-void Assembly::add_edges(const Side& slave, Index f) {
+void Assembly::add_edges(const Side& slave, Index f, const Moments& moments) {
   const auto& node = slave.facet(f).node;
   for (int k = 0; k < edges_of_facet(slave.d); ++k) {
     const auto [a, b] = edge_ends(slave.d, k);
     const Index e = node[slave.d + k];
-    if (!on_edge_[e]) edges_.push_back({e, node[a], node[b]});
-    on_edge_[e] = 1;
+    const auto [at, is_new] = number_of_edge_.emplace(e, static_cast<Index>(edges_.size()));
+    if (is_new) {
+      edges_.push_back({e, node[a], node[b], 0});
+      edge_moments_.emplace_back();
+    }
+    EdgeMoments& sum = edge_moments_[at->second];
+    sum.of_distance += moments.distance[k];
+    for (int v = 0; v < slave.d; ++v) sum.of_vertices.emplace_back(node[v], moments.edges(v, k));
   }
 }
 
@@ -138,18 +153,41 @@ void Assembly::set_gaps(Mortar& mortar) const {
   }
 }
 
-void Assembly::set_statistics(Mortar& mortar) const {
-  Statistics& s = mortar.statistics_;
-  s.facing = static_cast<Index>(mortar.nodes_.size());
-  for (Ownership::State state : ownership_.state)
-    s.removed += state == Ownership::State::shared || state == Ownership::State::held;
-  s.partly_covered = partly_covered_;
-  s.visited = visited_;
-  s.least_gap = s.largest_gap = mortar.nodes_.front().gap;
-  for (const ContactNode& node : mortar.nodes_) {
-    s.least_gap = std::min(s.least_gap, node.gap);
-    s.largest_gap = std::max(s.largest_gap, node.gap);
+/// g_e = (g_a + g_b)/2 + int phi_e (g - sum_v lambda_v g_v) / int phi_e: as exact on parts of a
+/// facet as on the whole. Where vertices carry no law, the mean of g, weighted by phi_e.
+void Assembly::set_distances_of_edges(Mortar& mortar) const {
+  std::vector<const ContactNode*> at(nodes_.X.size(), nullptr);
+  for (const ContactNode& node : mortar.nodes_) at[node.node] = &node;
+  for (std::size_t k = 0; k < mortar.edges_.size(); ++k) {
+    MidEdge& e = mortar.edges_[k];
+    Real room = 0, linear = 0;
+    bool laws = true;
+    for (const auto& [v, moment] : edge_moments_[k].of_vertices) {
+      room += moment;
+      laws = laws && at[v] != nullptr;
+      if (laws) linear += moment * at[v]->distance;
+    }
+    e.distance = room > 0 ? (edge_moments_[k].of_distance - (laws ? linear : 0)) / room : 0;
+    if (laws) e.distance += (at[e.a]->distance + at[e.b]->distance) / 2;
   }
+}
+
+void Assembly::set_statistics(Mortar& mortar) {
+  using State = Ownership::State;
+  for (Index i = 0; i < size(); ++i) {
+    const State state = ownership_.state[i];
+    if (state != State::shared && state != State::held) continue;
+    Statistics& s = statistics_[ownership_.pair[i]];
+    ++s.removed;
+    if (state == State::held && s.held++ == 0) s.first_held = i;
+  }
+  for (const ContactNode& node : mortar.nodes_) {
+    Statistics& s = statistics_[node.pair];
+    const bool first = s.facing++ == 0;
+    s.least_gap = first ? node.gap : std::min(s.least_gap, node.gap);
+    s.largest_gap = first ? node.gap : std::max(s.largest_gap, node.gap);
+  }
+  mortar.statistics_ = std::move(statistics_);
 }
 
 void Assembly::finish(Mortar& mortar) {
@@ -171,6 +209,7 @@ void Assembly::finish(Mortar& mortar) {
   mortar.S_ = K * Matrix(identity(n) + mortar.N_) * mortar.halving({}, false, -0.5);
   mortar.G_ = mortar.S_ - Matrix(K * mortar.P_);
   set_gaps(mortar);
+  set_distances_of_edges(mortar);
   set_statistics(mortar);
 }
 
@@ -195,7 +234,7 @@ Mortar::Mortar(const Nodes& nodes, const std::vector<Pair>& pairs, const Options
 Matrix Mortar::halving(const std::vector<char>& held, bool where_held, Real half) const {
   Entries entries;
   for (Index i = 0; i < size_; ++i) entries.emplace_back(i, i, 1);
-  for (const Edge& e : edges_) {
+  for (const MidEdge& e : edges_) {
     if ((!held.empty() && held[e.node]) != where_held) continue;
     entries.emplace_back(e.node, e.a, half);
     entries.emplace_back(e.node, e.b, half);

@@ -37,9 +37,18 @@ struct ContactNode {
   Real distance = 0;           ///< the gap as a distance: differs where a neighbour is removed
 };
 
+/// A mid-edge of a P2 slave that something faces, between the vertices a and b.
+struct MidEdge {
+  Index node = 0, a = 0, b = 0;
+  Real distance = 0;  ///< [length]
+};
+
+/// Of one pair.
 struct Statistics {
   Index facing = 0;          ///< contact nodes
   Index removed = 0;         ///< slave vertices with something before them that carry no law
+  Index held = 0;            ///< those of them whose normal Dirichlet conditions hold
+  Index first_held = -1;     ///< one of the latter
   Index partly_covered = 0;  ///< slave facets
   Real least_gap = 0, largest_gap = 0;
   std::size_t visited = 0;  ///< steps of the search
@@ -61,8 +70,9 @@ class Mortar {
   Mortar(const Nodes& nodes, const std::vector<Pair>& pairs, const Options& options = {});
 
   const std::vector<ContactNode>& nodes() const { return nodes_; }  ///< m
+  const std::vector<MidEdge>& edges() const { return edges_; }
   const Matrix& relative() const { return G_; }  ///< m x nodes; forces on both bodies are G'y
-  const Statistics& statistics() const { return statistics_; }
+  const Statistics& statistics(Index pair = 0) const { return statistics_[pair]; }
 
   /// T, nodes x nodes, with rows of the identity where held (empty: nowhere): for the components
   /// with Dirichlet conditions at some nodes.
@@ -75,17 +85,14 @@ class Mortar {
   Vector weighted(const Vector& gap) const { return S_ * gap; }
 
  private:
-  struct Edge {
-    Index node, a, b;
-  };
   Matrix halving(const std::vector<char>& held, bool where_held, Real half) const;
 
   Index size_;
   std::vector<ContactNode> nodes_;
-  std::vector<Edge> edges_;  ///< of C
-  Matrix N_, P_;             ///< nodes x nodes, rows of contact nodes
-  Matrix S_, G_;             ///< m x nodes: (I + N) C^-1, and S - P
-  Statistics statistics_;
+  std::vector<MidEdge> edges_;          ///< of C
+  Matrix N_, P_;                        ///< nodes x nodes, rows of contact nodes
+  Matrix S_, G_;                        ///< m x nodes: (I + N) C^-1, and S - P
+  std::vector<Statistics> statistics_;  ///< per pair
 
   friend class Assembly;
 };

@@ -42,7 +42,7 @@ Ownership::Ownership(const Nodes& nodes, const std::vector<Side>& slaves,
   rank_patches(slaves, covers);
   own(slaves, covers);
   set_normals(slaves);
-  remove_shared(masters);
+  remove_shared(masters, covers);
   if (!nodes.held.empty()) remove_held(nodes, slaves);
   for (std::size_t p = 0; p < slaves.size(); ++p)
     choose_carriers(static_cast<Index>(p), slaves[p], covers[p]);
@@ -120,11 +120,20 @@ void Ownership::set_normals(const std::vector<Side>& slaves) {
   for (Vec3& n : normal) n.normalize();
 }
 
-void Ownership::remove_shared(const std::vector<Side>& masters) {
-  for (const Side& master : masters)
-    for (const Facet& facet : master.surface.facets)
-      for (int k = 0; k < nodes_of_facet(master.d, master.surface.quadratic); ++k)
-        if (state[facet.node[k]] == State::kept) state[facet.node[k]] = State::shared;
+/// Of another pair only what something faces: the rest of a label is none of its master.
+void Ownership::remove_shared(const std::vector<Side>& masters, const std::vector<Cover>& covers) {
+  for (std::size_t p = 0; p < masters.size(); ++p) {
+    const Side& master = masters[p];
+    std::vector<char> faced(master.facets(), 0);
+    for (const std::vector<Cell>& cells : covers[p].cells)
+      for (const Cell& cell : cells) faced[cell.master] = 1;
+    for (Index f = 0; f < master.facets(); ++f)
+      for (int k = 0; k < nodes_of_facet(master.d, master.surface.quadratic); ++k) {
+        const Index i = master.facet(f).node[k];
+        const bool used = faced[f] || pair[i] == static_cast<Index>(p);
+        if (used && state[i] == State::kept) state[i] = State::shared;
+      }
+  }
 }
 
 void Ownership::remove_held(const Nodes& nodes, const std::vector<Side>& slaves) {

@@ -9,9 +9,10 @@ namespace frictioncg::mortar {
 /// Slave facets form patches, parted at sharp ridges and where two labels meet at an angle. Patches
 /// are ranked by pair, by label as listed, by their covered measure; a vertex belongs to the first
 /// patch that covers something there, and is a removed node on the facets of others. It is removed
-/// everywhere where it lies on a master too (tip of a crack), or where Dirichlet conditions hold
-/// its normal. Where no vertex of a facet is kept, nodes of the nearest facet with some stand in,
-/// with constant multipliers, so that nowhere a traction is lost.
+/// everywhere where it lies on the master too (tip of a crack), or on what another pair uses as
+/// master (bodies that meet crosswise), or where Dirichlet conditions hold its normal. Where no
+/// vertex of a facet is kept, nodes of the nearest facet with some stand in, with constant
+/// multipliers, so that nowhere a traction is lost.
 struct Ownership {
   Ownership(const Nodes& nodes, const std::vector<Side>& slaves, const std::vector<Side>& masters,
             const std::vector<Cover>& covers);
@@ -34,7 +35,7 @@ struct Ownership {
   void rank_patches(const std::vector<Side>& slaves, const std::vector<Cover>& covers);
   void own(const std::vector<Side>& slaves, const std::vector<Cover>& covers);
   void set_normals(const std::vector<Side>& slaves);
-  void remove_shared(const std::vector<Side>& masters);
+  void remove_shared(const std::vector<Side>& masters, const std::vector<Cover>& covers);
   void remove_held(const Nodes& nodes, const std::vector<Side>& slaves);
   void choose_carriers(Index p, const Side& slave, const Cover& cover);
   void keep_strongest(const Facet& facet, std::array<bool, 3>& kept) const;

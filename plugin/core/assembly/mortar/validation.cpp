@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <map>
 #include <sstream>
 
 #include "assembly/mortar/search.h"
@@ -17,6 +17,14 @@ std::string place(int d, const Vec3& x) {
   return s.str();
 }
 
+std::string labels_of(const Surface& surface) {
+  std::ostringstream s;
+  s << (surface.labels.size() > 1 ? "labels" : "label");
+  for (std::size_t k = 0; k < surface.labels.size(); ++k)
+    s << (k > 0 ? ", " : " ") << surface.labels[k];
+  return s.str();
+}
+
 namespace {
 
 using Key = std::array<Index, 3>;
@@ -28,21 +36,49 @@ Key key(int d, const Facet& facet) {
 }
 
 void refuse_common_facets(int d, const std::vector<Pair>& pairs) {
-  std::set<Key> slave;
+  std::map<Key, const Pair*> slave;
   for (const Pair& pair : pairs)
     for (const Facet& f : pair.slave.facets)
-      if (!slave.insert(key(d, f)).second) {
+      if (!slave.emplace(key(d, f), &pair).second) {
         std::ostringstream m;
         m << "label " << f.label << " is slave twice; list it once";
         throw IllegalInput(m.str());
       }
   for (const Pair& pair : pairs)
-    for (const Facet& f : pair.master.facets)
-      if (slave.count(key(d, f))) {
+    for (const Facet& f : pair.master.facets) {
+      const auto found = slave.find(key(d, f));
+      if (found != slave.end() && found->second == &pair) {
         std::ostringstream m;
         m << "label " << f.label
           << " is on both sides; a boundary is slave or master, and what touches itself needs two "
              "labels";
+        throw IllegalInput(m.str());
+      }
+    }
+}
+
+/// T expresses slave nodes by master nodes, which must be no slaves themselves. (Single nodes that
+/// are both are removed from the slave: Ownership.)
+void refuse_slaves_as_masters(const Nodes& nodes, const std::vector<Side>& slaves,
+                              const std::vector<Side>& masters, const std::vector<Cover>& covers) {
+  if (slaves.size() < 2) return;
+  const int d = nodes.dimension;
+  std::map<Key, std::size_t> facing;  // slave facets, and their pair
+  for (std::size_t p = 0; p < slaves.size(); ++p)
+    for (Index f = 0; f < slaves[p].facets(); ++f)
+      if (!covers[p].cells[f].empty()) facing.emplace(key(d, slaves[p].facet(f)), p);
+  for (std::size_t q = 0; q < masters.size(); ++q)
+    for (const std::vector<Cell>& cells : covers[q].cells)
+      for (const Cell& cell : cells) {
+        const Facet& facet = masters[q].facet(cell.master);
+        const auto found = facing.find(key(d, facet));
+        if (found == facing.end()) continue;
+        std::ostringstream m;
+        m << "the node at " << place(d, nodes.X[facet.node[0]]) << " on label " << facet.label
+          << " is slave of one pair (master: " << labels_of(masters[found->second].surface)
+          << ") and master of another (slave: " << labels_of(slaves[q].surface)
+          << "); exchange slave and master of one of the two, or leave out by maxgap what does not "
+             "touch there";
         throw IllegalInput(m.str());
       }
 }
@@ -65,24 +101,17 @@ void refuse_merged_nodes(const Nodes& nodes, const std::vector<Pair>& pairs,
         m << "slave and master share the node at " << place(nodes.dimension, nodes.X[i])
           << ", where " << groups
           << " bodies meet: the meshes were merged there, as + does with near vertices; use one "
-             "space per mesh, or join them apart and move them back with movemesh";
+             "space per mesh, or join them apart and move them back with movemesh, in 3D with "
+             "cleanmesh=false";
         throw IllegalInput(m.str());
       }
-}
-
-std::string labels(const Surface& surface) {
-  std::ostringstream s;
-  s << (surface.labels.size() > 1 ? "labels" : "label");
-  for (std::size_t k = 0; k < surface.labels.size(); ++k)
-    s << (k > 0 ? ", " : " ") << surface.labels[k];
-  return s.str();
 }
 
 [[noreturn]] void refuse_nothing_faces(const Nodes& nodes, const Side& slave, const Side& master,
                                        const Cover& cover, const Options& options) {
   std::ostringstream m;
-  m << "nothing on the master (" << labels(master.surface) << ") faces the slave ("
-    << labels(slave.surface) << ")";
+  m << "nothing on the master (" << labels_of(master.surface) << ") faces the slave ("
+    << labels_of(slave.surface) << ")";
   if (cover.nearest < std::numeric_limits<Real>::infinity()) {
     m << " within maxgap = " << options.maxgap << "; the nearest opposite facet is "
       << cover.nearest << " away";
@@ -113,6 +142,7 @@ void validate_pairs(const Nodes& nodes, const std::vector<Pair>& pairs, const Op
 void validate_cover(const Nodes& nodes, const std::vector<Side>& slaves,
                     const std::vector<Side>& masters, const std::vector<Cover>& covers,
                     const Ownership& ownership, const Options& options) {
+  refuse_slaves_as_masters(nodes, slaves, masters, covers);
   for (std::size_t p = 0; p < slaves.size(); ++p) {
     const Cover& cover = covers[p];
     const auto is_empty = [](const std::vector<Cell>& cells) { return cells.empty(); };
@@ -124,10 +154,10 @@ void validate_cover(const Nodes& nodes, const std::vector<Side>& slaves,
     if (count[static_cast<int>(Ownership::State::kept)] > 0) continue;
     std::ostringstream m;
     if (count[static_cast<int>(Ownership::State::held)] > 0)
-      m << "Dirichlet conditions hold the normal of every slave node (" << labels(slaves[p].surface)
-        << "); swap slave and master";
+      m << "Dirichlet conditions hold the normal of every slave node ("
+        << labels_of(slaves[p].surface) << "); swap slave and master";
     else
-      m << "every slave node (" << labels(slaves[p].surface)
+      m << "every slave node (" << labels_of(slaves[p].surface)
         << ") lies on the master too; refine the slave";
     throw IllegalInput(m.str());
   }

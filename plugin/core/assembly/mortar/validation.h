@@ -6,10 +6,15 @@ namespace frictioncg::mortar {
 /// "(x, y)" or "(x, y, z)".
 std::string place(int d, const Vec3& x);
 
-/// Refuses a label that is slave and master, and nodes that the merging of meshes ties together.
+/// "label 1" or "labels 1, 2".
+std::string labels_of(const Surface& surface);
+
+/// Refuses a label that is slave and master of one pair, and nodes that the merging of meshes ties
+/// together.
 void validate_pairs(const Nodes& nodes, const std::vector<Pair>& pairs, const Options& options);
 
-/// Refuses pairs where nothing faces, or where no slave node is left to carry a law.
+/// Refuses pairs where nothing faces, or where no slave node is left to carry a law, and facets
+/// that face the master of one pair while they are faced as the master of another.
 void validate_cover(const Nodes& nodes, const std::vector<Side>& slaves,
                     const std::vector<Side>& masters, const std::vector<Cover>& covers,
                     const Ownership& ownership, const Options& options);

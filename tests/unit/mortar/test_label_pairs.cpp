@@ -1,0 +1,54 @@
+#include <gtest/gtest.h>
+
+#include "core/assembly/mortar/label_pairs.h"
+#include "core/types.h"
+
+using namespace frictioncg;
+using namespace frictioncg::mortar;
+
+namespace {
+
+/// "1 2 on 3; 4 on 5 6"
+std::string described(const std::vector<long>& slave, const std::vector<long>& master) {
+  std::string text;
+  for (const LabelPair& pair : label_pairs(slave, master)) {
+    if (!text.empty()) text += "; ";
+    for (long s : pair.slave) text += std::to_string(s) + " ";
+    text += "on";
+    for (long m : pair.master) text += " " + std::to_string(m);
+  }
+  return text;
+}
+
+}  // namespace
+
+TEST(LabelPairs, ListsOfOneLengthAreFacedPlaceByPlace) {
+  EXPECT_EQ(described({1}, {2}), "1 on 2");
+  EXPECT_EQ(described({1, 3}, {2, 4}), "1 on 2; 3 on 4");
+  EXPECT_EQ(described({3, 1}, {4, 2}), "3 on 4; 1 on 2");
+}
+
+TEST(LabelPairs, ASingleLabelFacesAllOfTheOtherList) {
+  EXPECT_EQ(described({1}, {4, 2, 3}), "1 on 4 2 3");
+  EXPECT_EQ(described({3, 1, 2}, {4}), "3 1 2 on 4");
+}
+
+TEST(LabelPairs, LabelsNamedAgainAreJoined) {
+  EXPECT_EQ(described({1, 1}, {2, 3}), "1 on 2 3");
+  EXPECT_EQ(described({1, 2}, {3, 3}), "1 2 on 3");
+  EXPECT_EQ(described({1, 1, 2, 2}, {3, 4, 4, 3}), "1 2 on 3 4");
+  EXPECT_EQ(described({1, 1, 2}, {3, 4, 4}), "1 on 3 4; 2 on 4");
+  EXPECT_EQ(described({1, 1}, {2, 2}), "1 on 2");
+  EXPECT_EQ(described({1, 2}, {2, 3}), "1 on 2; 2 on 3");
+}
+
+TEST(LabelPairs, OtherLengthsAreRefused) {
+  try {
+    label_pairs({1, 2, 3}, {4, 5});
+    FAIL();
+  } catch (const IllegalInput& e) {
+    EXPECT_EQ(std::string(e.what()),
+              "slave has 3 labels and master has 2; lists of one length are pairs, slave[k] facing "
+              "master[k], and a single label faces all of the other list");
+  }
+}
