@@ -51,7 +51,7 @@ WITH_MPI   = $(wildcard $(BUILD)/frictionCG-mpi.so)
 SHARED     = $(if $(WITH_MPI),$(wildcard tests/mpi/*.edp examples/*-mpi.edp))
 PAGES     := README.md $(wildcard edp/doc/*.md)
 BENCHES   := $(wildcard tests/bench/*.cpp)
-OWN       := $(CORE) $(HEADERS) $(wildcard plugin/*.cpp tests/unit/*.cpp tests/unit/*.h \
+OWN       := $(CORE) $(HEADERS) $(wildcard plugin/*.cpp plugin/mpi/*.cpp plugin/mpi/*.h tests/unit/*.cpp tests/unit/*.h \
                tests/unit/*/*.cpp tests/unit/*/*.h tests/bench/*.cpp tests/bench/*.h)
 
 # Debian's freefem++.pref names a folder that does not exist; the first two make up for it.
