@@ -244,9 +244,14 @@ Solution Solver::by_multigrid(const ContactProblem& problem, const Settings& set
   if (!multigrid_->has_hierarchy()) return by_condensation(problem, rest, x0, observer);
   Solution s = multigrid_->solve(problem, settings, x0, observer, allowance(settings));
   if (decided(s) || s.certificate.residual <= rounding) return s;
-  const Index left = bound_of(problem, settings) - s.iterations;
-  rest.nbiter = left;
-  if (left > 0) replace_if_better(s, by_condensation(problem, rest, {}, observer));
+  rest.nbiter = bound_of(problem, settings) - s.iterations;
+  Status status = Status::max_iterations;
+  if (rest.nbiter > 0) {
+    Solution t = by_condensation(problem, rest, {}, observer);
+    status = t.status;
+    replace_if_better(s, std::move(t));
+  }
+  if (!decided(s)) s.status = status;  // the last to try says why, not multigrid, which gave way
   return s;
 }
 

@@ -45,7 +45,10 @@ inline std::string remedy(const Solution& solution, const Settings& s) {
     case Status::converged:
       break;
     case Status::max_iterations:
-      return smooths_friction(s) ? "raise nbiter, or try omega=1.5" : "raise nbiter";
+      if (smooths_friction(s)) return "raise nbiter, or try omega=1.5";
+      return s.nbiter > 0 ? "raise nbiter"
+                          : "no answer was found, which proves nothing: near its limit a load may "
+                            "have none; apply it in increments, or raise nbiter";
     case Status::stagnated:
       if (c.residual <= 10 * c.attainable) {
         std::ostringstream m;

@@ -16,6 +16,7 @@ constexpr Real rounding_margin = 10;
 
 /// The share of the load that counts beside the contact forces: small enough that tol bounds the
 /// laws to 100 tol of contact forces down to 1e-4 of the load, large enough for those to vanish.
+/// Where nothing touches the load counts in full.
 constexpr Real load_share = 0.01;
 
 /// Gaps and forces below this, over the scale, cannot be told from 0: rounding does not decide on a
@@ -79,8 +80,9 @@ Real nearest_gap(const ContactProblem& problem, const Vector& x) {
 Real scale_of(const ContactProblem& problem, const Vector& x, const Vector& r, Real violation,
               Real rounding) {
   const Real load = problem.increment.load_norm, contact = contact_force_norm(problem, x, r);
+  const Real share = contact > 0 ? load_share : 1;
   if (std::hypot(load, contact) > rounding_margin * rounding)
-    return std::max(std::hypot(load_share * load, contact), rounding);
+    return std::max(std::hypot(share * load, contact), rounding);
   const Real driving = std::max(driving_norm(*problem.system, problem.increment),
                                 norm_D(*problem.system, problem.increment.F - r));
   if (violation > rounding_margin * rounding)
