@@ -219,6 +219,27 @@ TEST(Frames, BilateralContactWithTwoFlanksAtOneNodeNeedsOneGap) {
   }
 }
 
+TEST(Frames, RoundingOfWhatIsPrescribedAlongAGrooveIsNoOtherGap) {
+  BlockOptions o;
+  o.d = 3;
+  Scene s = block(o);
+  const ContactPoint tip = s.points.front();
+  const Real turn = 0.3, run = 0.1;  // the groove runs along (cos, sin, 0), and so does the tip
+  s.points = {tip, tip};
+  s.points[0].normal = {-0.6 * std::sin(turn), 0.6 * std::cos(turn), -0.8};
+  s.points[1].normal = {0.8 * std::sin(turn), -0.8 * std::cos(turn), -0.6};
+  const Real along[2] = {std::cos(turn), std::sin(turn)};
+  for (int c = 0; c < 2; ++c) {
+    for (std::size_t k = 0; k < s.a.size(); ++k)
+      if (s.i[k] == tip.dof[c] && s.j[k] == tip.dof[c]) s.a[k] = 1e30;
+    s.b[tip.dof[c]] = 1e30 * run * along[c];
+  }
+  const LocalSystem system(s.triplets(), 3, s.points);
+  ASSERT_EQ(system.nodes(), 1);
+  const PointLaws laws{Law::frictionless, true, Vector::Zero(2), {}};
+  EXPECT_NEAR(system.increment(s.b, {}, laws).increment.gap[0], 0, 1e-16);
+}
+
 TEST(Frames, NormalsThatFaceEachOtherOnWhatIsFreeAreRefused) {
   BlockOptions o;
   o.clamp_side = true;
