@@ -68,6 +68,20 @@ TEST(Frames, TheBasisAndItsInverseAreInverseToEachOther) {
       }
 }
 
+TEST(Frames, TwoNormalsWithAHeldComponentInCommonAreInvertedToo) {
+  BlockOptions o;
+  o.d = 3;
+  o.cells = 2;
+  Scene s = block(o);
+  const ContactPoint corner = s.points.front();
+  s.points.push_back(corner);
+  s.points.front().normal = {0.36, 0.48, -0.8};
+  s.points.back().normal = {0.6, -0.64, -0.48};
+  for (std::size_t k = 0; k < s.a.size(); ++k)  // a support along x
+    if (s.i[k] == corner.dof[0] && s.j[k] == corner.dof[0]) s.a[k] = 1e30;
+  expect_inverse(s);
+}
+
 TEST(Frames, TheMatrixOfACornerIsTransformedAsDenseAlgebraSays) {
   for (int d : {2, 3})
     for (bool half : {false, true}) {
@@ -217,6 +231,8 @@ TEST(Frames, BilateralContactWithTwoFlanksAtOneNodeNeedsOneGap) {
     EXPECT_EQ(e.point, 1);
     EXPECT_NE(std::string(e.what()).find("bilateral"), std::string::npos);
   }
+  laws.bilateral = false;  // the nearer one alone counts
+  EXPECT_NEAR(system.increment(s.b, {}, laws).increment.gap[0], 0.6e-3, 1e-18);
 }
 
 TEST(Frames, RoundingOfWhatIsPrescribedAlongAGrooveIsNoOtherGap) {
