@@ -45,19 +45,23 @@ HEADERS   := $(CORE_H) $(wildcard plugin/freefem/*.h)
 UNIT      := $(filter-out tests/unit/standalone/%,$(wildcard tests/unit/*.cpp tests/unit/*/*.cpp))
 IDP       := $(wildcard edp/*.idp)
 SCRIPTS   := $(wildcard tests/edp/*.edp)
-EXAMPLES  := $(wildcard examples/*.edp)
+EXAMPLES  := $(filter-out %-mpi.edp,$(wildcard examples/*.edp))
+# Under several processes: where `make mpi` has been
+WITH_MPI   = $(wildcard $(BUILD)/frictionCG-mpi.so)
+SHARED     = $(if $(WITH_MPI),$(wildcard tests/mpi/*.edp examples/*-mpi.edp))
 PAGES     := README.md $(wildcard edp/doc/*.md)
 BENCHES   := $(wildcard tests/bench/*.cpp)
-OWN       := $(CORE) $(HEADERS) $(wildcard plugin/*.cpp tests/unit/*.cpp tests/unit/*.h \
+OWN       := $(CORE) $(HEADERS) $(wildcard plugin/*.cpp plugin/mpi/*.cpp plugin/mpi/*.h tests/unit/*.cpp tests/unit/*.h \
                tests/unit/*/*.cpp tests/unit/*/*.h tests/bench/*.cpp tests/bench/*.h)
 
 # Debian's freefem++.pref names a folder that does not exist; the first two make up for it.
 export FF_LOADPATH    := $(CURDIR)/$(BUILD);$(FF_PLUGINS)
 export FF_INCLUDEPATH := $(CURDIR)/$(BUILD);$(FF_IDP)
 export FF_PROGRAM
+export FF_PROGRAM_MPI := $(if $(FREEFEM),$(FF_PREFIX)/bin/)FreeFem++-mpi
 RUN       := $(FF_PROGRAM) -nw -v 0
 
-.PHONY: all core help setup demo check unit scripts examples pages bench report format lint sanitize coverage \
+.PHONY: all core mpi help setup demo check unit scripts shared examples pages bench scaling report format lint sanitize coverage \
         install fresh mutants clean
 
 all: $(BUILD)/frictionCG.so $(IDP:edp/%=$(BUILD)/%) ## build the plugin
@@ -90,6 +94,34 @@ $(BUILD)/frictionCG.o: plugin/frictionCG.cpp Makefile
 $(BUILD)/frictionCG.so: $(BUILD)/frictionCG.o $(OBJECTS)
 	$(CXX) -shared $(LDFLAGS) $^ -o $@ $(LIBS)
 
+# The plugin of several processes: what it needs beyond the sequential one is asked for here alone.
+MPI_PACKAGES := petsc-dev libopenmpi-dev openmpi-bin pkg-config
+MPI_SOURCES  := $(wildcard plugin/mpi/*.cpp)
+# not in a folder called mpi: FreeFem++-mpi would look for plugins nowhere else
+MPI_OBJECTS   = $(MPI_SOURCES:plugin/mpi/%.cpp=$(BUILD)/distributed/%.o)
+PETSC_DIR    ?= $(firstword $(wildcard /usr/lib/petscdir/petsc-real /usr/lib/petsc))
+PETSC_FLAGS   = $(shell pkg-config --cflags PETSc 2>/dev/null || echo -I$(PETSC_DIR)/include)
+PETSC_LIBS    = $(shell pkg-config --libs PETSc 2>/dev/null || echo -L$(PETSC_DIR)/lib -lpetsc)
+MPICXX       ?= mpicxx
+MPI_FLAGS     = $(patsubst -I%,-isystem %,$(filter-out -W%,$(PETSC_FLAGS)) $(shell $(MPICXX) --showme:compile))
+MPI_LIBS      = $(PETSC_LIBS) $(shell $(MPICXX) --showme:link)
+
+mpi: setup ## the plugin of several processes, on PETSc
+	@$(MAKE) --no-print-directory setup PACKAGES="$(MPI_PACKAGES)"
+	@$(MAKE) --no-print-directory -j$$(nproc) all $(BUILD)/frictionCG-mpi.so >/dev/null
+
+$(BUILD)/distributed/%.o: plugin/mpi/%.cpp Makefile
+	@mkdir -p $(@D)
+	$(CXX) $(FLAGS) $(DEPENDS) $(MPI_FLAGS) $(FF_HEADER) -Wno-mismatched-new-delete -c $< -o $@
+
+# Beside the plugin, for tests/bench/mpi3d.edp
+$(BUILD)/mpiUnit.so: tests/bench/distributed/mpiUnit.cpp $(MPI_OBJECTS) $(OBJECTS) $(HEADERS)
+	$(CXX) $(FLAGS) $(MPI_FLAGS) $(FF_HEADER) -Wno-mismatched-new-delete -Wno-shadow -Iplugin -shared $< \
+	  $(filter-out %/frictionCG-mpi.o,$(MPI_OBJECTS)) $(OBJECTS) -o $@ $(LIBS) $(MPI_LIBS)
+
+$(BUILD)/frictionCG-mpi.so: $(MPI_OBJECTS) $(OBJECTS)
+	$(CXX) -shared $(LDFLAGS) $^ -o $@ $(LIBS) $(MPI_LIBS)
+
 core: $(BUILD)/libfrictioncg.a ## the core as a library, used through plugin/core/frictioncg.h
 
 $(BUILD)/libfrictioncg.a: $(OBJECTS)
@@ -110,15 +142,19 @@ demo: setup ## the block of the paper: displacement, contact forces, and their p
 	cd $(BUILD) && $(RUN) $(CURDIR)/examples/block.edp
 
 check: setup ## all tests
-	@$(MAKE) --no-print-directory -j$$(nproc) all $(BUILD)/unit_tests $(BUILD)/two_springs >/dev/null
+	@$(MAKE) --no-print-directory -j$$(nproc) all $(BUILD)/unit_tests $(BUILD)/two_springs $(WITH_MPI) >/dev/null
+	@$(if $(WITH_MPI),,echo "left out: tests of several processes; \`make mpi\` adds them")
 	@bash tests/run $(BUILD)/unit_tests $(BUILD)/two_springs tests/figures $(SCRIPTS) $(EXAMPLES) \
-	  $(PAGES)
+	  $(PAGES) $(SHARED)
 
 unit: all $(BUILD)/unit_tests ## unit tests of the core only
 	$(BUILD)/unit_tests
 
 scripts: all ## scripted tests in FreeFEM only
 	@bash tests/run $(SCRIPTS)
+
+shared: mpi ## scripted tests and examples under several processes only
+	@bash tests/run $(wildcard tests/mpi/*.edp examples/*-mpi.edp)
 
 examples: all ## every example, on coarse meshes
 	@bash tests/run $(EXAMPLES)
@@ -137,7 +173,7 @@ $(BUILD)/unit/%.o: tests/unit/%.cpp Makefile
 	@mkdir -p $(@D)
 	$(CXX) $(FLAGS) $(DEPENDS) -O1 -Iplugin -Itests -c $< -o $@
 
--include $(OBJECTS:.o=.d) $(UNIT:tests/%.cpp=$(BUILD)/%.d) $(BUILD)/frictionCG.d
+-include $(OBJECTS:.o=.d) $(UNIT:tests/%.cpp=$(BUILD)/%.d) $(BUILD)/frictionCG.d $(MPI_OBJECTS:.o=.d)
 
 # The benchmarks run in FreeFEM, with one thread, in the same process as what they compare with.
 $(BUILD)/%.so: tests/bench/%.cpp $(OBJECTS) $(HEADERS)
@@ -150,6 +186,13 @@ bench: setup ## the paper's tables, and costs as ratios to one linear solve
 	  (cd $(BUILD) && OPENBLAS_NUM_THREADS=1 $(RUN) ../$$script) || exit 1; done
 	@cd $(BUILD) && OPENBLAS_NUM_THREADS=1 /usr/bin/python3 ../tests/bench/rollerPeer.py roller.csv \
 	  || echo "GetFEM did not run: left out of CB1"
+	@$(if $(WITH_MPI),$(MAKE) --no-print-directory scaling,echo "left out: several processes; \`make mpi\` adds them")
+
+# 114 000 dofs on 1 and 2 processes, then 14 000 on more than there are cores: iterations alone count there.
+scaling: mpi ## the cost of several processes, over PETSc's linear solves
+	@$(MAKE) --no-print-directory $(BUILD)/mpiUnit.so >/dev/null
+	@. tests/mpi/environment; cd $(BUILD); for run in "1 33" "2 33" "1 16" "2 16" "4 16" "8 16"; do set -- $$run; \
+	  mpirun -np $$1 $(FF_PROGRAM_MPI) -nw -v 0 ../tests/bench/mpi3d.edp -n $$2 -repeat 3 || exit 1; done
 
 # Peers and tools of the report; one that cannot be installed is left out, and the report says so.
 PEERS := python3-numpy python3-scipy python3-getfem++ python3-siconos valgrind

@@ -6,21 +6,12 @@
 
 #include "freefem/freefem.h"
 
+#include "freefem/load.h"
 #include "freefem/operators.h"
 #include "freefem/usage.h"
 
 namespace frictioncg {
 namespace {
-
-/// The layout of FreeFEM's matrices changes between its versions.
-void check_version() {
-  const double compiled = std::strtod(FREEFEM_VERSION, nullptr);
-  if (std::abs(VersionNumber() - compiled) <= 1e-6) return;
-  std::ostringstream m;
-  m << "frictionCG was built for FreeFEM " << FREEFEM_VERSION << " but runs in " << VersionNumber()
-    << "; rebuild it with `make`";
-  throw ErrorLoad(m.str().c_str(), 1);
-}
 
 void load() {
   check_version();

@@ -36,7 +36,7 @@ class Arguments {
   /// Of a call on a contactproblem, whose geometry stands.
   static Arguments of_increment(const basicAC_F0& args) {
     const Arguments a(args);
-    for (Parameter p : {p_normal, p_mu2, p_direction, p_maxgap, p_smooth})
+    for (Parameter p : {p_normal, p_mu2, p_direction, p_maxgap, p_smooth, p_domain})
       if (a.has(p)) refuse(p, "belongs to the contactproblem; give it there");
     return a;
   }
@@ -51,6 +51,7 @@ class Arguments {
 
   bool has(Parameter p) const { return named_[p] != nullptr; }
   Expression expression(Parameter p) const { return named_[p]; }
+  Parameter start() const { return has(p_start) ? p_start : p_init; }
   const Components& normal() const { return normal_; }
   const Components& direction() const { return direction_; }
 
@@ -72,6 +73,7 @@ class Arguments {
   explicit Arguments(const basicAC_F0& args) {
     args.SetNameParam(parameter_count, parameters, named_);
     if (has(p_newton) && has(p_polish)) refuse(p_polish, "is the former name of newton; give one");
+    if (has(p_init) && has(p_start)) refuse(p_start, "is another name of init; give one");
   }
   static void refuse(Parameter p, const std::string& rule) {
     CompileError(std::string(operator_name) + ": " + parameters[p].name + " " + rule);

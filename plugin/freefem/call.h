@@ -29,7 +29,7 @@ struct Call {
         verb(read_verb(stack, arguments)),
         b(copy_of(GetAny<KN_<double>>((*load)(stack)))),
         u_old(given(stack, p_uold)),
-        u_init(given(stack, p_init)) {}
+        u_init(given(stack, args.start())) {}
 
  private:
   Vector given(Stack stack, Parameter p) const {
@@ -69,7 +69,8 @@ inline std::shared_ptr<Scene> read_scene(Stack stack, const Arguments& args, con
 inline LocalIncrement increment(const Call& call, const Scene& scene, PointLaws laws) {
   check_vector(call.b, "b", scene.dofs);
   if (call.args.has(p_uold)) check_vector(call.u_old, "uold", scene.dofs);
-  if (call.args.has(p_init)) check_vector(call.u_init, "init", scene.dofs);
+  if (call.args.has(call.args.start()))
+    check_vector(call.u_init, parameters[call.args.start()].name, scene.dofs);
   if (scene.system->nodes() == 0) laws.law = Law::frictionless;  // supports hold every normal
   LocalIncrement now = scene.increment(call.b, call.u_old, laws);
   refuse_other_tgv(scene, call.b, now.u0);
@@ -99,7 +100,9 @@ inline KN_<double> solve(Stack stack, const Call& call, Scene& scene, const Poin
   }
   if (call.verb > 2) report_phases(scene, solution);
   if (solution.status != Status::converged && !out.status)
-    refuse_unconverged(scene, solution, call.settings);
+    refuse_unconverged(
+        solution, call.settings,
+        solution.unheld_motion.size() > 0 ? describe(scene, solution.unheld_motion) : "");
   write_outputs(scene, solution, progress, out);
 
   const Vector field = scene.system->to_global(solution.x, now.u0);

@@ -7,11 +7,14 @@
 
 namespace frictioncg {
 
+struct SharedScene;  // of frictionCG-mpi alone
+
 /// What a script's variable of type contactproblem stands for. Copies share the scene with its
 /// factorization, and have laws of their own.
 struct PosedProblem {
   std::shared_ptr<Scene> scene;
   PointLaws laws;  ///< as given to contactProblem(...); a call's own hold for that call
+  std::shared_ptr<SharedScene> shared = {};  ///< of several processes, in place of the scene
 };
 
 /// The variable itself. FreeFEM allots its bytes without a constructor, calls init() and destroy(),

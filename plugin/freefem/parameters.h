@@ -23,6 +23,7 @@ enum Parameter {
   p_smooth,
   p_uold,
   p_init,
+  p_start,
   p_method,
   p_newton,
   p_polish,
@@ -45,8 +46,11 @@ enum Parameter {
   p_free,
   p_history,
   p_times,
+  p_domain,
   parameter_count
 };
+
+class ContactDomainVariable;  // of frictionCG-mpi alone
 
 inline basicAC_F0::name_and_type parameters[] = {
     {"mu", &typeid(double)},             // friction coefficient
@@ -60,6 +64,7 @@ inline basicAC_F0::name_and_type parameters[] = {
     {"smooth", &typeid(bool)},           // of two bodies: gap of the curved surfaces
     {"uold", &typeid(KN_<double>)},      // [length]
     {"init", &typeid(KN_<double>)},      // [length]
+    {"start", &typeid(KN_<double>)},     // the same, where macro_ddm.idp takes the name init
     {"method", &typeid(string*)},        //
     {"newton", &typeid(bool)},           // condensed: on the laws themselves
     {"polish", &typeid(bool)},           // its former name
@@ -82,6 +87,7 @@ inline basicAC_F0::name_and_type parameters[] = {
     {"free", &typeid(long*)},            // out
     {"history", &typeid(KNM<double>*)},  // out
     {"times", &typeid(KN<double>*)},     // out [s]
+    {"domain", &typeid(ContactDomainVariable*)},  // of several processes
 };
 static_assert(sizeof(parameters) / sizeof(*parameters) == parameter_count, "one name each");
 

@@ -25,12 +25,13 @@ class Progress final : public Observer {
 
   void iterate(Index iteration, StepLabel label, const Vector& x) override {
     const double now = cpu_seconds();
-    const bool speaks = is_time_to_speak();
+    // certify is a matter of all processes
+    const bool speaks = problem_.system->largest(is_time_to_speak()) > 0;
     if (keep_history_ || speaks) {
       const double residual = certify(problem_, x).residual;
       if (keep_history_)
         rows_.push_back({now - start_, double(iteration), residual, double(label)});
-      if (speaks) say(iteration, label, residual);
+      if (verb_ > 0 && speaks) say(iteration, label, residual);
     }
     start_ += cpu_seconds() - now;
   }

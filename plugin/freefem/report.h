@@ -265,15 +265,15 @@ inline void report_phases(const Scene& scene, const Solution& solution) {
          << ", of friction " << c.friction << std::endl;
 }
 
-/// The error of a call that did not converge and whose script does not ask for the status.
-[[noreturn]] inline void refuse_unconverged(const Scene& scene, const Solution& solution,
-                                            const Settings& s) {
+/// The error of a call that did not converge and whose script does not ask for the status; motion:
+/// in words, what nothing holds.
+[[noreturn]] inline void refuse_unconverged(const Solution& solution, const Settings& s,
+                                            const std::string& motion) {
   std::ostringstream m;
   m << "not converged (" << name_of(solution.status) << ") after " << solution.iterations
     << " iterations: residual " << solution.certificate.residual << ", tol " << s.tol << "; "
     << remedy(solution, s);
-  if (solution.unheld_motion.size() > 0)
-    m << ", which nothing holds against " << describe(scene, solution.unheld_motion);
+  if (!motion.empty()) m << ", which nothing holds against " << motion;
   m << "; pass status=... to get the field all the same";
   throw IllegalInput(m.str());
 }

@@ -19,18 +19,32 @@ struct NodePlace {
   Index body = 0;
 };
 
+/// The mean of nodes, and their largest distance from it.
+struct Extent {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Real radius = 0;
+};
+
+inline Eigen::Vector3d position(const NodePlace& node) {
+  return Eigen::Map<const Eigen::Vector3d>(node.x.data());
+}
+
+inline Extent extent_of(const std::vector<NodePlace>& nodes) {
+  Extent e;
+  for (const NodePlace& p : nodes) e.mean += position(p) / static_cast<Real>(nodes.size());
+  for (const NodePlace& p : nodes) e.radius = std::max(e.radius, (position(p) - e.mean).norm());
+  return e;
+}
+
 /// The translations along the axes and the rotations about the mean of the nodes, scaled to a
 /// largest displacement of about 1, in the n dofs of the script: n x 3 in 2D, n x 6 in 3D. Dofs
 /// that are no component of a node are 0.
-inline Eigen::MatrixXd rigid_modes(const std::vector<NodePlace>& nodes, int d, Index n) {
+inline Eigen::MatrixXd rigid_modes(const std::vector<NodePlace>& nodes, int d, Index n,
+                                   const Extent& extent) {
   Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(n, d == 2 ? 3 : 6);
-  const auto x = [](const NodePlace& p) { return Eigen::Map<const Eigen::Vector3d>(p.x.data()); };
-  Eigen::Vector3d c = Eigen::Vector3d::Zero();
-  for (const NodePlace& p : nodes) c += x(p) / static_cast<Real>(nodes.size());
-  Real extent = 0;
-  for (const NodePlace& p : nodes) extent = std::max(extent, (x(p) - c).norm());
   for (const NodePlace& p : nodes) {
-    const Eigen::Vector3d arm = extent > 0 ? Eigen::Vector3d((x(p) - c) / extent) : x(p) - c;
+    const Eigen::Vector3d away = position(p) - extent.mean;
+    const Eigen::Vector3d arm = extent.radius > 0 ? Eigen::Vector3d(away / extent.radius) : away;
     for (int k = 0; k < d; ++k) {
       modes(p.dof[k], k) = 1;
       for (int axis = d == 2 ? 2 : 0; axis < 3; ++axis)
@@ -38,6 +52,9 @@ inline Eigen::MatrixXd rigid_modes(const std::vector<NodePlace>& nodes, int d, I
     }
   }
   return modes;
+}
+inline Eigen::MatrixXd rigid_modes(const std::vector<NodePlace>& nodes, int d, Index n) {
+  return rigid_modes(nodes, d, n, extent_of(nodes));
 }
 
 /// The same of each body alone, side by side.

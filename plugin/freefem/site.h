@@ -27,6 +27,21 @@ const typename V::FESpace& space_of(Stack stack, Expression e, const char* name)
   return *Vh;
 }
 
+/// Under several processes: refuses a part of a mesh that FreeFEM's macro_ddm.idp has distributed.
+/// A mesh that each process has for itself passes.
+template <class FESpaceType>
+void refuse_part_of_mesh(const FESpaceType& Vh) {
+  constexpr long cut = -111111;  // macro_ddm's label of what it cuts
+  using D = Dimension<FESpaceType>;
+  if (mpisize == 1) return;
+  for (int ib = 0; ib < D::facets(Vh.Th); ++ib)
+    if (D::label(Vh.Th, ib) == cut)
+      throw IllegalInput(
+          "Vh lies on one process's part of a distributed mesh, and its matrix would be taken for "
+          "the whole problem; load frictionCG-mpi, and give domain=C, which createMat(Th, C, Pk) "
+          "makes");
+}
+
 /// Vh, labels: one body, and an obstacle given by gap and normal.
 template <class V>
 class ObstacleSite final : public Site {
@@ -35,7 +50,9 @@ class ObstacleSite final : public Site {
       : Vh_(to<typename V::pfes*>(args[first])), labels_(args[first + 1], form) {}
   int dimension() const override { return Dimension<typename V::FESpace>::d; }
   std::shared_ptr<Scene> scene(Stack stack) const override {
-    return obstacle_scene(space_of<V>(stack, Vh_, "Vh"), labels_(stack, "labels"));
+    const auto& Vh = space_of<V>(stack, Vh_, "Vh");
+    refuse_part_of_mesh(Vh);
+    return obstacle_scene(Vh, labels_(stack, "labels"));
   }
 
  private:
@@ -54,8 +71,9 @@ class OneSpaceSite final : public Site {
   int dimension() const override { return Dimension<typename V::FESpace>::d; }
   bool two_bodies() const override { return true; }
   std::shared_ptr<Scene> scene(Stack stack) const override {
-    return pair_scene(space_of<V>(stack, Vh_, "Vh"), slave_(stack, "slave"),
-                      master_(stack, "master"));
+    const auto& Vh = space_of<V>(stack, Vh_, "Vh");
+    refuse_part_of_mesh(Vh);
+    return pair_scene(Vh, slave_(stack, "slave"), master_(stack, "master"));
   }
 
  private:
@@ -75,8 +93,10 @@ class TwoSpaceSite final : public Site {
   int dimension() const override { return Dimension<typename V::FESpace>::d; }
   bool two_bodies() const override { return true; }
   std::shared_ptr<Scene> scene(Stack stack) const override {
-    return pair_scene(space_of<V>(stack, V1_, "V1"), slave_(stack, "slave"),
-                      space_of<V>(stack, V2_, "V2"), master_(stack, "master"));
+    const auto &V1 = space_of<V>(stack, V1_, "V1"), &V2 = space_of<V>(stack, V2_, "V2");
+    refuse_part_of_mesh(V1);
+    refuse_part_of_mesh(V2);
+    return pair_scene(V1, slave_(stack, "slave"), V2, master_(stack, "master"));
   }
 
  private:

@@ -83,27 +83,38 @@ void LocalSystem::check_sizes(const Vector& b, const Vector& u_old, const PointL
     require_size("friction", static_cast<Index>(laws.friction.size()), points, "contact point");
 }
 
-/// F = T'b - K u_D - A w_old: the load of the increment.
+/// F = T'b - K u_D - A w_old
+LocalLoad LocalSystem::load(const Vector& b, const Vector& u_old) const {
+  LocalLoad load;
+  const Index w = basis_->local_dofs();
+  load.start = Vector::Zero(w + fixed_dofs());
+  load.start.tail(fixed_dofs()) = dirichlet_.data(b);
+  load.external = (basis_->T.transpose() * b).head(w);
+  load.total = load.external - K_ * load.start.tail(fixed_dofs());
+  load.sizes = load.external.cwiseAbs() + magnitude(K_, load.start.tail(fixed_dofs()));
+  load.F = load.total;
+  if (u_old.size() == 0) return load;
+  load.start.head(w) = to_local(u_old);
+  load.F.noalias() -= system_->A * load.start.head(w);
+  load.sizes += magnitude(system_->A, load.start.head(w));
+  return load;
+}
+
+void set_load(const LocalLoad& load, const System& system, Increment& increment) {
+  increment.F = load.F;
+  increment.load_norm = norm_D(system, load.external);
+  increment.rounding = std::numeric_limits<Real>::epsilon() * norm_D(system, load.sizes);
+  increment.force_scale = std::max(norm_D(system, load.total), driving_norm(system, increment));
+  if (increment.force_scale == 0) increment.force_scale = 1;
+}
+
 LocalIncrement LocalSystem::increment(const Vector& b, const Vector& u_old,
                                       const PointLaws& laws) const {
   check_sizes(b, u_old, laws);
+  const LocalLoad load = this->load(b, u_old);
   LocalIncrement result;
   Increment& increment = result.increment;
-  const Index w = basis_->local_dofs();
-  Vector start = Vector::Zero(w + fixed_dofs());
-  start.tail(fixed_dofs()) = dirichlet_.data(b);
-  increment.F = (basis_->T.transpose() * b).head(w);
-  increment.load_norm = norm_D(*system_, increment.F);
-  Vector terms = increment.F.cwiseAbs();  // sum of the sizes of what F is summed of
-  increment.F.noalias() -= K_ * start.tail(fixed_dofs());
-  terms += magnitude(K_, start.tail(fixed_dofs()));
-  const Real total_load = norm_D(*system_, increment.F);
-  if (u_old.size() > 0) {
-    start.head(w) = to_local(u_old);
-    increment.F.noalias() -= system_->A * start.head(w);
-    terms += magnitude(system_->A, start.head(w));
-  }
-  increment.rounding = std::numeric_limits<Real>::epsilon() * norm_D(*system_, terms);
+  const Vector& start = load.start;
   result.u0 = basis_->T * start;
 
   const Real rounding = same_gap * std::max(laws.gap.lpNorm<Eigen::Infinity>(),
@@ -114,8 +125,7 @@ LocalIncrement LocalSystem::increment(const Vector& b, const Vector& u_old,
         nearest_obstacle(nodes_[k], laws, rounding, start) - start[system_->first[k]];
   increment.law = laws.law;
   increment.bilateral = laws.bilateral;
-  increment.force_scale = std::max(total_load, driving_norm(*system_, increment));
-  if (increment.force_scale == 0) increment.force_scale = 1;
+  set_load(load, *system_, increment);
   if (laws.law == Law::frictionless) return result;
   Vector& coefficient = laws.law == Law::coulomb ? increment.mu : increment.g;
   coefficient.resize(nodes());

@@ -13,6 +13,18 @@ struct PointLaws {
   Vector friction;  ///< likewise mu [1] or g [force]; ignored where law is frictionless
 };
 
+/// The load of an increment in local dofs (n_w), and what it is made of.
+struct LocalLoad {
+  Vector external;  ///< T'b
+  Vector total;     ///< external - K u_D
+  Vector F;         ///< total - A w_old
+  Vector sizes;     ///< sums of the sizes of what F is summed of
+  Vector start;     ///< w_old, then u_D
+};
+
+/// Fills F and the norms of an increment whose laws are known. system: what load is over.
+void set_load(const LocalLoad& load, const System& system, Increment& increment);
+
 /// An increment in local dofs, and the displacement u0 (n) that it starts from: u = u0 + T x.
 struct LocalIncrement {
   Increment increment;
@@ -42,6 +54,9 @@ class LocalSystem {
   /// from the state u_old (n, or empty for 0). Throws IllegalInput for vectors of another size, and
   /// where A does not have the couplings that Dirichlet data need.
   LocalIncrement increment(const Vector& b, const Vector& u_old, const PointLaws& laws) const;
+
+  /// The load of that increment alone.
+  LocalLoad load(const Vector& b, const Vector& u_old) const;
 
   SystemPtr system() const { return system_; }
   Index nodes() const { return static_cast<Index>(nodes_.size()); }

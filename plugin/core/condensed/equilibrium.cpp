@@ -143,11 +143,12 @@ class Resistance {
   /// At the motion of coefficients c (k, or more): its columns, one a node.
   void meet(const Vector& c) {
     const Index k = static_cast<Index>(work_.size());
-    const Vector w = W_ * c.head(k);
+    const Vector w = W_.lazyProduct(c.head(k));  // of no rows, on some processes
     const Increment& increment = problem_.increment;
     columns.clear();
     most = 0;
-    pull = work_.dot(c.head(k));
+    const Real pull_of_load = work_.dot(c.head(k));
+    pull = pull_of_load;
     Vector friction = Vector::Zero(k + given_);
     if (given_) friction[k] = unit_;
     for (Index i = 0; i < problem_.nodes(); ++i) {
@@ -166,9 +167,26 @@ class Resistance {
       most = std::max(most, sense * w[N] + mu * slide);
       columns.push_back(column);
     }
+    share(pull_of_load, friction);
     if (!given_) return;
     columns.push_back(friction);
     columns.push_back(unit_ * Vector::Unit(k + 1, k));  // no friction at all
+  }
+
+  /// Every process gets the columns of all of them.
+  void share(Real pull_of_load, Vector& friction) {
+    const System& system = *problem_.system;
+    if (!system.processes) return;
+    system.sum(friction.data(), static_cast<Index>(work_.size()));
+    most = system.largest(most);
+    pull = pull_of_load + system.sum(pull - pull_of_load);
+    const Index rows = static_cast<Index>(friction.size());
+    Vector own(rows * static_cast<Index>(columns.size()));
+    for (std::size_t i = 0; i < columns.size(); ++i)
+      own.segment(static_cast<Index>(i) * rows, rows) = columns[i];
+    const Vector all = system.processes->gathered(own);
+    columns.clear();
+    for (Index i = 0; i < all.size(); i += rows) columns.push_back(all.segment(i, rows));
   }
 
   std::vector<Vector> columns;
@@ -188,9 +206,12 @@ class Resistance {
 Statics balance(const DenseMatrix& W, const ContactProblem& problem) {
   Statics statics;
   const Vector& F = problem.increment.F;
-  const Vector work = W.transpose() * F;
   if (W.cols() == 0) return statics;
-  const Real load = F.lpNorm<1>(), noise = rounding * load * W.cwiseAbs().maxCoeff();
+  const System& system = *problem.system;
+  Vector work = W.transpose().lazyProduct(F);
+  system.sum(work.data(), static_cast<Index>(work.size()));
+  const Real load = system.sum(F.lpNorm<1>());
+  const Real noise = rounding * load * system.largest(W.size() > 0 ? W.cwiseAbs().maxCoeff() : 0);
   if (work.norm() <= noise) return statics;
   Resistance resistance(W, work, problem);
   NearestInCone nearest(resistance.target());
@@ -209,7 +230,7 @@ Statics balance(const DenseMatrix& W, const ContactProblem& problem) {
     if (nearest.pressure() <= most_pressure * load) statics.balance = Balance::held;
   } else if (unheld || proven(most_pressure)) {
     statics.balance = Balance::unheld;
-    statics.motion = W * nearest.rest().head(W.cols());
+    statics.motion = W.lazyProduct(nearest.rest().head(W.cols()));
   }
   return statics;
 }

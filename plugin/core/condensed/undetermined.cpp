@@ -8,6 +8,23 @@ namespace {
 constexpr Real forbidden = 1e-9;  ///< part of a unit motion that the laws stand against
 constexpr Real forceless = 1e-9;  ///< of the forces at work: a touch that bears no more bears none
 constexpr Real margin = 10;       ///< over what rounding leaves of a force
+
+/// R of the QR factorization of rows (m x k, m >= k).
+DenseMatrix triangle(const DenseMatrix& rows) {
+  return Eigen::HouseholderQR<DenseMatrix>(rows)
+      .matrixQR()
+      .topRows(rows.cols())
+      .triangularView<Eigen::Upper>();
+}
+
+/// The triangle of the rows of all processes, from that of each (k x k).
+DenseMatrix of_all_processes(const System& system, const DenseMatrix& R) {
+  if (!system.processes) return R;
+  const DenseMatrix turned = R.transpose();  // one row after the other
+  const Vector all = system.processes->gathered(turned.reshaped());
+  return triangle(all.reshaped(R.cols(), all.size() / R.cols()).transpose());
+}
+
 }  // namespace
 
 DenseMatrix left_free(const DenseMatrix& W, const ContactProblem& problem,
@@ -27,14 +44,11 @@ DenseMatrix left_free(const DenseMatrix& W, const ContactProblem& problem,
       barred.row(N + 1) = unit * (b.d[1] * slide.row(0) - b.d[0] * slide.row(1));
   }
   // a QR of our own before it: the one inside JacobiSVD frees twice where memory runs out
-  const DenseMatrix R = Eigen::HouseholderQR<DenseMatrix>(barred)
-                            .matrixQR()
-                            .topRows(k)
-                            .triangularView<Eigen::Upper>();
+  const DenseMatrix R = of_all_processes(*problem.system, triangle(barred));
   const Eigen::JacobiSVD<DenseMatrix, Eigen::NoQRPreconditioner> svd(R, Eigen::ComputeFullV);
   Index held = 0;
   while (held < svd.singularValues().size() && svd.singularValues()[held] > forbidden) ++held;
-  return W * svd.matrixV().rightCols(W.cols() - held);
+  return W.lazyProduct(svd.matrixV().rightCols(W.cols() - held));
 }
 
 std::vector<SemismoothNewton::Branch> branches_of(const ContactProblem& problem, const Vector& x,
@@ -62,16 +76,20 @@ std::vector<SemismoothNewton::Branch> branches_of(const ContactProblem& problem,
 
 void leave_least(const ContactProblem& problem, Real tol, Solution& s) {
   if (s.undetermined.cols() == 0) return;
-  const Vector x = least(s.x, s.undetermined, problem.system->D);
+  const Vector x = least(s.x, s.undetermined, *problem.system);
   Certificate certificate = certify(problem, x);
   if (!(certificate.residual <= std::max(tol, s.certificate.residual))) return;
   s.x = x;
   s.certificate = std::move(certificate);
 }
 
-Vector least(const Vector& x, const DenseMatrix& motions, const Vector& D) {
-  const DenseMatrix weighted = D.asDiagonal() * motions;
-  return x - motions * (motions.transpose() * weighted).ldlt().solve(weighted.transpose() * x);
+Vector least(const Vector& x, const DenseMatrix& motions, const System& system) {
+  const DenseMatrix weighted = system.D.asDiagonal() * motions;
+  DenseMatrix size = motions.transpose().lazyProduct(weighted);
+  Vector part = weighted.transpose().lazyProduct(x);
+  system.sum(size.data(), static_cast<Index>(size.size()));
+  system.sum(part.data(), static_cast<Index>(part.size()));
+  return x - motions.lazyProduct(size.ldlt().solve(part));
 }
 
 }  // namespace frictioncg

@@ -19,6 +19,6 @@ void leave_least(const ContactProblem& problem, Real tol, Solution& s);
 
 /// x (n) less its part along the motions (n x k), in the product of D: the least that differs from
 /// x by them.
-Vector least(const Vector& x, const DenseMatrix& motions, const Vector& D);
+Vector least(const Vector& x, const DenseMatrix& motions, const System& system);
 
 }  // namespace frictioncg

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 namespace frictioncg {
 
@@ -28,6 +29,11 @@ constexpr Real still = 1e-6;
 /// r = F - Ax; returns |A||x|, whose rounding r carries.
 Vector residual_of(const ContactProblem& problem, const Vector& x, Vector& r) {
   const Matrix& A = problem.system->A;
+  if (problem.system->processes) {
+    problem.system->multiply(x, r);
+    r = problem.increment.F - r;
+    return problem.system->magnitude(x);
+  }
   r = problem.increment.F;
   Vector size(r.size());
   for (Index i = 0; i < A.rows(); ++i) {
@@ -57,7 +63,7 @@ Real contact_force_norm(const ContactProblem& problem, const Vector& x, const Ve
     sum += (r.segment(N, size).array().square() / problem.system->weight.segment(N, size).array())
                .sum();
   }
-  return std::sqrt(sum);
+  return std::sqrt(problem.system->sum(sum));
 }
 
 /// The force, in norm_D, that would close the nearest gap.
@@ -66,7 +72,7 @@ Real nearest_gap(const ContactProblem& problem, const Vector& x) {
   for (Index i = 0; i < problem.nodes(); ++i)
     nearest = std::min(nearest, std::abs(closing_force(problem, i, x)) /
                                     std::sqrt(problem.system->weight[problem.system->first[i]]));
-  return nearest;
+  return -problem.system->largest(-nearest);
 }
 
 /// What the residual of x is measured in, > 0; violation: its norm; rounding: that of r.
@@ -105,6 +111,9 @@ Certificate certify(const ContactProblem& problem, const Vector& x) {
                                                law.limit(closing, c.r[N]));
     c.friction += friction.squaredNorm() / c_T;
   }
+  Real squares[] = {c.equilibrium, c.normal, c.friction};
+  problem.system->sum(squares, 3);
+  std::tie(c.equilibrium, c.normal, c.friction) = std::tie(squares[0], squares[1], squares[2]);
   const Real violation = std::sqrt(c.equilibrium + c.normal + c.friction);
   c.scale = scale_of(problem, x, c.r, violation, rounding);
   c.attainable = rounding / c.scale;

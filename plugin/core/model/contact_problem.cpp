@@ -5,14 +5,7 @@
 namespace frictioncg {
 
 Real norm_D(const System& system, const Vector& r) {
-  return std::sqrt((r.array().square() / system.weight.array()).sum());
-}
-
-Vector magnitude(const Matrix& A, const Vector& x) {
-  Vector sum = Vector::Zero(A.rows());
-  for (Index i = 0; i < A.rows(); ++i)
-    for (Matrix::InnerIterator e(A, i); e; ++e) sum[i] += std::abs(e.value() * x[e.col()]);
-  return sum;
+  return std::sqrt(system.sum((r.array().square() / system.weight.array()).sum()));
 }
 
 Real driving_norm(const System& system, const Increment& increment) {
@@ -23,7 +16,7 @@ Real driving_norm(const System& system, const Increment& increment) {
     const Real gap = increment.gap[i], depth = increment.bilateral ? gap : std::min(gap, 0.0);
     closing += system.weight[system.first[i]] * depth * depth;
   }
-  return std::sqrt(closing);
+  return std::sqrt(system.sum(closing));
 }
 
 }  // namespace frictioncg

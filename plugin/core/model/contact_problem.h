@@ -30,9 +30,6 @@ Real norm_D(const System& system, const Vector& r);
 /// that close the initial penetration (bilateral: the gap); 0 where there is neither.
 Real driving_norm(const System& system, const Increment& increment);
 
-/// |A||x|, the sum of the sizes of what Ax is summed of: rounding of Ax is about 2^-53 of it.
-Vector magnitude(const Matrix& A, const Vector& x);
-
 /// |x_T| at contact node i.
 inline Real tangential_norm(const System& s, Index i, const Vector& x) {
   return x.segment(s.first[i] + 1, s.tangents(i)).norm();

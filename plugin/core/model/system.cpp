@@ -1,8 +1,27 @@
 #include "model/system.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace frictioncg {
+
+void System::multiply(const Vector& x, Vector& Ax) const {
+  if (processes)
+    processes->multiply(x, Ax);
+  else
+    Ax.noalias() = A * x;
+}
+
+Vector System::magnitude(const Vector& x) const {
+  return processes ? processes->magnitude(x) : frictioncg::magnitude(A, x);
+}
+
+Vector magnitude(const Matrix& A, const Vector& x) {
+  Vector sum = Vector::Zero(A.rows());
+  for (Index i = 0; i < A.rows(); ++i)
+    for (Matrix::InnerIterator e(A, i); e; ++e) sum[i] += std::abs(e.value() * x[e.col()]);
+  return sum;
+}
 
 Vector node_weights(const System& system) {
   Vector weight = system.D;

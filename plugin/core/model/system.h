@@ -4,7 +4,7 @@
 #include <functional>
 #include <memory>
 
-#include "types.h"
+#include "model/processes.h"
 
 namespace frictioncg {
 
@@ -26,13 +26,31 @@ struct System {
   std::vector<Index> mesh_node;  ///< n, or empty: dofs with one number share a mesh node (fill-in)
   RigidModes rigid_modes;        ///< of all bodies as if they were one, in local frames
   RigidModes body_modes;         ///< of each body alone, where a coupling joins them in A; or empty
+  /// Null, or the processes that share the system: all of the above is then what this one owns, and
+  /// A is empty, being theirs.
+  std::shared_ptr<const Processes> processes;
 
   Index dofs() const { return first.back(); }
   Index nodes() const { return static_cast<Index>(first.size()) - 1; }
   Index interior() const { return first.front(); }
   Index contact_dofs() const { return dofs() - interior(); }
   Index tangents(Index i) const { return first[i + 1] - first[i] - 1; }
+
+  // Of all processes together, where there are several:
+  void multiply(const Vector& x, Vector& Ax) const;  ///< Ax = A x
+  Vector magnitude(const Vector& x) const;           ///< |A||x|: what A x is summed of
+  void sum(Real* values, Index count) const {
+    if (processes) processes->sum(values, count);
+  }
+  Real sum(Real value) const {
+    sum(&value, 1);
+    return value;
+  }
+  Real largest(Real value) const { return processes ? processes->largest(value) : value; }
 };
+
+/// |A||x|, the sum of the sizes of what Ax is summed of: rounding of Ax is about 2^-53 of it.
+Vector magnitude(const Matrix& A, const Vector& x);
 
 /// One stiffness per mesh node, the mean of its part of diag(A), spread over its dofs: a trace,
 /// which does not turn with the axes. A contact node has two, of its normal and of its tangents,

@@ -27,12 +27,14 @@ class ConjugateResiduals {
     Real size = 0;  ///< <Jz, Jz>
   };
   Real dot(const Vector& a, const Vector& b) const;
+  bool make_orthogonal(Direction& now, Real work, Real size);
 
   const System& system_;
   Vector inverse_weight_, s_;
   std::vector<Direction> kept_;
   std::size_t used_ = 0, next_ = 0;
   Real norm_ = 0;
+  Real before_ = 0;  ///< <Jz,Jz> of the last direction, before it was made orthogonal
   bool indefinite_ = false;
 };
 

@@ -17,7 +17,6 @@ class DenseHierarchy final : public Hierarchy {
   Real operator_complexity() const override { return 1; }
   double bytes() const override;
   Eigen::MatrixXd matrix(Index) const override { return truncated_; }  ///< by dofs
-  Eigen::MatrixXd prolongation(Index) const override { return {}; }
 
  private:
   static constexpr Real shift = 1e-10;  ///< of the diagonal: far above rounding, far below A

@@ -25,9 +25,9 @@ Faces::Faces(const ContactProblem& problem)
       c_D_(problem.nodes()),
       fixed_(problem.contact_dofs(), 0) {
   // near the stiffness that the body has for one wave along the contact, not for one node
-  const Index m = problem.nodes();
-  const Real waves = system_.dimension == 2 ? Real(m) : std::sqrt(Real(m));
-  for (Index i = 0; i < m; ++i) {
+  const Real m = system_.sum(Real(problem.nodes()));
+  const Real waves = system_.dimension == 2 ? m : std::sqrt(m);
+  for (Index i = 0; i < problem.nodes(); ++i) {
     const Index t = problem.tangents(i);
     c_D_[i] = t == 0 ? 0 : system_.weight[system_.first[i] + 1];
     c_[i] = std::min(1.0, 3 / waves) * c_D_[i];
@@ -187,7 +187,7 @@ Real Faces::violation(const Vector& x, const Vector& b_C) const {
     const Eigen::Vector2d f = friction(i, x, b_C), x_T = tangent(x, first + 1, t);
     sum += friction_residual(f, x_T, c_D_[i], g).squaredNorm() / c_D_[i];
   }
-  return std::sqrt(sum);
+  return std::sqrt(system_.sum(sum));
 }
 
 Real Faces::misdirection(const Vector& x, const Vector& b_C) const {
@@ -201,7 +201,7 @@ Real Faces::misdirection(const Vector& x, const Vector& b_C) const {
     const Real off = std::min(c_D_[i] * slip, (b_T - g / slip * x_T).norm());
     sum += off * off / c_D_[i];
   }
-  return std::sqrt(sum);
+  return std::sqrt(system_.sum(sum));
 }
 
 }  // namespace frictioncg

@@ -41,9 +41,10 @@ class Hierarchy {
   virtual Real operator_complexity() const = 0;  ///< entries of all levels over those of the fine
   virtual double bytes() const = 0;              ///< kept in memory
 
-  /// For tests: level 0 is the fine one, dense, by slots; prolongation(l) from level l+1 to l.
-  virtual Eigen::MatrixXd matrix(Index level) const = 0;
-  virtual Eigen::MatrixXd prolongation(Index level) const = 0;
+  /// For tests, or empty: level 0 is the fine one, dense, by slots; prolongation(l) from level l+1
+  /// to l.
+  virtual Eigen::MatrixXd matrix(Index) const { return {}; }
+  virtual Eigen::MatrixXd prolongation(Index) const { return {}; }
 };
 
 struct HierarchyOptions {

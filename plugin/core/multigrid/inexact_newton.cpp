@@ -105,8 +105,8 @@ Status InexactNewton::ended(Status otherwise) {
 }
 
 void InexactNewton::recompute_forces() {
-  b_ = problem_.increment.F;
-  b_.noalias() -= system_.A * x_;
+  system_.multiply(x_, b_);
+  b_ = problem_.increment.F - b_;
   b_C_ = b_.tail(springs_.size()) + springs_.cwiseProduct((rest_ - x_).tail(springs_.size()));
 }
 
@@ -115,6 +115,14 @@ void InexactNewton::move_onto_faces() {
   const Vector before = x_.tail(springs_.size());
   faces_.place(x_);
   b_.tail(springs_.size()) = b_C_;
+  if (system_.processes) {
+    Vector moved = Vector::Zero(x_.size()), forces;
+    moved.tail(springs_.size()) = x_.tail(springs_.size()) - before;
+    system_.multiply(moved, forces);
+    b_ -= forces;
+    b_C_ = b_.tail(springs_.size()) - springs_.cwiseProduct(moved.tail(springs_.size()));
+    return;
+  }
   for (Index c = 0; c < springs_.size(); ++c) {
     const Index p = system_.interior() + c;
     const Real moved = x_[p] - before[c];
@@ -180,7 +188,7 @@ void InexactNewton::count(StepLabel label) {
 Real InexactNewton::spring_force() const {
   const auto D = system_.weight.tail(springs_.size()).array();
   const auto stretch = (x_ - rest_).tail(springs_.size()).array();
-  return std::sqrt((springs_.array() * stretch).square().cwiseQuotient(D).sum());
+  return std::sqrt(system_.sum((springs_.array() * stretch).square().cwiseQuotient(D).sum()));
 }
 
 void InexactNewton::set_springs(Real over_D) {

@@ -30,14 +30,19 @@ MultigridSolver::MultigridSolver(SystemPtr system) : system_(std::move(system)) 
   setup_ = cpu_seconds() - start;
 }
 
+MultigridSolver::MultigridSolver(SystemPtr system, std::unique_ptr<Hierarchy> hierarchy)
+    : system_(std::move(system)),
+      hierarchy_(std::move(hierarchy)),
+      motions_(floating_motions(*system_)) {}
+
 Solution MultigridSolver::solve(const ContactProblem& problem, const Settings& settings,
                                 const Vector& x0, Observer* observer, double allowance) {
   Solution s;
   s.route = Route::multigrid;
-  s.layer = problem.nodes() == 0 ? Layer::linear : Layer::multigrid;
+  s.layer = system_->largest(problem.nodes()) == 0 ? Layer::linear : Layer::multigrid;
   const double bytes = hierarchy_->bytes();
   s.levels = {hierarchy_->levels(), hierarchy_->operator_complexity(), bytes,
-              bytes / storage(system_->A)};
+              system_->processes ? 0 : bytes / storage(system_->A)};
   s.times.factor = setup_;
   setup_ = 0;
   double start = cpu_seconds();

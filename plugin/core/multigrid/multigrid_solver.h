@@ -15,6 +15,9 @@ class MultigridSolver {
   /// Sets up the hierarchy, where the system tells its mesh nodes and its rigid modes.
   explicit MultigridSolver(SystemPtr system);
 
+  /// With a hierarchy that is made already.
+  MultigridSolver(SystemPtr system, std::unique_ptr<Hierarchy> hierarchy);
+
   bool has_hierarchy() const { return hierarchy_ != nullptr; }
 
   /// Wants a hierarchy. x0: n, or empty to start from the last answer. allowance: where it is

@@ -64,12 +64,25 @@ void find_motions(const DenseMatrix& in_A, const DenseMatrix& in_D, Index each, 
 }
 
 /// Sums over each body's dofs of left_i right_j: one k x k matrix a body.
-std::vector<DenseMatrix> gram(const Bodies& bodies, const DenseMatrix& left,
+std::vector<DenseMatrix> gram(const System& system, const Bodies& bodies, const DenseMatrix& left,
                               const DenseMatrix& right) {
   std::vector<DenseMatrix> sum(bodies.count, DenseMatrix::Zero(left.cols(), left.cols()));
   for (Index i = 0; i < static_cast<Index>(bodies.of.size()); ++i)
     sum[bodies.of[i]].noalias() += left.row(i).transpose() * right.row(i);
+  for (DenseMatrix& of_body : sum) system.sum(of_body.data(), static_cast<Index>(of_body.size()));
   return sum;
+}
+
+/// A M, column by column where processes share A.
+DenseMatrix product(const System& system, const DenseMatrix& M) {
+  if (!system.processes) return system.A * M;
+  DenseMatrix AM(M.rows(), M.cols());
+  Vector column;
+  for (Index k = 0; k < M.cols(); ++k) {
+    system.multiply(M.col(k), column);
+    AM.col(k) = column;
+  }
+  return AM;
 }
 
 }  // namespace
@@ -96,7 +109,7 @@ Bodies bodies_of(const Matrix& A) {
 
 Eigen::MatrixXd floating_motions(const System& system) {
   const RigidModes& candidates = system.body_modes ? system.body_modes : system.rigid_modes;
-  if (!candidates || system.dofs() == 0) return DenseMatrix(system.dofs(), 0);
+  if (!candidates || system.largest(system.dofs()) == 0) return DenseMatrix(system.dofs(), 0);
   return floating_motions(system, candidates());
 }
 
@@ -104,16 +117,16 @@ Eigen::MatrixXd floating_motions(const System& system, const Eigen::MatrixXd& M)
   const Index n = system.dofs();
   DenseMatrix W(n, 0);
   if (M.rows() != n || M.cols() == 0 || !M.allFinite()) return W;
-  const Bodies bodies = bodies_of(system.A);
-  const auto in_A = gram(bodies, M, system.A * M);
-  const auto in_D = gram(bodies, M, system.D.asDiagonal() * M);
+  const Bodies bodies = system.processes ? system.processes->bodies() : bodies_of(system.A);
+  const auto in_A = gram(system, bodies, M, product(system, M));
+  const auto in_D = gram(system, bodies, M, system.D.asDiagonal() * M);
   for (Index body = 0; body < bodies.count; ++body) {
     const auto take = [&](const Vector& c) {
       Vector w = M * c;
       for (Index i = 0; i < n; ++i)
         if (bodies.of[i] != body) w[i] = 0;
-      const Real size = w.dot(system.D.cwiseProduct(w));
-      if (!(size > 0) || w.dot(system.A * w) > rigid * size) return false;
+      const Real size = system.sum(w.dot(system.D.cwiseProduct(w)));
+      if (!(size > 0) || system.sum(w.dot(product(system, w).col(0))) > rigid * size) return false;
       W.conservativeResize(n, W.cols() + 1);
       W.rightCols(1) = w / std::sqrt(size);
       return true;

@@ -6,11 +6,6 @@
 namespace frictioncg {
 
 /// The bodies of a scene: parts of the graph of A that share no entry.
-struct Bodies {
-  std::vector<Index> of;  ///< n, the body of each dof, numbered from 0
-  Index count = 0;
-};
-
 Bodies bodies_of(const Matrix& A);
 
 /// The rigid motions that A leaves free, body by body, among the candidates of the system: n x k,

@@ -272,7 +272,9 @@ TEST(Undetermined, BranchesBarTheMotionsThatTheyStandAgainst) {
 TEST(Undetermined, TheLeastIsOrthogonalAndDiffersByTheMotionsAlone) {
   const Vector D = Vector::LinSpaced(5, 1, 3);
   const DenseMatrix V = DenseMatrix::Random(5, 2);
-  const Vector x = Vector::Random(5), y = least(x, V, D);
+  System system;
+  system.D = D;
+  const Vector x = Vector::Random(5), y = least(x, V, system);
   EXPECT_LT((V.transpose() * D.cwiseProduct(y)).norm(), 1e-13);
   const Vector c = V.colPivHouseholderQr().solve(x - y);
   EXPECT_LT((V * c - (x - y)).norm(), 1e-13);

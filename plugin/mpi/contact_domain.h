@@ -1,0 +1,93 @@
+#pragma once
+#include "../freefem/freefem.h"
+
+#include <memory>
+
+#include "domain.h"
+#include "petsc.h"
+
+namespace frictioncg {
+
+/// What a script's variable of type contactdomain stands for. FreeFEM allots its bytes without a
+/// constructor, and calls init() and destroy().
+class ContactDomainVariable {
+ public:
+  void init() { domain_ = nullptr; }
+  void destroy() {
+    delete domain_;
+    domain_ = nullptr;
+  }
+  void set(std::shared_ptr<const Domain> domain) {
+    destroy();
+    domain_ = new std::shared_ptr<const Domain>(std::move(domain));
+  }
+  /// Null where createMat was not called: one process.
+  std::shared_ptr<const Domain> get() const { return domain_ ? *domain_ : nullptr; }
+
+ private:
+  std::shared_ptr<const Domain>* domain_ = nullptr;
+};
+
+/// constructor(C, n, intersection, D, communicator=...), as createMat of macro_ddm.idp calls it.
+/// intersection[0]: ranks of the neighbours, then for each of them the dofs shared with it.
+class MakeDomain : public E_F0mps {
+ public:
+  using Result = ContactDomainVariable*;
+  using Lists = KN<KN<long>>;
+  explicit MakeDomain(const basicAC_F0& args)
+      : C_(to<ContactDomainVariable*>(args[0])),
+        n_(to<long>(args[1])),
+        lists_(to<Lists*>(args[2])),
+        D_(to<KN_<double>>(args[3])) {
+    args.SetNameParam(1, names, named_);
+  }
+  static ArrayOfaType typeargs() {
+    return ArrayOfaType(atype<ContactDomainVariable*>(), atype<long>(), atype<Lists*>(),
+                        atype<KN_<double>>(), false);
+  }
+  static E_F0* f(const basicAC_F0& args) { return new MakeDomain(args); }
+
+  AnyType operator()(Stack stack) const override {
+    return translated("createMat", [&] {
+      start_petsc();
+      auto* C = GetAny<ContactDomainVariable*>((*C_)(stack));
+      MPI_Comm communicator = MPI_COMM_WORLD;
+      if (named_[0])
+        if (const auto* given = static_cast<MPI_Comm*>(GetAny<pcommworld>((*named_[0])(stack))))
+          communicator = *given;
+      const Lists& lists = *GetAny<Lists*>((*lists_)(stack));
+      const KN_<double> D = GetAny<KN_<double>>((*D_)(stack));
+      C->set(std::make_shared<const Domain>(communicator, neighbours(lists), copy_of(D)));
+      return SetAny<ContactDomainVariable*>(C);
+    });
+  }
+
+ private:
+  static std::vector<Domain::Neighbour> neighbours(const Lists& lists) {
+    std::vector<Domain::Neighbour> all;
+    for (long k = 0; lists.N() > 0 && k < lists[0].N(); ++k) {
+      Domain::Neighbour n{static_cast<int>(lists[0][k]), {}};
+      for (long s = 0; k + 1 < lists.N() && s < lists[k + 1].N(); ++s)
+        n.shared.push_back(static_cast<Index>(lists[k + 1][s]));
+      all.push_back(std::move(n));
+    }
+    return all;
+  }
+  static inline basicAC_F0::name_and_type names[] = {{"communicator", &typeid(pcommworld)}};
+
+  Expression C_, n_, lists_, D_, named_[1];
+};
+
+inline void register_contactdomain() {
+  using C = ContactDomainVariable*;
+  Dcl_Type<C>(
+      [](Stack, const AnyType& x) -> AnyType {
+        GetAny<C>(x)->init();
+        return x;
+      },
+      ::Destroy<ContactDomainVariable>);
+  zzzfff->Add("contactdomain", atype<C>());
+  Global.Add("constructor", "(", new OneOperatorCode<MakeDomain>());
+}
+
+}  // namespace frictioncg

@@ -1,0 +1,80 @@
+#pragma once
+#include <mpi.h>
+
+#include <functional>
+#include <string>
+
+#include "types.h"
+
+namespace frictioncg {
+
+/// What one process sends, and takes part in.
+struct Traffic {
+  double messages = 0, bytes = 0;
+  double reductions = 0;  ///< over all processes
+};
+inline Traffic operator+(const Traffic& a, const Traffic& b) {
+  return {a.messages + b.messages, a.bytes + b.bytes, a.reductions + b.reductions};
+}
+inline Traffic operator-(const Traffic& a, const Traffic& b) {
+  return {a.messages - b.messages, a.bytes - b.bytes, a.reductions - b.reductions};
+}
+
+/// The part of a distributed space that this process has, with overlap, and whom it shares its
+/// dofs with: what createMat of FreeFEM's macro_ddm.idp hands to constructor(...).
+///
+/// A dof belongs to the process with the largest share D in the partition of unity, ties to the
+/// lowest rank: all elements around it are there, and its row of the local matrix is complete.
+class Domain {
+ public:
+  struct Neighbour {
+    int rank;
+    std::vector<Index> shared;  ///< dofs, in the same order on both sides
+  };
+
+  /// D: one value for each dof of the space. Collective; throws IllegalInput on all processes where
+  /// the lists of neighbours do not match.
+  Domain(MPI_Comm communicator, std::vector<Neighbour> neighbours, const Vector& D);
+  ~Domain();
+  Domain(const Domain&) = delete;
+  Domain& operator=(const Domain&) = delete;
+
+  MPI_Comm communicator() const { return communicator_; }
+  int rank() const { return rank_; }
+  int size() const { return size_; }
+  Index dofs() const { return static_cast<Index>(owned_.size()); }
+  bool owns(Index dof) const { return owned_[dof] != 0; }
+
+  /// `width` numbers for each shared dof go from its owner to all others.
+  using Pack = std::function<void(Index dof, Real* values)>;
+  using Unpack = std::function<void(Index dof, const Real* values)>;
+  void update(Index width, const Pack& pack, const Unpack& unpack) const;
+  void update(Vector& values) const;  ///< one value a dof
+
+  void sum(Real* values, Index count) const;
+  Real largest(Real value) const;
+  Vector gathered(const Vector& own) const;
+
+  const Traffic& traffic() const { return traffic_; }  ///< so far
+
+  /// Runs what one process does by itself. Where it throws on any of them, all throw IllegalInput
+  /// with the message of the lowest rank that failed.
+  void agree(const std::function<void()>& body) const;
+
+ private:
+  struct Exchange {
+    int rank;
+    std::vector<Index> sent, received;
+  };
+  void check_neighbours(const std::vector<Neighbour>& neighbours) const;
+  void choose_owners(const std::vector<Neighbour>& neighbours, const Vector& D);
+  void fail_together(bool failed, const std::string& message) const;
+
+  MPI_Comm communicator_ = MPI_COMM_NULL;
+  int rank_ = 0, size_ = 1;
+  std::vector<char> owned_;  ///< n
+  std::vector<Exchange> exchanges_;
+  mutable Traffic traffic_;
+};
+
+}  // namespace frictioncg

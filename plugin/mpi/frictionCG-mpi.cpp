@@ -1,0 +1,63 @@
+// frictionCG for several processes: what frictionCG registers, with domain=, and the type
+// contactdomain that createMat of FreeFEM's macro_ddm.idp fills.  The numerics are those of core/,
+// on matrices and multigrid of PETSc.
+//
+// SPDX-License-Identifier: GPL-3.0-or-later
+
+#include "../freefem/freefem.h"
+
+#include "../freefem/load.h"
+#include "shared_solve.h"
+
+namespace frictioncg {
+namespace {
+
+template <class Operator>
+void add_shared(const char* name, const std::vector<aType>& site,
+                const std::function<E_F0*(const basicAC_F0&, int)>& make) {
+  std::vector<aType> types = Operator::before_site();
+  const int first = static_cast<int>(types.size());
+  types.insert(types.end(), site.begin(), site.end());
+  Global.Add(name, "(",
+             new Overload(atype<typename Operator::Result>(), types,
+                          [=](const basicAC_F0& args) { return make(args, first); }));
+}
+
+/// The operators for a space of V and an obstacle, or two bodies.
+template <class V>
+void add_sites() {
+  for_each_site<V>([](const std::vector<aType>& types, const MakeSite& make) {
+    const auto shared = [types](const basicAC_F0& args, int first) -> std::shared_ptr<SharedSite> {
+      if (types.size() != 2) return nullptr;
+      for (LabelForm form : label_forms)
+        if (types[1] == type_of(form))
+          return std::make_shared<SharedObstacleSite<V>>(args, first, form);
+      return nullptr;
+    };
+    add_shared<SharedSolveOnce>(operator_name, types, [=](const basicAC_F0& args, int first) {
+      return new SharedSolveOnce(args, make(args, first), shared(args, first));
+    });
+    add_shared<SharedConstruct>(constructor_name, types, [=](const basicAC_F0& args, int first) {
+      return new SharedConstruct(args, make(args, first), shared(args, first));
+    });
+  });
+}
+
+void load() {
+  check_version();
+  aType type;
+  int token;
+  if (zzzfff->InMotClef("contactproblem", type, token))
+    throw ErrorLoad("frictionCG-mpi has all that frictionCG has; load one of them", 1);
+  register_contactproblem();
+  register_contactdomain();
+  ff_atend(end_petsc);
+  add_sites<v_fes>();
+  add_sites<v_fes3>();
+  Global.Add(operator_name, "(", new OneOperatorCode<SharedSolveIncrement>());
+}
+
+}  // namespace
+}  // namespace frictioncg
+
+LOADFUNC(frictioncg::load)

@@ -1,0 +1,99 @@
+#pragma once
+#include "../freefem/freefem.h"
+
+#include "../freefem/scene.h"
+#include "domain.h"
+
+namespace frictioncg {
+
+// What a process learns of the nodes that it shares: their owners alone have all elements around
+// them, and see normals, weights and supports as one process would.
+
+/// Leaves the contact points of own nodes.
+inline void keep_own_points(const Domain& domain, Scene& scene) {
+  std::vector<BoundaryNode> own;
+  for (const BoundaryNode& n : scene.nodes)
+    if (domain.owns(n.point.dof[0])) own.push_back(n);
+  scene.nodes = std::move(own);
+}
+
+/// Adds the contact points of ghosts, as their owners have them: point by point of a node, in the
+/// owner's order.
+inline void add_ghost_points(const Domain& domain, Scene& scene) {
+  constexpr Index of_point = 11, most = 3;  // normal, friction, direction, ratio, dofs
+  std::map<Index, std::vector<const BoundaryNode*>> points;
+  for (const BoundaryNode& n : scene.nodes) points[n.point.dof[0]].push_back(&n);
+  const auto pack = [&](Index dof, Real* out) {
+    std::fill(out, out + 1 + most * of_point, 0);
+    const auto found = points.find(dof);
+    if (found == points.end()) return;
+    *out++ = static_cast<Real>(found->second.size());
+    for (const BoundaryNode* n : found->second) {
+      const ContactPoint& p = n->point;
+      for (int c = 0; c < 3; ++c) *out++ = p.normal[c];
+      *out++ = p.friction;
+      for (int c = 0; c < 3; ++c) *out++ = p.direction[c];
+      *out++ = p.mu_ratio;
+      for (int c = 0; c < 3; ++c) *out++ = p.dof[c] - dof;
+    }
+  };
+  std::vector<BoundaryNode> ghosts;
+  const auto unpack = [&](Index dof, const Real* in) {
+    for (Index count = static_cast<Index>(*in++); count > 0; --count) {
+      BoundaryNode n;
+      for (int c = 0; c < 3; ++c) n.point.normal[c] = *in++;
+      n.point.friction = *in++ != 0;
+      for (int c = 0; c < 3; ++c) n.point.direction[c] = *in++;
+      n.point.mu_ratio = *in++;
+      for (int c = 0; c < 3; ++c) n.point.dof[c] = dof + static_cast<Index>(*in++);
+      ghosts.push_back(n);
+    }
+  };
+  domain.update(1 + most * of_point, pack, unpack);
+  scene.nodes.insert(scene.nodes.end(), ghosts.begin(), ghosts.end());
+}
+
+/// The script's matrix, with Dirichlet rows of ghosts that this process does not see as such: the
+/// facets that hold them may be another's.
+class PatchedMatrix {
+ public:
+  /// Collective. own: what this process's own matrix holds.
+  PatchedMatrix(const Domain& domain, const Triplets& A, const Dirichlet& own) {
+    Vector held(A.n);
+    for (Index i = 0; i < A.n; ++i) held[i] = own.holds(i);
+    domain.update(held);
+    diagonal_ = Vector::Zero(A.n);
+    for (std::size_t k = 0; k < A.size; ++k)
+      if (A.row(k) == A.col(k)) diagonal_[A.row(k)] += A.a[k];
+    for (std::size_t k = 0; k < A.size; ++k) {
+      const Index i = A.row(k);
+      if (i != A.col(k) || held[i] == 0 || own.holds(i)) continue;
+      if (values_.empty()) values_.assign(A.a, A.a + A.size);
+      values_[k] = diagonal_[i] = huge * diagonal_[i];
+    }
+    held_ = held;
+  }
+  /// A being that of the constructor.
+  Triplets triplets(const Triplets& A) const {
+    Triplets patched = A;
+    if (!values_.empty()) patched.a = values_.data();
+    return patched;
+  }
+  /// b, with the data of ghosts that their owners' b has. Collective.
+  Vector load(const Domain& domain, const Vector& b) const {
+    Vector data = Vector::Zero(b.size()), patched = b;
+    for (Index i = 0; i < b.size(); ++i)
+      if (held_[i] != 0) data[i] = b[i] / diagonal_[i];
+    domain.update(data);
+    for (Index i = 0; i < b.size(); ++i)
+      if (held_[i] != 0 && !domain.owns(i)) patched[i] = data[i] * diagonal_[i];
+    return patched;
+  }
+
+ private:
+  static constexpr Real huge = 1e20;  ///< over the row: what the core takes for a Dirichlet row
+  std::vector<Real> values_;          ///< empty where A serves as it is
+  Vector diagonal_, held_;            ///< n
+};
+
+}  // namespace frictioncg

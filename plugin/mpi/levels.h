@@ -1,0 +1,21 @@
+#pragma once
+#include "shared_matrix.h"
+
+namespace frictioncg {
+
+/// A level of the hierarchy of A.
+struct Level {
+  MatHandle A;          ///< of the untruncated matrix
+  MatHandle truncated;  ///< what the cycle works on
+  MatHandle P;          ///< from the next coarser level; none on the coarsest
+  MatHandle change;     ///< truncated - A; none on the finest
+  VecHandle diagonal;   ///< of A
+};
+
+/// From the finest to the coarsest. modes: as in SharedHierarchy.   Collective.
+std::vector<Level> make_levels(const SharedMatrix& A, const Eigen::MatrixXd& modes);
+
+/// A V-cycle on the truncated matrices of the levels, with P_fine in place of the finest P.
+PCHandle make_cycle(const std::vector<Level>& levels, Mat P_fine);
+
+}  // namespace frictioncg

@@ -1,0 +1,63 @@
+#include "numbering.h"
+
+#include <map>
+
+namespace frictioncg {
+
+namespace {
+
+/// The local dofs of each mesh node, in ascending order: the same on every process that has it.
+std::map<Index, std::vector<Index>> dofs_by_node(const Basis& basis,
+                                                 const std::vector<Index>& mesh_node) {
+  std::map<Index, std::vector<Index>> nodes;
+  for (Index p = 0; p < basis.local_dofs(); ++p) nodes[mesh_node[basis.origin[p]]].push_back(p);
+  return nodes;
+}
+
+}  // namespace
+
+Numbering::Numbering(const Domain& domain, const LocalSystem& local,
+                     const std::vector<Index>& mesh_node)
+    : dimension(local.system()->dimension), slot(local.basis().local_dofs()) {
+  const Basis& basis = local.basis();
+  const auto by_node = dofs_by_node(basis, mesh_node);
+  const auto owned = [&](const std::vector<Index>& dofs) {
+    return domain.owns(basis.origin[dofs.front()]);
+  };
+  for (const auto& [node, dofs] : by_node)
+    if (owned(dofs)) at.push_back(dofs);
+  nodes = static_cast<Index>(at.size());
+  PetscInt count = nodes, before = 0;
+  MPI_Exscan(&count, &before, 1, MPIU_INT, MPI_SUM, domain.communicator());
+  first = domain.rank() == 0 ? 0 : before * dimension;
+
+  Vector start = Vector::Constant(domain.dofs(), -1);  // of the node, at each dof of the script
+  PetscInt next = first;
+  std::map<Index, PetscInt> start_of;
+  for (const auto& [node, dofs] : by_node)
+    if (owned(dofs)) {
+      start_of[node] = next;
+      next += dimension;
+    }
+  for (Index i = 0; i < domain.dofs(); ++i) {
+    const auto found = start_of.find(mesh_node[i]);
+    if (found != start_of.end()) start[i] = double(found->second);
+  }
+  domain.update(start);
+  for (const auto& [node, dofs] : by_node)
+    for (std::size_t k = 0; k < dofs.size(); ++k)
+      slot[dofs[k]] = static_cast<PetscInt>(start[basis.origin[dofs[k]]]) + PetscInt(k);
+
+  const System& system = *local.system();
+  for (Index p = 0; p < system.interior(); ++p)
+    if (is_own(p)) own.push_back(p);
+  for (Index i = 0; i < system.nodes(); ++i) {
+    if (!is_own(system.first[i])) continue;
+    own_nodes.push_back(i);
+    own_first.push_back(static_cast<Index>(own.size()));
+    for (Index p = system.first[i]; p < system.first[i + 1]; ++p) own.push_back(p);
+  }
+  own_first.push_back(static_cast<Index>(own.size()));
+}
+
+}  // namespace frictioncg

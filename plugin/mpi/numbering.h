@@ -1,0 +1,34 @@
+#pragma once
+#include <petscsys.h>
+
+#include "assembly/local_system.h"
+#include "domain.h"
+
+namespace frictioncg {
+
+/// Where the local dofs of all processes lie in PETSc's vectors: node by node, `dimension` slots
+/// each, so that smoothed aggregation sees blocks. Slots that Dirichlet conditions leave empty have
+/// rows of their own diagonal; nodes without a free dof have none.
+///
+/// Local dofs are those of the overlapping system of this process, numbered as in its System; own
+/// ones are those that it owns.
+struct Numbering {
+  /// mesh_node: of each dof of the script.   Collective.
+  Numbering(const Domain& domain, const LocalSystem& local, const std::vector<Index>& mesh_node);
+
+  Index slots() const { return dimension * nodes; }  ///< of this process
+  bool is_own(Index local_dof) const {
+    return slot[local_dof] >= first && slot[local_dof] < first + slots();
+  }
+
+  Index dimension = 2;
+  Index nodes = 0;                     ///< that this process owns
+  PetscInt first = 0;                  ///< its first slot
+  std::vector<PetscInt> slot;          ///< of each local dof
+  std::vector<std::vector<Index>> at;  ///< local dofs of each owned node, slot by slot
+  std::vector<Index> own;              ///< local dofs owned: interior, then contact node by node
+  std::vector<Index> own_nodes;        ///< contact nodes owned, by their place in the local system
+  std::vector<Index> own_first;        ///< as in System, among `own`
+};
+
+}  // namespace frictioncg

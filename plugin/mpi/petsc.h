@@ -1,0 +1,48 @@
+#pragma once
+#include <petscksp.h>
+
+#include <utility>
+
+#include "domain.h"
+
+namespace frictioncg {
+
+/// Throws std::runtime_error with PETSc's own words.
+void check(PetscErrorCode error);
+
+/// MPI and PETSc are ready after it; FreeFEM's program may have started MPI.
+void start_petsc();
+/// For the end of the program, where PETSc was started here.
+void end_petsc();
+
+/// Of PETSc's own on this process so far; 0 where it does not count.
+Traffic petsc_traffic();
+
+/// An object of PETSc's that is destroyed with its owner.
+template <class Object, PetscErrorCode (*destroy)(Object*)>
+class Handle {
+ public:
+  Handle() = default;
+  explicit Handle(Object object) : object_(object) {}
+  Handle(Handle&& from) noexcept : object_(std::exchange(from.object_, nullptr)) {}
+  Handle& operator=(Handle&& from) noexcept {
+    std::swap(object_, from.object_);
+    return *this;
+  }
+  ~Handle() {
+    PetscBool ended = PETSC_FALSE;
+    PetscFinalized(&ended);
+    if (object_ && !ended) destroy(&object_);
+  }
+  Object get() const { return object_; }
+  Object* fill() { return &object_; }  ///< for PETSc's constructors
+
+ private:
+  Object object_ = nullptr;
+};
+
+using MatHandle = Handle<Mat, MatDestroy>;
+using VecHandle = Handle<Vec, VecDestroy>;
+using PCHandle = Handle<PC, PCDestroy>;
+
+}  // namespace frictioncg

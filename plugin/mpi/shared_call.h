@@ -1,0 +1,133 @@
+#pragma once
+#include "../freefem/freefem.h"
+
+#include "shared_report.h"
+
+namespace frictioncg {
+
+/// Neither a load nor a penetration on any process.
+inline bool all_at_rest(const Domain& domain, const Increment& increment) {
+  const auto closed = increment.gap.array();
+  const bool rests =
+      increment.F.isZero(0) && (increment.bilateral ? (closed == 0).all() : (closed >= 0).all());
+  return domain.largest(rests ? 0 : 1) == 0;
+}
+
+/// As Solver::solve has it, by multigrid alone.
+inline Solution solve_together(SharedScene& shared, const ContactProblem& problem, const Call& call,
+                               const Vector& x0, Observer* observer) {
+  Solution s;
+  if (all_at_rest(*shared.domain, problem.increment)) {
+    s.x = Vector::Zero(problem.dofs());
+    s.certificate = certify(problem, s.x);
+  } else {
+    s = shared.solver->solve(problem, call.settings, x0, observer);
+  }
+  s.status = concluded(s.status, s.certificate, call.settings);
+  s.state = classify(problem, s.x, s.certificate);
+  return s;
+}
+
+/// A solution over the own dofs as one over the local ones; ghosts are 0.
+inline Solution on_local_dofs(const SharedScene& shared, const Solution& own) {
+  const Numbering& numbering = shared.numbering();
+  const System& local = *shared.scene->system->system();
+  Solution s = own;
+  s.x = s.certificate.r = Vector::Zero(local.dofs());
+  for (std::size_t k = 0; k < numbering.own.size(); ++k) {
+    s.x[numbering.own[k]] = own.x[static_cast<Index>(k)];
+    s.certificate.r[numbering.own[k]] = own.certificate.r[static_cast<Index>(k)];
+  }
+  s.state.assign(local.nodes(), NodeState::none);
+  for (std::size_t k = 0; k < numbering.own_nodes.size(); ++k)
+    s.state[numbering.own_nodes[k]] = own.state[k];
+  return s;
+}
+
+/// Values at ghosts from their owners.
+template <class Number>
+void update(const Domain& domain, KN<Number>* values) {
+  if (domain.largest(values != nullptr) == 0) return;
+  KN<Number> none(values ? 0 : domain.dofs());
+  KN<Number>& v = values ? *values : none;
+  domain.update(
+      1, [&](Index dof, Real* out) { *out = static_cast<Real>(v[dof]); },
+      [&](Index dof, const Real* in) { v[dof] = static_cast<Number>(*in); });
+}
+
+/// The outputs of a call: of own dofs as in one process, of ghosts as their owners have them.
+inline void write_together(const SharedScene& shared, const Solution& local,
+                           const Progress& progress, const Outputs& out) {
+  write_outputs(*shared.scene, local, progress, out);
+  update(*shared.domain, out.force);
+  update(*shared.domain, out.state);
+  update(*shared.domain, out.normals);
+}
+
+/// The vectors of a call, consistent between the processes, as an increment.   Collective.
+inline LocalIncrement increment_together(const Call& call, const SharedScene& shared,
+                                         const PointLaws& laws, ContactProblem& problem) {
+  const Domain& domain = *shared.domain;
+  const Scene& scene = *shared.scene;
+  domain.agree([&] {
+    check_vector(call.b, "b", scene.dofs);
+    if (call.args.has(p_uold)) check_vector(call.u_old, "uold", scene.dofs);
+    if (call.args.has(call.args.start()))
+      check_vector(call.u_init, parameters[call.args.start()].name, scene.dofs);
+  });
+  const Vector b = shared.patch->load(domain, call.b);
+  Vector u_old = call.u_old;
+  if (call.args.has(p_uold)) domain.update(u_old);
+  LocalIncrement local;
+  LocalLoad load;
+  domain.agree([&] {
+    local = scene.increment(b, u_old, laws);
+    load = scene.system->load(b, u_old);
+  });
+  problem.increment = own_increment(shared, local, load);
+  domain.agree([&] { validate(problem.increment, *problem.system); });
+  return local;
+}
+
+/// Where the iteration starts (own dofs): empty where the call does not say.
+inline Vector start_of(const Call& call, const SharedScene& shared) {
+  if (!call.args.has(call.args.start())) return {};
+  const Vector start = call.u_old.size() == 0 ? call.u_init : Vector(call.u_init - call.u_old);
+  return shared.A->own_part(shared.scene->system->to_local(start));
+}
+
+/// The field of one increment.   Collective.
+inline KN_<double> solve_together(Stack stack, const Call& call, SharedScene& shared,
+                                  PointLaws laws) {
+  const Domain& domain = *shared.domain;
+  const Outputs out(stack, call.args);
+  ContactProblem problem{shared.system, {}};
+  if (domain.largest(problem.nodes()) == 0) laws.law = Law::frictionless;
+  const LocalIncrement now = increment_together(call, shared, laws, problem);
+  const bool keeps = domain.largest(out.history != nullptr) > 0;
+  const long verb = domain.rank() == 0 ? call.verb : 0;
+  const bool speaks = domain.largest(static_cast<Real>(verb)) > 0;
+  if (speaks) report_plan(shared, problem, verb);
+  Progress progress(problem, verb, keeps);
+  const Traffic before = domain.traffic() + petsc_traffic();
+  const Solution solution = solve_together(shared, problem, call, start_of(call, shared),
+                                           keeps || speaks ? &progress : nullptr);
+  const Traffic traffic = domain.traffic() + petsc_traffic() - before;
+  if (verb > 0) report_end(solution);
+  report_traffic(domain, traffic, solution.iterations, verb);
+  const std::string unheld = report_motions(shared, solution, verb);
+  const bool wants_status = domain.largest(out.status != nullptr) > 0;
+  if (solution.status != Status::converged && !wants_status)
+    refuse_unconverged(solution, call.settings, unheld);
+  const Solution local = on_local_dofs(shared, solution);
+  write_together(shared, local, progress, out);
+  const long n = shared.scene->ndof();
+  KN<double>* u = Add2StackOfPtr2Free(stack, new KN<double>(n));
+  const Vector field = shared.scene->system->to_global(local.x, now.u0);
+  if (speaks) warn_of_large_displacements(shared, field, verb);
+  for (long i = 0; i < n; ++i) (*u)[i] = field[i];
+  update(domain, u);
+  return *u;
+}
+
+}  // namespace frictioncg

@@ -1,0 +1,121 @@
+#pragma once
+#include "../freefem/freefem.h"
+
+#include "shared_scene.h"
+
+namespace frictioncg {
+
+/// A line of rank 0 on what all processes have together.   Collective.
+inline void report_plan(const SharedScene& shared, const ContactProblem& problem, long verb) {
+  const Domain& domain = *shared.domain;
+  Real sums[] = {Real(problem.dofs()), Real(problem.nodes()),
+                 Real(problem.dofs() - problem.interior() - problem.nodes())};
+  domain.sum(sums, 3);
+  const Real most = domain.largest(problem.dofs());
+  if (verb <= 0) return;
+  line() << shared.scene->d << "D, " << static_cast<long>(sums[0]) << " dofs on " << domain.size()
+         << (domain.size() == 1 ? " process" : " processes") << " (at most "
+         << static_cast<long>(most) << " on one), " << static_cast<long>(sums[1])
+         << " contact nodes, " << name_of(problem.increment.law);
+  if (problem.increment.bilateral) std::cout << ", bilateral";
+  std::cout << "; multigrid by PETSc" << std::endl;
+}
+
+/// What a process sends on average in one iteration, updates of the faces included.   Collective.
+inline void report_traffic(const Domain& domain, const Traffic& all, Index iterations, long verb) {
+  Real sums[] = {all.messages, all.bytes};
+  domain.sum(sums, 2);
+  if (verb < 3) return;
+  const Real count = std::max<Index>(iterations, 1), each = count * domain.size();
+  line() << "traffic of a process in an iteration: " << sums[0] / each << " messages, "
+         << sums[1] / each / 1e3 << " kB, " << all.reductions / count << " reductions" << std::endl;
+}
+
+/// As in one process, for the mesh as a whole.   Collective.
+inline void warn_of_large_displacements(const SharedScene& shared, const Vector& field, long verb) {
+  const Domain& domain = *shared.domain;
+  const std::vector<NodePlace> places = shared.scene->places();
+  const Real size = 2 * extent_of_all(domain, places).radius;
+  const Real most = domain.largest(largest_displacement(places, shared.scene->d, field));
+  if (verb > 0 && most > size)
+    line() << "warning: displacements of up to " << most << " in a mesh of size " << size
+           << "; the laws are those of small displacements, and hold on the undeformed geometry"
+           << std::endl;
+}
+
+/// Some nodes of all processes, with their displacement under a motion of the own dofs: enough to
+/// tell what motion it is.   Collective.
+struct SampledMotion {
+  std::vector<NodePlace> nodes;
+  Vector u;  ///< `d` values a node
+
+  SampledMotion(const SharedScene& shared, const Vector& motion) {
+    constexpr std::size_t most = 300;  // of a process
+    const Domain& domain = *shared.domain;
+    const Scene& scene = *shared.scene;
+    Vector on_local = Vector::Zero(scene.system->system()->dofs());
+    const std::vector<Index>& own = shared.numbering().own;
+    for (std::size_t k = 0; k < own.size(); ++k) on_local[own[k]] = motion[static_cast<Index>(k)];
+    const Vector field = scene.system->to_global(on_local, Vector::Zero(scene.ndof()));
+    const std::vector<Index> body = bodies_by_dof(shared);
+    const std::vector<NodePlace> places = scene.places();
+    std::vector<Real> packed;
+    const std::size_t stride = 1 + places.size() / most;
+    for (std::size_t k = 0; k < places.size(); k += stride) {
+      const NodePlace& p = places[k];
+      if (!domain.owns(p.dof[0]) || body[p.dof[0]] < 0) continue;
+      packed.insert(packed.end(), p.x.begin(), p.x.end());
+      packed.push_back(body[p.dof[0]]);
+      for (int c = 0; c < 3; ++c) packed.push_back(c < scene.d ? field[p.dof[c]] : 0);
+    }
+    unpack(domain.gathered(Eigen::Map<const Vector>(packed.data(), Index(packed.size()))), scene.d);
+  }
+
+ private:
+  /// Of each dof of the script that a free one stands for, else -1.
+  static std::vector<Index> bodies_by_dof(const SharedScene& shared) {
+    std::vector<Index> body(shared.scene->ndof(), -1);
+    const std::vector<Index>& own = shared.numbering().own;
+    const Bodies bodies = shared.A->bodies();
+    for (std::size_t k = 0; k < own.size(); ++k)
+      body[shared.scene->system->basis().origin[own[k]]] = bodies.of[k];
+    return body;
+  }
+  void unpack(const Vector& all, int d) {
+    constexpr Index width = 7;  // place, body, displacement
+    u.resize(all.size() / width * d);
+    for (Index i = 0; i + width <= all.size(); i += width) {
+      NodePlace n;
+      for (int c = 0; c < 3; ++c) n.x[c] = all[i + c];
+      n.body = static_cast<Index>(all[i + 3]);
+      for (int c = 0; c < d; ++c) {
+        n.dof[c] = i / width * d + c;
+        u[n.dof[c]] = all[i + 4 + c];
+      }
+      nodes.push_back(n);
+    }
+  }
+};
+
+/// A motion of the own dofs in words.   Collective.
+inline std::string describe(const SharedScene& shared, const Vector& motion) {
+  const SampledMotion sample(shared, motion);
+  return describe_motion(sample.nodes, shared.scene->d, sample.u);
+}
+
+/// The motions that a call leaves open; the first of them that nothing holds, or empty. Collective.
+inline std::string report_motions(const SharedScene& shared, const Solution& solution, long verb) {
+  std::string unheld;
+  if (shared.domain->largest(Real(solution.unheld_motion.size())) > 0) {
+    unheld = describe(shared, solution.unheld_motion);
+    if (verb > 0) line() << "nothing holds " << unheld << std::endl;
+  }
+  for (Index k = 0; k < solution.undetermined.cols(); ++k) {
+    const std::string motion = describe(shared, solution.undetermined.col(k));
+    if (verb > 0)
+      line() << "nothing determines " << motion << "; the field has the least of it" << std::endl;
+  }
+  return unheld;
+}
+
+}  // namespace frictioncg
