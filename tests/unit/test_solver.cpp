@@ -550,6 +550,28 @@ TEST(Solver, TheBoundOnTheIterationsHoldsForAllLayersTogether) {
   }
 }
 
+TEST(Solver, ACallThatWasToBeShortLooksForNoMotions) {
+  Settings settings;
+  settings.method = Method::gcx;
+  BlockOptions o;
+  o.law = Law::frictionless;
+  o.shear = 0;
+  Solution a = run(block(o), settings).solution;
+  ASSERT_EQ(a.status, Status::converged);
+  EXPECT_EQ(a.undetermined.cols(), 1);  // nothing holds the block along the floor
+  settings.nbiter = 1;
+  a = run(block(o), settings).solution;
+  ASSERT_EQ(a.status, Status::max_iterations);
+  EXPECT_EQ(a.undetermined.cols(), 0);  // of a field that does not obey the laws
+  o.law = Law::coulomb;
+  o.shear = 3.6;  // beyond what friction holds
+  Scene s = block(o);
+  s.modes.resize(0, 0);
+  a = run(s, settings).solution;
+  EXPECT_EQ(a.status, Status::max_iterations);  // and not conjugate gradients for motions of A
+  EXPECT_EQ(a.unheld_motion.size(), 0);
+}
+
 TEST(Solver, WithoutABoundACallTakesTenThousandIterationsAndTwentyForEachNodeAndRootOfDofs) {
   const Posed system = block(BlockOptions()).system();  // 5 nodes, 50 dofs
   EXPECT_EQ(default_iterations(system.problem()), 10000 + 20 * 5 + 141);
@@ -584,6 +606,18 @@ TEST(Solver, ThePlanLeavesOutWhatTheSceneDoesNotNeed) {
   ContactProblem nothing{empty, {}};
   nothing.increment.law = Law::coulomb;
   EXPECT_EQ(make_plan(nothing, Settings()).law, Law::frictionless);
+}
+
+TEST(Solver, WithoutCandidatesForRigidMotionsThePlanKnowsNoCostOfMultigrid) {
+  BlockOptions o;
+  o.d = 3;
+  o.cells = 2;
+  Scene s = block(o);
+  std::vector<Index> node(s.n);
+  for (Index p = 0; p < s.n; ++p) node[p] = p / 3;
+  EXPECT_TRUE(std::isfinite(make_plan(s.system(node).problem(), Settings()).costs.multigrid));
+  s.modes.resize(0, 0);
+  EXPECT_TRUE(std::isinf(make_plan(s.system(node).problem(), Settings()).costs.multigrid));
 }
 
 TEST(Solver, TheObserverHearsOfTheCondensedAnswerOnceAndOfIterationsOneByOne) {

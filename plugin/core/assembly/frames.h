@@ -22,10 +22,10 @@ struct ContactNode {
   std::vector<Rival> rivals = {};  ///< the nearest of all its obstacles counts
 };
 
+/// What is wrong with the obstacles at a node.
 constexpr const char* dependent_normals =
     " have linearly dependent normals on what is free to move there; leave one of their labels "
-    "out, "
-    "or give one normal";
+    "out, or give one normal";
 constexpr const char* different_gaps =
     " are at different gaps along the one direction that is free to move there, and bilateral "
     "contact can follow one alone; leave one of their labels out";

@@ -8,7 +8,7 @@
 
 namespace frictioncg {
 
-/// Over the largest gap: up to which two gaps are taken for one.
+/// Over the largest gap or prescribed displacement: up to which two gaps are taken for one.
 constexpr Real same_gap = 1e-9;
 
 LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
@@ -116,9 +116,13 @@ LocalIncrement LocalSystem::increment(const Vector& b, const Vector& u_old,
   Increment& increment = result.increment;
   const Vector& start = load.start;
   result.u0 = basis_->T * start;
+
+  const Real rounding = same_gap * std::max(laws.gap.lpNorm<Eigen::Infinity>(),
+                                            start.tail(fixed_dofs()).lpNorm<Eigen::Infinity>());
   increment.gap.resize(nodes());
   for (Index k = 0; k < nodes(); ++k)
-    increment.gap[k] = nearest_obstacle(nodes_[k], laws, start) - start[system_->first[k]];
+    increment.gap[k] =
+        nearest_obstacle(nodes_[k], laws, rounding, start) - start[system_->first[k]];
   increment.law = laws.law;
   increment.bilateral = laws.bilateral;
   set_load(load, *system_, increment);
@@ -132,8 +136,8 @@ LocalIncrement LocalSystem::increment(const Vector& b, const Vector& u_old,
 
 /// The bound on w_N = n.u: the gap, or a rival's, n_r.u <= gap_r on the free components: with the
 /// held ones prescribed, n.u <= factor (gap_r - n_r.u_D) + n.u_D. Bilateral contact takes the gaps
-/// for one: throws ConflictingObstacles where they differ.
-Real LocalSystem::nearest_obstacle(const ContactNode& node, const PointLaws& laws,
+/// for one: throws ConflictingObstacles where they differ by more than rounding.
+Real LocalSystem::nearest_obstacle(const ContactNode& node, const PointLaws& laws, Real rounding,
                                    const Vector& start) const {
   const auto prescribed = [&](Index point) {
     const ContactPoint& p = points_[point];
@@ -148,7 +152,7 @@ Real LocalSystem::nearest_obstacle(const ContactNode& node, const PointLaws& law
   for (const Rival& r : node.rivals) {
     const Real other =
         r.factor * (laws.gap[r.point] - prescribed(r.point)) + prescribed(node.point);
-    if (laws.bilateral && std::abs(other - own) > same_gap * laws.gap.cwiseAbs().maxCoeff())
+    if (laws.bilateral && std::abs(other - own) > rounding)
       throw ConflictingObstacles(
           r.point, "the node of dof " + std::to_string(points_[r.point].dof[0]), different_gaps);
     nearest = std::min(nearest, other);

@@ -78,7 +78,8 @@ class LocalSystem {
                 const Coupling* coupling, RigidModes modes, RigidModes body_modes);
   RigidModes in_local_dofs(RigidModes modes) const;
   void check_stiffness(const System& system) const;
-  Real nearest_obstacle(const ContactNode& node, const PointLaws& laws, const Vector& start) const;
+  Real nearest_obstacle(const ContactNode& node, const PointLaws& laws, Real rounding,
+                        const Vector& start) const;
   void check_sizes(const Vector& b, const Vector& u_old, const PointLaws& laws) const;
 
   std::vector<ContactPoint> points_;

@@ -68,6 +68,20 @@ TEST(Frames, TheBasisAndItsInverseAreInverseToEachOther) {
       }
 }
 
+TEST(Frames, TwoNormalsWithAHeldComponentInCommonAreInvertedToo) {
+  BlockOptions o;
+  o.d = 3;
+  o.cells = 2;
+  Scene s = block(o);
+  const ContactPoint corner = s.points.front();
+  s.points.push_back(corner);
+  s.points.front().normal = {0.36, 0.48, -0.8};
+  s.points.back().normal = {0.6, -0.64, -0.48};
+  for (std::size_t k = 0; k < s.a.size(); ++k)  // a support along x
+    if (s.i[k] == corner.dof[0] && s.j[k] == corner.dof[0]) s.a[k] = 1e30;
+  expect_inverse(s);
+}
+
 TEST(Frames, TheMatrixOfACornerIsTransformedAsDenseAlgebraSays) {
   for (int d : {2, 3})
     for (bool half : {false, true}) {
@@ -217,6 +231,29 @@ TEST(Frames, BilateralContactWithTwoFlanksAtOneNodeNeedsOneGap) {
     EXPECT_EQ(e.point, 1);
     EXPECT_NE(std::string(e.what()).find("bilateral"), std::string::npos);
   }
+  laws.bilateral = false;  // the nearer one alone counts
+  EXPECT_NEAR(system.increment(s.b, {}, laws).increment.gap[0], 0.6e-3, 1e-18);
+}
+
+TEST(Frames, RoundingOfWhatIsPrescribedAlongAGrooveIsNoOtherGap) {
+  BlockOptions o;
+  o.d = 3;
+  Scene s = block(o);
+  const ContactPoint tip = s.points.front();
+  const Real turn = 0.3, run = 0.1;  // the groove runs along (cos, sin, 0), and so does the tip
+  s.points = {tip, tip};
+  s.points[0].normal = {-0.6 * std::sin(turn), 0.6 * std::cos(turn), -0.8};
+  s.points[1].normal = {0.8 * std::sin(turn), -0.8 * std::cos(turn), -0.6};
+  const Real along[2] = {std::cos(turn), std::sin(turn)};
+  for (int c = 0; c < 2; ++c) {
+    for (std::size_t k = 0; k < s.a.size(); ++k)
+      if (s.i[k] == tip.dof[c] && s.j[k] == tip.dof[c]) s.a[k] = 1e30;
+    s.b[tip.dof[c]] = 1e30 * run * along[c];
+  }
+  const LocalSystem system(s.triplets(), 3, s.points);
+  ASSERT_EQ(system.nodes(), 1);
+  const PointLaws laws{Law::frictionless, true, Vector::Zero(2), {}};
+  EXPECT_NEAR(system.increment(s.b, {}, laws).increment.gap[0], 0, 1e-16);
 }
 
 TEST(Frames, NormalsThatFaceEachOtherOnWhatIsFreeAreRefused) {

@@ -61,6 +61,11 @@ TEST(LocalSystem, RigidMotionsOfTheScriptDoNoWorkInLocalDofs) {
   Scene unknown = small(false);
   unknown.modes.resize(0, 0);
   EXPECT_FALSE(unknown.system().problem().system->rigid_modes);
+  const RigidModes short_by_one = [n = unknown.n] {
+    return Eigen::MatrixXd(Eigen::MatrixXd::Ones(n - 1, 3));
+  };
+  const LocalSystem other(unknown.triplets(), 2, unknown.points, {}, short_by_one);
+  EXPECT_EQ(other.system()->rigid_modes().size(), 0);  // of another number of dofs: as none
 }
 
 TEST(LocalSystem, RotatesOnlyWhereNormalsLeaveTheAxes) {

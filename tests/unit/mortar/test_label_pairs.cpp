@@ -37,6 +37,7 @@ TEST(LabelPairs, LabelsNamedAgainAreJoined) {
   EXPECT_EQ(described({1, 1}, {2, 3}), "1 on 2 3");
   EXPECT_EQ(described({1, 2}, {3, 3}), "1 2 on 3");
   EXPECT_EQ(described({1, 1, 2, 2}, {3, 4, 4, 3}), "1 2 on 3 4");
+  EXPECT_EQ(described({1, 1, 2, 2}, {4, 3, 3, 4}), "1 2 on 4 3");
   EXPECT_EQ(described({1, 1, 2}, {3, 4, 4}), "1 on 3 4; 2 on 4");
   EXPECT_EQ(described({1, 1}, {2, 2}), "1 on 2");
   EXPECT_EQ(described({1, 2}, {2, 3}), "1 on 2; 2 on 3");

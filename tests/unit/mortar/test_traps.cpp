@@ -173,6 +173,7 @@ TEST(MortarTraps, AFaceMayBeSlaveOnOnePartAndMasterOnAnother) {
       s.pairs[1] = {s.sheet(5, -1, on(meet ? 1 : 1.4, 2), 3), plate};
       const Mortar mortar = s.mortar();
       EXPECT_EQ(mortar.statistics(0).removed, !meet ? 0 : d == 2 ? 1 : 7);
+      EXPECT_EQ(mortar.statistics(0).held, 0);  // none by Dirichlet conditions
       EXPECT_EQ(mortar.statistics(1).removed, 0);
       EXPECT_EQ(mortar.statistics(1).facing, d == 2 ? 6 : 36);
       for (const ContactNode& node : mortar.nodes()) {

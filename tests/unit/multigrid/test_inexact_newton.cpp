@@ -170,6 +170,23 @@ TEST(Multigrid, AFurtherIncrementKeepsTheHierarchyAndStartsFromTheLastFaces) {
   EXPECT_LE(again.iterations, 3);
 }
 
+TEST(Multigrid, ANodeThatTheNextIncrementLeavesWithoutAnObstacleOpens) {
+  const SceneInBlocks s(cube(6));
+  Solver solver(s.system);
+  Settings settings;
+  settings.method = Method::multigrid;
+  Increment increment = s.posed.problem().increment;
+  const Solution first = solver.solve(increment, settings);
+  Index closed = 0;
+  while (first.state[closed] == NodeState::separated) ++closed;
+  increment.gap[closed] = std::numeric_limits<Real>::infinity();
+  const Solution second = solver.solve(increment, settings);
+  EXPECT_EQ(second.status, Status::converged);
+  EXPECT_EQ(second.layer, Layer::multigrid);
+  EXPECT_EQ(second.state[closed], NodeState::separated);
+  EXPECT_LE(second.iterations, first.iterations);
+}
+
 TEST(Multigrid, WithoutCoordinatesTheCondensedRouteAnswers) {
   SparseScene scene = sparse_block(cube(3));
   Settings settings;

@@ -22,6 +22,36 @@ void expect_floating(const System& system, Index count) {
   EXPECT_EQ(W.colPivHouseholderQr().rank(), count);
 }
 
+/// Two bodies of one shape, the first `ratio` times as stiff, its displacements relative to those
+/// of the second: u = w + u_soft puts entries of the stiff body beside those of the soft one, whose
+/// springs are `held` times D.
+System coupled(const System& one, Real ratio, Real held) {
+  const Index n = one.dofs();
+  const Matrix K = one.A;
+  System two = one;
+  std::vector<Eigen::Triplet<Real, Index>> entries;
+  for (Index i = 0; i < n; ++i)
+    for (Matrix::InnerIterator e(K, i); e; ++e) {
+      const Index j = static_cast<Index>(e.col());
+      for (const auto& [row, column] : {std::pair(i, j), {i, j + n}, {i + n, j}, {i + n, j + n}})
+        entries.emplace_back(row, column, ratio * e.value());
+      entries.emplace_back(i + n, j + n, e.value() + (i == j ? held * one.D[i] : 0));
+    }
+  two.A = Matrix(2 * n, 2 * n);
+  two.A.setFromTriplets(entries.begin(), entries.end());
+  two.D = two.A.diagonal();
+  for (Index& f : two.first) f += n;
+  const Eigen::MatrixXd M = one.rigid_modes();
+  two.body_modes = [n, M] {
+    Eigen::MatrixXd both = Eigen::MatrixXd::Zero(2 * n, 6);
+    both.topLeftCorner(n, 3) = M;
+    both.bottomRightCorner(n, 3) = M;
+    both.topRightCorner(n, 3) = -M;  // w of the first, where only the second moves
+    return both;
+  };
+  return two;
+}
+
 }  // namespace
 
 TEST(Floating, BodiesAreThePartsOfTheGraphOfA) {
@@ -77,38 +107,21 @@ TEST(Floating, ASmallBodyFarFromTheOriginIsFound) {
 }
 
 TEST(Floating, OfAStiffBodyOnASoftOneThatIsHeldTheMotionsAreSharp) {
-  // The coupling u = w + u_soft puts entries of the stiff body beside those of the soft one.
   BlockOptions o;
   o.cells = 4;
   const System one = *problem_of(o).system;
-  const Index n = one.dofs();
-  const Matrix K = one.A;
   for (const Real ratio : {1., 1e4, 1e7, 1e9}) {
-    System two = one;
-    std::vector<Eigen::Triplet<Real, Index>> entries;
-    for (Index i = 0; i < n; ++i)
-      for (Matrix::InnerIterator e(K, i); e; ++e) {
-        const Index j = static_cast<Index>(e.col());
-        for (const auto& [row, column] : {std::pair(i, j), {i, j + n}, {i + n, j}, {i + n, j + n}})
-          entries.emplace_back(row, column, ratio * e.value());
-        entries.emplace_back(i + n, j + n, e.value() + (i == j ? one.D[i] : 0));
-      }
-    two.A = Matrix(2 * n, 2 * n);
-    two.A.setFromTriplets(entries.begin(), entries.end());
-    two.D = two.A.diagonal();
-    for (Index& f : two.first) f += n;
-    const Eigen::MatrixXd M = one.rigid_modes();
-    two.body_modes = [n, M] {
-      Eigen::MatrixXd both = Eigen::MatrixXd::Zero(2 * n, 6);
-      both.topLeftCorner(n, 3) = M;
-      both.bottomRightCorner(n, 3) = M;
-      both.topRightCorner(n, 3) = -M;  // w of the first, where only the second moves
-      return both;
-    };
-    const Eigen::MatrixXd W = floating_motions(two);
+    const Eigen::MatrixXd W = floating_motions(coupled(one, ratio, 1));
     ASSERT_EQ(W.cols(), 3);
-    EXPECT_LT(W.bottomRows(n).norm(), 1e-14 * W.norm()) << ratio;
+    EXPECT_LT(W.bottomRows(one.dofs()).norm(), 1e-14 * W.norm()) << ratio;
   }
+}
+
+TEST(Floating, OfTwoCoupledBodiesThatFloatNoMotionIsFoundTwice) {
+  BlockOptions o;
+  o.cells = 4;
+  const System one = *problem_of(o).system;
+  for (const Real ratio : {1., 1e2, 1e4}) expect_floating(coupled(one, ratio, 0), 6);
 }
 
 TEST(Floating, OfTheInteriorAreThoseThatMoveNoContactDof) {
@@ -121,6 +134,14 @@ TEST(Floating, OfTheInteriorAreThoseThatMoveNoContactDof) {
   EXPECT_EQ(motions_of_interior(W, 1, {0, 1}).cols(), 0);  // less
   EXPECT_LT((motions_of_interior(W.topRows(3), 3, {0, 1, 2}) - Eigen::Matrix3d::Identity()).norm(),
             1e-14);
+}
+
+TEST(Floating, AMotionThatMovesAContactDofALittleIsNoneOfTheInterior) {
+  Eigen::MatrixXd W(3, 2);
+  W << 1, 0, 0, 1, 1e-5, 0;
+  const Eigen::MatrixXd Z = motions_of_interior(W, 2, {1});
+  ASSERT_EQ(Z.cols(), 1);
+  EXPECT_LT((Z - Eigen::Vector3d(0, 1, 0)).norm(), 1e-14);
 }
 
 TEST(Floating, WithoutCandidatesThereAreNone) {
