@@ -217,7 +217,8 @@ inline Real contact_extent(const Scene& scene) {
 /// A warning for a field that moves a node further than its body is large: the laws hold on the
 /// undeformed geometry, and what balances such a load there hardly holds it.
 inline void warn_of_large_displacements(const Scene& scene, const Vector& u) {
-  if (u.size() == 0 || u.cwiseAbs().maxCoeff() <= contact_extent(scene)) return;
+  const bool one_body = !scene.pairing;  // then the contact is no larger than it
+  if (u.size() == 0 || (one_body && u.cwiseAbs().maxCoeff() <= contact_extent(scene))) return;
   std::map<Index, std::vector<NodePlace>> bodies;
   for (const NodePlace& n : scene.places()) bodies[n.body].push_back(n);
   for (const auto& [number, body] : bodies) {

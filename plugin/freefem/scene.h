@@ -144,6 +144,7 @@ std::vector<NodePlace> node_places(const Space& Vh) {
       n.x = {x.x, x.y, x.z};
       n.body = body[k];
       places.push_back(n);
+      seen[n.dof[0]] = 1;
     }
     for (int i = 0; i < K.NbDoF(); ++i) seen[K(i)] = 1;
   }

@@ -170,7 +170,7 @@ bool InexactNewton::solve_faces() {
 bool InexactNewton::costs_too_much(Real from, Index cycles, Real violation) const {
   if (!std::isfinite(affordable_)) return false;
   const bool unsettled = problem_.increment.law != Law::frictionless &&
-                         (updates_ == 0 || violation > settled * first_);
+                         !(std::isfinite(first_) && violation <= settled * first_);
   if (unsettled && iterations_ > in_time * affordable_) return true;
   if (cycles < least_cycles) return false;
   const Real rate = std::log(from / inner_.norm()) / cycles;
