@@ -1,5 +1,6 @@
 #include "assembly/dirichlet.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <sstream>
@@ -90,6 +91,7 @@ Dirichlet::Dirichlet(const Triplets& A, const std::vector<ContactPoint>& points)
 
 /// A zero that is stored beside a free dof stands for a coupling that the assembly has taken out.
 void Dirichlet::find_lost(const Triplets& A) {
+  if (std::none_of(held_.begin(), held_.end(), [](const Held& h) { return h.uncoupled; })) return;
   for (std::size_t k = 0; k < A.size; ++k) {
     const Index i = A.row(k), j = A.col(k);
     if (A.a[k] != 0 || i == j || holds(i) == holds(j)) continue;

@@ -46,6 +46,24 @@ Scene random_scene(unsigned seed) {
   return s;
 }
 
+/// A block whose rigid motions are not told, and beside it two nodes with a spring between them.
+Scene beside_a_spring(const BlockOptions& o) {
+  Scene s = block(o);
+  const Index n = s.n;
+  s.n += 4;
+  for (int c = 0; c < 2; ++c)
+    for (int p = 0; p < 2; ++p)
+      for (int q = 0; q < 2; ++q) {
+        s.i.push_back(n + 2 * p + c);
+        s.j.push_back(n + 2 * q + c);
+        s.a.push_back(p == q ? 100 : -100);
+      }
+  s.b.conservativeResize(s.n);
+  s.b.tail(4).setZero();
+  s.modes = {};
+  return s;
+}
+
 }  // namespace
 
 TEST(Condensed, RefusesWhatDoesNotFitAndTheSolverThenIterates) {
@@ -153,24 +171,45 @@ TEST(Condensed, AFurtherIncrementStartsFromTheLastBranches) {
 }
 
 TEST(Condensed, ALoadOnABodyThatFloatsBesideTheOthersTakesNoStep) {
-  Scene s = block(BlockOptions());
-  const Index n = s.n;
-  s.modes = {};
-  s.n += 4;  // two nodes and a spring between them
-  for (int c = 0; c < 2; ++c)
-    for (int p = 0; p < 2; ++p)
-      for (int q = 0; q < 2; ++q) {
-        s.i.push_back(n + 2 * p + c);
-        s.j.push_back(n + 2 * q + c);
-        s.a.push_back(p == q ? 100 : -100);
-      }
-  s.b.conservativeResize(s.n);
+  Scene s = beside_a_spring(BlockOptions());
   s.b.tail(4) << 1, 0, 1, 0;
   const Posed posed = s.system();
   const Solution a = solve(posed.problem(), Settings());
   EXPECT_EQ(a.status, Status::no_equilibrium);
   EXPECT_EQ(a.iterations, 0);
   EXPECT_GT(a.unheld_motion.cwiseAbs().maxCoeff(), 0);
+}
+
+TEST(Condensed, WhatFloatsAndWhatSlidesFreelyIsUndeterminedTogether) {
+  BlockOptions o;
+  o.clamp_side = false;
+  o.law = Law::frictionless;
+  o.shear = 0;
+  const Posed posed = beside_a_spring(o).system();
+  const Solution a = solve(posed.problem(), Settings());
+  EXPECT_EQ(a.status, Status::converged);
+  EXPECT_EQ(a.undetermined.cols(), 3);  // the spring along both axes, the block along the floor
+}
+
+TEST(Condensed, WhatFloatsAndWhatHoversIsUndeterminedTogether) {
+  BlockOptions o;
+  o.clamp_side = false;
+  o.pressure = o.shear = 0;
+  Scene s = beside_a_spring(o);
+  s.gap.setConstant(1e-3);
+  for (int p = 0; p < 2; ++p)  // the load is on springs that hold it
+    for (int q = 0; q < 2; ++q) {
+      s.i.push_back(s.n + p);
+      s.j.push_back(s.n + q);
+      s.a.push_back(p == q ? 200 : -100);
+    }
+  s.n += 2;
+  s.b.conservativeResize(s.n);
+  s.b.tail(2).setOnes();
+  const Posed posed = s.system();
+  const Solution a = solve(posed.problem(), Settings());
+  EXPECT_EQ(a.status, Status::converged);
+  EXPECT_EQ(a.undetermined.cols(), 5);  // both ends of the other spring, and the block
 }
 
 TEST(Condensed, PermutedNumberingGivesTheSameAnswer) {
