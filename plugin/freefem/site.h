@@ -33,7 +33,7 @@ template <class FESpaceType>
 void refuse_part_of_mesh(const FESpaceType& Vh) {
   constexpr long cut = -111111;  // macro_ddm's label of what it cuts
   using D = Dimension<FESpaceType>;
-  if (mpisize == 1) return;
+  if (mpisize <= 1) return;  // 0 in FreeFem++ itself
   for (int ib = 0; ib < D::facets(Vh.Th); ++ib)
     if (D::label(Vh.Th, ib) == cut)
       throw IllegalInput(

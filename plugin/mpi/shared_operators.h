@@ -89,7 +89,7 @@ inline std::shared_ptr<const Domain> domain_of(Stack stack, const Arguments& arg
 
 /// Without domain= every process would take its own matrix for the whole problem.
 inline void refuse_without_domain(const Arguments& args) {
-  if (mpisize == 1 || args.has(p_domain)) return;
+  if (mpisize <= 1 || args.has(p_domain)) return;  // 0 in FreeFem++ itself
   throw IllegalInput(
       "there are " + std::to_string(mpisize) +
       " processes, and each would take its own matrix for the whole problem; give domain=C, which "
