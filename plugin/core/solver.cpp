@@ -93,13 +93,14 @@ bool decided(const Solution& s) {
 }
 
 /// t, made after s did not arrive, takes its place where it decides or is nearer to the laws; what
-/// both took counts.
-void replace_if_better(Solution& s, Solution t) {
+/// both took counts. Returns how t ended.
+Status replace_if_better(Solution& s, Solution t) {
+  const Status status = t.status;
   t.iterations += s.iterations;
   t.steps += s.steps;
   s.iterations = t.iterations;
   s.steps = t.steps;
-  if (!decided(t) && !(t.certificate.residual < s.certificate.residual)) return;
+  if (!decided(t) && !(t.certificate.residual < s.certificate.residual)) return status;
   t.times.order += s.times.order;
   t.times.factor += s.times.factor;
   t.times.condense += s.times.condense;
@@ -108,6 +109,7 @@ void replace_if_better(Solution& s, Solution t) {
   t.times.certificate += s.times.certificate;
   if (!decided(t)) t.status = s.status;
   s = std::move(t);
+  return status;
 }
 
 /// Where the condensed route fails short of rounding, stick as a face on A itself: it needs no
@@ -244,14 +246,11 @@ Solution Solver::by_multigrid(const ContactProblem& problem, const Settings& set
   if (!multigrid_->has_hierarchy()) return by_condensation(problem, rest, x0, observer);
   Solution s = multigrid_->solve(problem, settings, x0, observer, allowance(settings));
   if (decided(s) || s.certificate.residual <= rounding) return s;
-  rest.nbiter = bound_of(problem, settings) - s.iterations;
-  Status status = Status::max_iterations;
-  if (rest.nbiter > 0) {
-    Solution t = by_condensation(problem, rest, {}, observer);
-    status = t.status;
-    replace_if_better(s, std::move(t));
-  }
-  if (!decided(s)) s.status = status;  // the last to try says why, not multigrid, which gave way
+  const Index left = bound_of(problem, settings) - s.iterations;
+  rest.nbiter = left;
+  const Status last = left > 0 ? replace_if_better(s, by_condensation(problem, rest, {}, observer))
+                               : Status::max_iterations;
+  if (!decided(s)) s.status = last;  // it says why, not multigrid, which gave way
   return s;
 }
 

@@ -193,8 +193,9 @@ TEST(Certificate, ForcesWithinTenTimesTheirRoundingAreTakenForRounding) {
   EXPECT_NEAR(scale(2e-3, 0, 0.99e-4), 1e-3, 1e-12);
   EXPECT_NEAR(scale(2e-3, 0, 1.01e-4), 20, 1e-3);
   EXPECT_NEAR(scale(0, 1e-3, 1.01e-4), 20, 1e-3);
-  EXPECT_NEAR(scale(0, 1e-3, 0.99e-5), 1e-5, 1e-12);     // a hundredth of the load
-  EXPECT_NEAR(scale(0, 1e-3, 0.99e-4), 0.99e-4, 1e-12);  // never below rounding
+  EXPECT_NEAR(scale(0, 1e-3, 0.99e-5), 1e-3, 1e-12);        // nothing touches: the load
+  EXPECT_NEAR(scale(2e-7, 1e-3, 0.99e-7), 1e-5, 1e-9);      // a hundredth of it
+  EXPECT_NEAR(scale(2e-7, 1e-3, 0.99e-4), 0.99e-4, 1e-12);  // never below rounding
 }
 
 TEST(Certificate, ABodyThatStopsShortOfTheObstacleIsNotTakenForOpen) {
@@ -418,7 +419,7 @@ TEST(States, ALooseAnswerLeavesMoreInDoubtButNotEverything) {
     p.increment.gap = Vector::Zero(1);
     p.increment.law = Law::coulomb;
     p.increment.mu = Vector::Constant(1, 0.3);
-    p.increment.load_norm = 100;
+    p.increment.load_norm = 1;
     const Eigen::Vector3d x(1, -open, 0);
     return classify(p, x, certify(p, x))[0];
   };

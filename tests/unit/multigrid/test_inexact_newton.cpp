@@ -374,6 +374,19 @@ TEST(Multigrid, TheDefaultLeavesItAfterFewCyclesWhereTheyWouldCostMoreThanAFacto
   EXPECT_LE(solver.solve(increment, Settings()).iterations, condensed.iterations);
 }
 
+TEST(Multigrid, TheDefaultSaysThatItsBoundIsUsedUpWhereMultigridGaveWayBefore) {
+  SparseOptions o = cube(14);
+  o.nu = 0.4999;
+  const SceneInBlocks s(o);
+  for (Index bound : {8, 10, 12}) {
+    Settings settings;
+    settings.nbiter = bound;
+    const Solution a = solve(s.posed.problem(), settings);
+    EXPECT_EQ(a.status, Status::max_iterations) << bound;
+    EXPECT_LE(a.iterations, bound);
+  }
+}
+
 TEST(Multigrid, TheDefaultTakesAtMostOneFifthMoreThanTheCheaperRoute) {
   // in units of the condensed route, by the cycles that cost as much
   for (Real nu : {0.45, 0.48, 0.49, 0.495, 0.497, 0.498, 0.499, 0.4995}) {
