@@ -4,9 +4,9 @@ namespace frictioncg {
 
 namespace {
 
-constexpr PetscInt coarsest = 600;  ///< dofs up to which one factorization does
-constexpr PetscInt most_levels = 25;
-constexpr PetscInt sweeps = 2;  ///< of Gauss-Seidel, before and after
+constexpr PetscInt coarsest = 600;    ///< dofs up to which one factorization does
+constexpr PetscInt most_levels = 15;  ///< what PETSc allows
+constexpr PetscInt sweeps = 2;        ///< of Gauss-Seidel, before and after
 constexpr const char* prefix = "frictioncg_";
 
 Mat retained(Mat matrix) {
