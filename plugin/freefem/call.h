@@ -46,8 +46,19 @@ inline void face_bodies(Stack stack, const Arguments& args, const Expression A, 
   scene.face(triplets(GetAny<Matrice_Creuse<double>*>((*A)(stack)), scene.dofs), options);
 }
 
-/// Reads the problem: geometry, laws, and the matrix in local frames. A node gets tangential laws
-/// where `everywhere` or its own mu or limit asks for them.
+/// The laws that the arguments name at the contact points, which get their tangents: a node has
+/// tangential laws where `everywhere` or its own mu or limit asks for them.
+inline PointLaws read_point_laws(Stack stack, const Arguments& args, bool everywhere,
+                                 Scene& scene) {
+  PointLaws laws = read_laws(stack, args, scene);
+  if (args.has(p_mu2)) set_orthotropy(stack, args, laws.friction, scene);
+  if (laws.law != Law::frictionless)
+    for (std::size_t k = 0; k < scene.nodes.size(); ++k)
+      scene.tangents |= scene.nodes[k].point.friction = everywhere || laws.friction[k] > 0;
+  return laws;
+}
+
+/// Reads the problem: geometry, laws, and the matrix in local frames.
 inline std::shared_ptr<Scene> read_scene(Stack stack, const Arguments& args, const Expression A,
                                          const Site& site, bool everywhere, PointLaws& laws) {
   std::shared_ptr<Scene> scene = site.scene(stack);
@@ -55,22 +66,23 @@ inline std::shared_ptr<Scene> read_scene(Stack stack, const Arguments& args, con
     face_bodies(stack, args, A, *scene);
   else
     set_normals(stack, args, *scene);
-  laws = read_laws(stack, args, *scene);
-  if (args.has(p_mu2)) set_orthotropy(stack, args, laws.friction, *scene);
-  if (laws.law != Law::frictionless)
-    for (std::size_t k = 0; k < scene->nodes.size(); ++k)
-      scene->tangents |= scene->nodes[k].point.friction = everywhere || laws.friction[k] > 0;
+  laws = read_point_laws(stack, args, everywhere, *scene);
   scene->assemble(triplets(GetAny<Matrice_Creuse<double>*>((*A)(stack)), scene->dofs));
   if (!scene->tangents) laws.law = Law::frictionless;
   return scene;
 }
 
-/// The vectors of the call, and its laws, as an increment in local dofs.
-inline LocalIncrement increment(const Call& call, const Scene& scene, PointLaws laws) {
+/// Sizes, and finite values.
+inline void check_vectors(const Call& call, const Scene& scene) {
   check_vector(call.b, "b", scene.dofs);
   if (call.args.has(p_uold)) check_vector(call.u_old, "uold", scene.dofs);
   if (call.args.has(call.args.start()))
     check_vector(call.u_init, parameters[call.args.start()].name, scene.dofs);
+}
+
+/// The vectors of the call, and its laws, as an increment in local dofs.
+inline LocalIncrement increment(const Call& call, const Scene& scene, PointLaws laws) {
+  check_vectors(call, scene);
   if (scene.system->nodes() == 0) laws.law = Law::frictionless;  // supports hold every normal
   LocalIncrement now = scene.increment(call.b, call.u_old, laws);
   refuse_other_tgv(scene, call.b, now.u0);

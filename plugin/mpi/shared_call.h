@@ -69,12 +69,7 @@ inline LocalIncrement increment_together(const Call& call, const SharedScene& sh
                                          const PointLaws& laws, ContactProblem& problem) {
   const Domain& domain = *shared.domain;
   const Scene& scene = *shared.scene;
-  domain.agree([&] {
-    check_vector(call.b, "b", scene.dofs);
-    if (call.args.has(p_uold)) check_vector(call.u_old, "uold", scene.dofs);
-    if (call.args.has(call.args.start()))
-      check_vector(call.u_init, parameters[call.args.start()].name, scene.dofs);
-  });
+  domain.agree([&] { check_vectors(call, scene); });
   const Vector b = shared.patch->load(domain, call.b);
   Vector u_old = call.u_old;
   if (call.args.has(p_uold)) domain.update(u_old);

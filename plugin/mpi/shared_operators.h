@@ -97,6 +97,18 @@ inline void refuse_without_domain(const Arguments& args) {
       "that is not set");
 }
 
+/// The domain of a call of this operator; null on a process that solves alone.
+inline std::shared_ptr<const Domain> required_domain(const char* name, Stack stack,
+                                                     const Arguments& args) {
+  std::shared_ptr<const Domain> domain;
+  translated(name, [&] {
+    refuse_without_domain(args);
+    domain = domain_of(stack, args);
+    return AnyType(Nothing);
+  });
+  return domain;
+}
+
 /// What several processes do not do is refused by name.
 inline void refuse_options(const Arguments& args) {
   const auto refuse = [&](Parameter p, const char* why) {
@@ -130,11 +142,7 @@ inline std::shared_ptr<SharedScene> read_shared(Stack stack, const Arguments& ar
   Triplets matrix;
   shared->domain->agree([&] {
     set_normals(stack, args, scene);
-    laws = read_laws(stack, args, scene);
-    if (args.has(p_mu2)) set_orthotropy(stack, args, laws.friction, scene);
-    if (laws.law != Law::frictionless)
-      for (std::size_t k = 0; k < scene.nodes.size(); ++k)
-        scene.tangents |= scene.nodes[k].point.friction = everywhere || laws.friction[k] > 0;
+    laws = read_point_laws(stack, args, everywhere, scene);
     matrix = triplets(GetAny<Matrice_Creuse<double>*>((*A)(stack)), scene.dofs);
   });
   scene.tangents = shared->domain->largest(scene.tangents) > 0;

@@ -48,12 +48,7 @@ class SharedSolveOnce : public E_F0mps {
   static std::vector<aType> before_site() { return SolveOnce::before_site(); }
 
   AnyType operator()(Stack stack) const override {
-    std::shared_ptr<const Domain> domain;
-    translated(operator_name, [&] {
-      refuse_without_domain(arguments_);
-      domain = domain_of(stack, arguments_);
-      return AnyType(Nothing);
-    });
+    const auto domain = required_domain(operator_name, stack, arguments_);
     if (!domain) return once_(stack);
     return together(operator_name, *domain, [&] {
       std::unique_ptr<Call> call;
@@ -92,12 +87,7 @@ class SharedConstruct : public E_F0mps {
   static std::vector<aType> before_site() { return Construct::before_site(); }
 
   AnyType operator()(Stack stack) const override {
-    std::shared_ptr<const Domain> domain;
-    translated(constructor_name, [&] {
-      refuse_without_domain(arguments_);
-      domain = domain_of(stack, arguments_);
-      return AnyType(Nothing);
-    });
+    const auto domain = required_domain(constructor_name, stack, arguments_);
     if (!domain) return once_(stack);
     return together(constructor_name, *domain, [&] {
       if (!shared_) throw IllegalInput(SharedSolveOnce::two_bodies);
