@@ -57,13 +57,13 @@ def read_list():
     return mutants
 
 
-def run(command, log, seconds=None, **more):
-    """True where the command ends well in time."""
+def fault(command, log, seconds=None, **more):
+    """What is wrong with a command: nothing where it ends well in time."""
     try:
-        return subprocess.run(command, stdout=log, stderr=log, stdin=subprocess.DEVNULL, timeout=seconds,
-                              **more).returncode == 0
+        ended = subprocess.run(command, stdout=log, stderr=log, stdin=subprocess.DEVNULL, timeout=seconds, **more)
+        return "failed" if ended.returncode else ""
     except subprocess.TimeoutExpired:
-        return False
+        return f"ran longer than {seconds} s"
 
 
 @functools.lru_cache(None)
@@ -116,8 +116,9 @@ def unit_tests_notice(folder, log, path=""):
     own = suites(os.path.basename(os.path.dirname(path)))
     filters = [f"{own}-{LONG}", f"-{LONG}:{own}"] if own else [f"-{LONG}"]
     unit = os.path.join(folder, "unit_tests")
-    return not all(run([unit, f"--gtest_filter={tests}", "--gtest_fail_fast"], log, SECONDS, cwd=folder)
-                   for tests in filters + [LONG])
+    faults = (fault([unit, f"--gtest_filter={tests}", "--gtest_fail_fast"], log, SECONDS, cwd=folder)
+              for tests in filters + [LONG])
+    return next(filter(None, faults), "")
 
 
 def scripts_notice(folder, log, path=""):
@@ -127,7 +128,7 @@ def scripts_notice(folder, log, path=""):
     env["FF_LOADPATH"] = f"{folder};{plugins}"
     env["FF_INCLUDEPATH"] = f"{folder};{os.path.join(ROOT, 'tests')};{idp}"  # scripts include ../tests/edp
     scripts = sorted(s for s in os.listdir(os.path.join(ROOT, "tests/edp")) if s.endswith(".edp"))
-    return not run(["bash", "tests/run"] + [f"tests/edp/{s}" for s in scripts], log, 600, cwd=ROOT, env=env)
+    return fault(["bash", "tests/run"] + [f"tests/edp/{s}" for s in scripts], log, 2 * SECONDS, cwd=ROOT, env=env)
 
 
 def noticed(mutant, build):
@@ -154,18 +155,19 @@ def noticed(mutant, build):
             for number, made in enumerate(build.objects(mutant.path)):
                 name = os.path.join(folder, f"{number}.o")
                 command = build.command(made, {made: name}).replace("plugin/core", f"{copy}/core")
-                if not run(command, log, shell=True, cwd=ROOT):
+                if fault(command, log, shell=True, cwd=ROOT):
                     return "compiler"
                 exchange[made] = name
             for target, notice, name in (("unit_tests", unit_tests_notice, "unit tests"),
                                          ("frictionCG.so", scripts_notice, "scripts")):
                 exchange[f"{build.build}/{target}"] = os.path.join(folder, target)
-                if not run(build.command(target, exchange), log, shell=True, cwd=ROOT):
+                if fault(build.command(target, exchange), log, shell=True, cwd=ROOT):
                     return "linker"
                 for idp in glob.glob(os.path.join(ROOT, "edp", "*.idp")):
                     shutil.copy(idp, folder)
-                if notice(folder, log, mutant.path):
-                    return name
+                seen = notice(folder, log, mutant.path)
+                if seen:
+                    return f"{name} {seen}"
             return None
     finally:
         shutil.rmtree(folder)
