@@ -129,10 +129,14 @@ bool may_replace_a_factor(const Settings& settings) {
   return settings.method == Method::automatic && settings.newton;
 }
 
-/// Neither a load nor a penetration: the body stays where it is, whatever else could move it.
-bool at_rest(const Increment& increment) {
+/// Neither a load nor a penetration, on any process: the body stays where it is, whatever else
+/// could move it.
+bool at_rest(const ContactProblem& problem) {
+  const Increment& increment = problem.increment;
   const auto closed = increment.gap.array();
-  return increment.F.isZero(0) && (increment.bilateral ? (closed == 0).all() : (closed >= 0).all());
+  const bool here =
+      increment.F.isZero(0) && (increment.bilateral ? (closed == 0).all() : (closed >= 0).all());
+  return problem.system->largest(here ? 0 : 1) == 0;
 }
 
 }  // namespace
@@ -144,6 +148,20 @@ Status concluded(Status status, const Certificate& certificate, const Settings& 
                              status == Status::fixed_point_diverged;
   const bool by_rounding = certificate.residual <= rounding_margin * certificate.attainable;
   return blames_method && by_rounding ? Status::stagnated : status;
+}
+
+Solution answer(const ContactProblem& problem, const Settings& settings,
+                const std::function<Solution()>& solve) {
+  Solution s;
+  if (at_rest(problem)) {
+    s.x = Vector::Zero(problem.dofs());
+    s.certificate = certify(problem, s.x);
+  } else {
+    s = solve();
+  }
+  s.status = concluded(s.status, s.certificate, settings);
+  s.state = classify(problem, s.x, s.certificate);
+  return s;
 }
 
 /// Unless the settings name a method: a factorization serves every load and law that follows, and
@@ -188,32 +206,24 @@ Solution Solver::solve(const Increment& increment, const Settings& settings, con
   validate(increment, *system_);
   validate_start(x0, *system_);
   const ContactProblem problem{system_, increment};
-  Solution s;
-  if (at_rest(increment)) {
-    s.x = Vector::Zero(problem.dofs());
-    s.certificate = certify(problem, s.x);
-  } else {
-    s = by_route(problem, settings, x0, observer);
-  }
-  s.status = concluded(s.status, s.certificate, settings);
-  s.state = classify(problem, s.x, s.certificate);
-  return s;
+  return answer(problem, settings, [&] { return by_route(problem, settings, x0, observer); });
 }
 
 /// The route of the plan; where it is not open, or does not arrive, another one.
 Solution Solver::by_route(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                           Observer* observer) {
-  switch (make_plan(problem, settings).route) {
+  const Plan plan = make_plan(problem, settings);
+  switch (plan.route) {
     case Route::iterative:
       break;
     case Route::condensed:
       if (may_replace_a_factor(settings) && !condense(settings) && !indefinite_)
-        return by_multigrid(problem, settings, x0, observer);
+        return by_multigrid(problem, settings, x0, plan.costs, observer);
       return by_condensation(problem, settings, x0, observer);
     case Route::multigrid:
       if (factored_ && may_replace_a_factor(settings))  // the hierarchy was poor
         return by_condensation(problem, settings, x0, observer);
-      return by_multigrid(problem, settings, x0, observer);
+      return by_multigrid(problem, settings, x0, plan.costs, observer);
   }
   return iterate(problem, settings, x0, observer);
 }
@@ -239,12 +249,12 @@ Solution Solver::by_condensation(const ContactProblem& problem, const Settings& 
 /// Multigrid; where it does not arrive short of rounding, or has no coordinates to build on, the
 /// condensed route and what follows it.
 Solution Solver::by_multigrid(const ContactProblem& problem, const Settings& settings,
-                              const Vector& x0, Observer* observer) {
+                              const Vector& x0, const Costs& costs, Observer* observer) {
   Settings rest = settings;
   rest.method = Method::automatic;
   if (!multigrid_) multigrid_ = std::make_unique<MultigridSolver>(system_);
   if (!multigrid_->has_hierarchy()) return by_condensation(problem, rest, x0, observer);
-  Solution s = multigrid_->solve(problem, settings, x0, observer, allowance(settings));
+  Solution s = multigrid_->solve(problem, settings, x0, observer, allowance(settings, costs));
   if (decided(s) || s.certificate.residual <= rounding) return s;
   const Index left = bound_of(problem, settings) - s.iterations;
   rest.nbiter = left;
@@ -255,10 +265,9 @@ Solution Solver::by_multigrid(const ContactProblem& problem, const Settings& set
 }
 
 /// What the condensed route costs, over multigrid as a rule: infinite where the latter is named.
-double Solver::allowance(const Settings& settings) const {
+double Solver::allowance(const Settings& settings, const Costs& costs) const {
   if (settings.method != Method::automatic) return std::numeric_limits<double>::infinity();
   if (indefinite_ || settings.memory < memory_needed_) return only_gradients;
-  const Costs costs = estimate_costs(*system_);
   return costs.condensed / costs.multigrid;
 }
 

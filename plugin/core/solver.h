@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <memory>
 
 #include "cost.h"
@@ -30,6 +31,11 @@ std::unique_ptr<TrescaSolver> make_tresca_solver(const ContactProblem& problem,
 /// above, the method is not blamed.
 Status concluded(Status status, const Certificate& certificate, const Settings& settings);
 
+/// The answer to a problem: rest, where nothing loads or penetrates, or else what `solve` makes of
+/// it; with its last status and the states of the nodes.
+Solution answer(const ContactProblem& problem, const Settings& settings,
+                const std::function<Solution()>& solve);
+
 class CondensedSolver;
 class MultigridSolver;
 
@@ -55,8 +61,8 @@ class Solver {
   Solution by_condensation(const ContactProblem& problem, const Settings& settings,
                            const Vector& x0, Observer* observer);
   Solution by_multigrid(const ContactProblem& problem, const Settings& settings, const Vector& x0,
-                        Observer* observer);
-  double allowance(const Settings& settings) const;
+                        const Costs& costs, Observer* observer);
+  double allowance(const Settings& settings, const Costs& costs) const;
   bool condense(const Settings& settings);
   [[noreturn]] void refuse_memory(double given) const;
 

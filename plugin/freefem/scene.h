@@ -44,8 +44,8 @@ struct Scene {
   void face(const Triplets& A, const mortar::Options& options);
   /// Copies A into the local frames; the nodes carry their normals and whether they have friction.
   void assemble(const Triplets& A);
-  /// The vectors of a call, and its laws, in local dofs.
-  LocalIncrement increment(const Vector& b, const Vector& u_old, const PointLaws& laws) const;
+  /// The load of a call, and its laws, in local dofs.
+  LocalIncrement increment(const LocalLoad& load, const PointLaws& laws) const;
 
  private:
   /// make(), whose refusals of a contact point get the place of its node.
@@ -91,9 +91,8 @@ inline void Scene::assemble(const Triplets& A) {
   copy_seconds += cpu_seconds() - start;
 }
 
-inline LocalIncrement Scene::increment(const Vector& b, const Vector& u_old,
-                                       const PointLaws& laws) const {
-  return placed([&] { return system->increment(b, u_old, laws); });
+inline LocalIncrement Scene::increment(const LocalLoad& load, const PointLaws& laws) const {
+  return placed([&] { return system->increment(load, laws); });
 }
 
 /// Which node of the mesh each dof belongs to.
