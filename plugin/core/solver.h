@@ -1,10 +1,10 @@
 #pragma once
-#include <functional>
 #include <memory>
 
 #include "cost.h"
 #include "solution.h"
 #include "gradient/tresca.h"
+#include "statics/floating.h"
 
 namespace frictioncg {
 
@@ -25,16 +25,6 @@ Plan make_plan(const ContactProblem& problem, const Settings& settings);
 std::unique_ptr<TrescaSolver> make_tresca_solver(const ContactProblem& problem,
                                                  const Settings& settings, Index max_iterations,
                                                  Observer* observer);
-
-/// The last word on a status is the certificate's: converged where its residual is below tol and
-/// nowhere else (or where the paper's own rule is asked for); and where rounding is what keeps it
-/// above, the method is not blamed.
-Status concluded(Status status, const Certificate& certificate, const Settings& settings);
-
-/// The answer to a problem: rest, where nothing loads or penetrates, or else what `solve` makes of
-/// it; with its last status and the states of the nodes.
-Solution answer(const ContactProblem& problem, const Settings& settings,
-                const std::function<Solution()>& solve);
 
 class CondensedSolver;
 class MultigridSolver;
@@ -67,6 +57,7 @@ class Solver {
   [[noreturn]] void refuse_memory(double given) const;
 
   SystemPtr system_;
+  FloatingMotions floating_;
   std::unique_ptr<CondensedSolver> condensed_;
   double memory_needed_ = 0;  ///< by the condensed route, as far as it is known [bytes]
   bool factored_ = false;

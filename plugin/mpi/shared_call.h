@@ -1,6 +1,7 @@
 #pragma once
 #include "../freefem/freefem.h"
 
+#include "../core/answer.h"
 #include "shared_report.h"
 
 namespace frictioncg {
