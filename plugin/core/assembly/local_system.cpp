@@ -50,8 +50,10 @@ void LocalSystem::assemble(const Triplets& A, int dimension, const std::vector<I
   system->D = system->A.diagonal();
   check_stiffness(*system);
   if (!A.half) check_symmetry(system->A, system->D, basis_->origin);
-  if (!mesh_node.empty())
+  if (!mesh_node.empty()) {
+    system->mesh_node.reserve(basis_->origin.size());
     for (Index dof : basis_->origin) system->mesh_node.push_back(mesh_node[dof]);
+  }
   system->weight = node_weights(*system);
   system->rigid_modes = in_local_dofs(std::move(modes));
   system->body_modes = in_local_dofs(std::move(body_modes));
