@@ -68,10 +68,16 @@ def fault(command, log, seconds=None, **more):
 
 @functools.lru_cache(None)
 def included(path):
-    """A file of plugin/core and all of its headers there, themselves below plugin/."""
-    with open(os.path.join(ROOT, "plugin", path)) as f:
-        names = re.findall(r'^#include "(.*)"', f.read(), re.M)
-    return {path}.union(*(included("core/" + name) for name in names))
+    """A file of plugin/core or tests/unit and all of our own headers in it, below ROOT."""
+    files = {path}
+    with open(os.path.join(ROOT, path)) as f:
+        for name in re.findall(r'^#include "(.*)"', f.read(), re.M):
+            for folder in (os.path.dirname(path), "plugin/core", "plugin", "tests"):
+                header = os.path.normpath(os.path.join(folder, name))
+                if os.path.exists(os.path.join(ROOT, header)):
+                    files |= included(header)
+                    break
+    return files
 
 
 class Build:
@@ -88,10 +94,10 @@ class Build:
                 if made:
                     self.lines[made.group(1)] = line
 
-    def objects(self, path):
-        """The objects of the core that a file of plugin/core goes into."""
-        made = [o for o in self.lines if o.startswith(f"{self.build}/core/")]
-        return [o for o in made if path in included("core" + o[len(f"{self.build}/core"):-2] + ".cpp")]
+    def objects(self, path, room, sources):
+        """The objects of build/room, from such sources, that a file of plugin/core goes into."""
+        made = [o for o in self.lines if o.startswith(f"{self.build}/{room}/")]
+        return [o for o in made if f"plugin/{path}" in included(sources + o[len(f"{self.build}/{room}"):-2] + ".cpp")]
 
     def command(self, target, exchange):
         line = self.lines[f"{self.build}/{target}" if "/" not in target else target]
@@ -121,7 +127,7 @@ def unit_tests_notice(folder, log, path=""):
     return next(filter(None, faults), "")
 
 
-def scripts_notice(folder, log, path=""):
+def scripts_notice(folder, log):
     env = dict(os.environ, BUILD=os.path.relpath(folder, ROOT))
     plugins = os.environ.get("FF_PLUGINS", "/usr/lib/freefem++")
     idp = os.environ.get("FF_IDP", "/usr/include/freefem++/idp")
@@ -152,22 +158,38 @@ def noticed(mutant, build):
             with open(os.path.join(copy, mutant.path), "w") as f:
                 f.write(text.replace(mutant.old, mutant.new))
             exchange = {}
-            for number, made in enumerate(build.objects(mutant.path)):
-                name = os.path.join(folder, f"{number}.o")
-                command = build.command(made, {made: name}).replace("plugin/core", f"{copy}/core")
-                if fault(command, log, shell=True, cwd=ROOT):
-                    return "compiler"
-                exchange[made] = name
-            for target, notice, name in (("unit_tests", unit_tests_notice, "unit tests"),
-                                         ("frictionCG.so", scripts_notice, "scripts")):
-                exchange[f"{build.build}/{target}"] = os.path.join(folder, target)
-                if fault(build.command(target, exchange), log, shell=True, cwd=ROOT):
-                    return "linker"
+
+            def compiled(room, sources):
+                for made in build.objects(mutant.path, room, sources):
+                    name = os.path.join(folder, f"{len(exchange)}.o")
+                    command = build.command(made, {made: name})
+                    command = command.replace("plugin/core", f"{copy}/core").replace("-Iplugin ", f"-I{copy} ")
+                    if fault(command, log, shell=True, cwd=ROOT):
+                        return False
+                    exchange[made] = name
+                return True
+
+            def linked(target):
                 for idp in glob.glob(os.path.join(ROOT, "edp", "*.idp")):
                     shutil.copy(idp, folder)
-                seen = notice(folder, log, mutant.path)
+                made = {f"{build.build}/{target}": os.path.join(folder, target), **exchange}
+                return not fault(build.command(target, made), log, shell=True, cwd=ROOT)
+
+            # a test may have compiled a header's function into itself
+            rooms = [("core", "plugin/core")] + [("unit", "tests/unit")] * mutant.path.endswith(".h")
+            for room, sources in rooms:
+                if not compiled(room, sources):
+                    return "compiler"
+                if not linked("unit_tests"):
+                    return "linker"
+                seen = unit_tests_notice(folder, log, mutant.path)
                 if seen:
-                    return f"{name} {seen}"
+                    return f"unit tests {seen}"
+            if not linked("frictionCG.so"):
+                return "linker"
+            seen = scripts_notice(folder, log)
+            if seen:
+                return f"scripts {seen}"
             return None
     finally:
         shutil.rmtree(folder)
