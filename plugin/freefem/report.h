@@ -162,6 +162,14 @@ inline void report_plan(const Arguments& args, const Scene& scene, const Contact
   std::cout << std::endl;
 }
 
+/// Three digits.
+inline std::string rounded(double value) {
+  std::ostringstream s;
+  s.precision(3);
+  s << value;
+  return s.str();
+}
+
 inline const char* name_of(Layer layer) {
   switch (layer) {
     case Layer::none:
@@ -241,6 +249,17 @@ inline void report_end(const Solution& solution) {
               << solution.levels.complexity;
   if (solution.passes > 0) std::cout << " in " << solution.passes << " passes of the fixed point";
   if (solution.eps > 0) std::cout << ", regeps " << solution.eps;
+  std::cout << std::endl;
+}
+
+/// Why a call by method auto has no factor: no factor of its scene fits in memory.
+inline void report_memory(double needed, const Settings& s) {
+  if (s.method != Method::automatic || needed <= s.memory) return;
+  line() << "memory = " << s.memory / 1e9 << " GB, and a factorization takes "
+         << (std::isfinite(needed) ? "at least " + rounded(needed / 1e9) + " GB"
+                                   : "more entries than CHOLMOD can index")
+         << ": auto went on without one";
+  if (std::isfinite(needed)) std::cout << "; raise memory to have it";
   std::cout << std::endl;
 }
 
