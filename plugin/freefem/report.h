@@ -162,14 +162,6 @@ inline void report_plan(const Arguments& args, const Scene& scene, const Contact
   std::cout << std::endl;
 }
 
-/// Three digits.
-inline std::string rounded(double value) {
-  std::ostringstream s;
-  s.precision(3);
-  s << value;
-  return s.str();
-}
-
 inline const char* name_of(Layer layer) {
   switch (layer) {
     case Layer::none:
@@ -255,11 +247,12 @@ inline void report_end(const Solution& solution) {
 /// Why a call by method auto has no factor: no factor of its scene fits in memory.
 inline void report_memory(double needed, const Settings& s) {
   if (s.method != Method::automatic || needed <= s.memory) return;
-  line() << "memory = " << s.memory / 1e9 << " GB, and a factorization takes "
-         << (std::isfinite(needed) ? "at least " + rounded(needed / 1e9) + " GB"
-                                   : "more entries than CHOLMOD can index")
-         << ": auto went on without one";
-  if (std::isfinite(needed)) std::cout << "; raise memory to have it";
+  line() << "memory = " << s.memory / 1e9 << " GB, and a factorization takes ";
+  if (std::isfinite(needed))
+    std::cout << "at least " << needed / 1e9
+              << " GB: auto went on without one; raise memory to have it";
+  else
+    std::cout << "more entries than CHOLMOD can index: auto went on without one";
   std::cout << std::endl;
 }
 
