@@ -43,6 +43,8 @@ class Solver {
   /// does not fit in settings.memory; the factorization stays as it was.
   Solution solve(const Increment& increment, const Settings& settings, const Vector& x0 = {},
                  Observer* observer = nullptr);
+  /// What the condensed route takes [bytes], as far as calls before have found it out; else 0.
+  double memory_needed() const { return memory_needed_; }
 
  private:
   /// Solves on the way of the plan; what answered stands in Solution::layer.

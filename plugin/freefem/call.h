@@ -107,6 +107,7 @@ inline KN_<double> solve(Stack stack, const Call& call, Scene& scene, const Poin
   const Solution solution = scene.solver->solve(now.increment, call.settings, x0,
                                                 call.verb > 0 || out.history ? &progress : nullptr);
   if (call.verb > 0) {
+    report_memory(scene.solver->memory_needed(), call.settings);
     report_end(solution);
     report_motions(scene, solution);
   }

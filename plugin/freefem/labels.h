@@ -1,6 +1,8 @@
 #pragma once
 #include "freefem.h"
 
+#include <sstream>
+#include <string>
 #include <vector>
 
 #include "../core/types.h"
@@ -22,26 +24,55 @@ inline aType type_of(LabelForm form) {
   }
 }
 
+/// One label of a script: FreeFEM would cast a real or a bool to a label that nobody has meant.
+class LabelExpression {
+ public:
+  explicit LabelExpression(const C_F0& given) {
+    const aType type = given.left();
+    real_ = type == atype<double>() || type == atype<double*>();
+    bool_ = type == atype<bool>() || type == atype<bool*>();
+    expression_ = real_ ? to<double>(given) : bool_ ? to<bool>(given) : to<long>(given);
+  }
+  /// what: the argument, for the message.
+  long operator()(Stack stack, const char* what) const {
+    if (!real_ && !bool_) return GetAny<long>((*expression_)(stack));
+    std::ostringstream m;
+    m << what << " has ";
+    if (real_)
+      m << "the real " << GetAny<double>((*expression_)(stack));
+    else
+      m << "the bool " << (GetAny<bool>((*expression_)(stack)) ? "true" : "false");
+    m << "; a label is a whole number, as in 1, [1, 2] or an int[int], and all that is no label is "
+         "given by name, as in mu=0.3";
+    throw IllegalInput(m.str());
+  }
+
+ private:
+  bool real_ = false, bool_ = false;
+  Expression expression_ = nullptr;
+};
+
 /// The labels of one boundary, as expressions.
 class Labels {
  public:
   Labels(const C_F0& argument, LabelForm form) : form_(form) {
     if (form == LabelForm::list) {
       const E_Array* list = dynamic_cast<const E_Array*>(argument.LeftValue());
-      for (int k = 0; list && k < list->size(); ++k) expressions_.push_back(to<long>((*list)[k]));
+      for (int k = 0; list && k < list->size(); ++k) labels_.emplace_back((*list)[k]);
+    } else if (form == LabelForm::array) {
+      array_ = to<KN_<long>>(argument);
     } else {
-      expressions_.push_back(form == LabelForm::array ? to<KN_<long>>(argument)
-                                                      : to<long>(argument));
+      labels_.emplace_back(argument);
     }
   }
   /// what: the side of the contact, for the message.
   std::vector<long> operator()(Stack stack, const char* what) const {
     std::vector<long> all;
     if (form_ == LabelForm::array) {
-      const KN_<long> list = GetAny<KN_<long>>((*expressions_[0])(stack));
+      const KN_<long> list = GetAny<KN_<long>>((*array_)(stack));
       for (long k = 0; k < list.N(); ++k) all.push_back(list[k]);
     } else {
-      for (Expression e : expressions_) all.push_back(GetAny<long>((*e)(stack)));
+      for (const LabelExpression& label : labels_) all.push_back(label(stack, what));
     }
     if (all.empty())
       throw IllegalInput(std::string(what) + " is empty; name the boundary that may touch");
@@ -50,7 +81,8 @@ class Labels {
 
  private:
   LabelForm form_;
-  std::vector<Expression> expressions_;
+  std::vector<LabelExpression> labels_;
+  Expression array_ = nullptr;
 };
 
 }  // namespace frictioncg

@@ -244,6 +244,18 @@ inline void report_end(const Solution& solution) {
   std::cout << std::endl;
 }
 
+/// Why a call by method auto has no factor: no factor of its scene fits in memory.
+inline void report_memory(double needed, const Settings& s) {
+  if (s.method != Method::automatic || needed <= s.memory) return;
+  line() << "memory = " << s.memory / 1e9 << " GB, and a factorization takes ";
+  if (std::isfinite(needed))
+    std::cout << "at least " << needed / 1e9
+              << " GB: auto went on without one; raise memory to have it";
+  else
+    std::cout << "more entries than CHOLMOD can index: auto went on without one";
+  std::cout << std::endl;
+}
+
 /// Phases and counters, for verb 3.
 inline void report_phases(const Scene& scene, const Solution& solution) {
   const Times& t = solution.times;

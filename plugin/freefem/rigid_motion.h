@@ -127,6 +127,9 @@ inline std::string components_of(const Eigen::Vector3d& v, int d, Real unit) {
 
 constexpr Real rigid_misfit = 1e-3;  ///< up to which a motion is called rigid
 constexpr Real still = 1e-6;         ///< over the largest displacement: what does not move
+/// A rotation about a centre as many times the extent of the body away is a translation: rounding,
+/// amplified by a nearly singular A, turns every translation by so much.
+constexpr Real far_away = 2000;
 
 /// The motion of one body in words: a translation along a direction, or a rotation about a point
 /// (2D) or an axis (3D), or, where a part of the body moves, the node that moves most.
@@ -141,9 +144,10 @@ inline std::string describe_one(const std::vector<NodePlace>& nodes, int d, cons
            ", along " + components_of(displacement_at(*most, d, u).normalized(), d, 1);
   }
   const Real turn = m.w.norm();
-  if (turn * m.extent <= still * m.a.norm())
-    return m.a.norm() > 0 ? "a translation along " + components_of(m.a.normalized(), d, 1)
-                          : "no motion";
+  if (far_away * turn * m.extent <= m.a.norm())
+    return m.a.norm() > 0
+               ? "a translation along " + components_of(m.a.normalized(), d, 1e6 / far_away)
+               : "no motion";
   const Eigen::Vector3d axis = m.w / turn;
   const Eigen::Vector3d centre = m.c + m.w.cross(m.a) / (turn * turn);
   const std::string about = components_of(centre, d, m.extent + centre.norm());

@@ -1,6 +1,7 @@
 #pragma once
 #include "freefem.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -40,8 +41,35 @@ inline std::string words(aType type) {
   return "something else";
 }
 
+inline bool is_space(const std::string& word) { return word.rfind("fespace", 0) == 0; }
+
+/// Whether A, b, Vh or labels are there, but not in their places. number: of the arguments before
+/// the space.
+inline bool exchanged(const std::vector<std::string>& given, std::size_t number) {
+  const auto count = [&](const std::string& word) {
+    return std::count(given.begin(), given.end(), word);
+  };
+  if (given.size() < number + 2 || count("matrix") != 1) return false;
+  if (std::none_of(given.begin(), given.end(), is_space)) return false;
+  if (number == 2 && count("real[int]") != 1) return false;
+  return given[0] != "matrix" || (number == 2 && given[1] != "real[int]") ||
+         !is_space(given[number]);
+}
+
+constexpr long most_spaces = 2;  ///< of a call
+
 /// What is amiss with a call of such arguments, where it is one of the frequent slips.
-inline std::string hint(const std::vector<std::string>& given) {
+inline std::string hint(const std::vector<std::string>& given, bool constructs) {
+  if (constructs && given.size() > 1 && given[1] == "real[int]")
+    return "a load belongs to each call, frictionalContactCG(C, b, ...)";
+  if (exchanged(given, constructs ? 1 : 2))
+    return std::string("they stand in another order than ") + (constructs ? "A" : "A, b") +
+           ", Vh, labels";
+  if (std::count_if(given.begin(), given.end(), is_space) > most_spaces)
+    return "two spaces at most; more bodies are parts of one mesh, in one space, and slave and "
+           "master lists, as in (A, b, Vh, [1, 2], [3, 4])";
+  const std::size_t space = constructs ? 1 : 2;
+  if (given.size() > space && given[space] == "[ ]") return "a list stands where a fespace should";
   for (const std::string& word : given) {
     if (word == "function") return "a function stands where its fespace should";
     if (word == "fespace on a meshS" || word == "fespace on a meshL")
@@ -82,7 +110,7 @@ class RefusedForm : public OneOperator {
     for (int k = 0; k < args.size(); ++k) given.push_back(words(args[k].left()));
     std::string list;
     for (const std::string& word : given) list += (list.empty() ? "" : ", ") + word;
-    const std::string why = hint(given);
+    const std::string why = hint(given, constructs_);
     CompileError(std::string(constructs_ ? constructor_name : operator_name) +
                  ": no form takes the arguments (" + list + ")" + (why.empty() ? "" : ": " + why) +
                  ". The forms are" + usage(constructs_) + "\n ");
@@ -100,9 +128,12 @@ class RefusedForm : public OneOperator {
   bool constructs_;
 };
 
-/// Registers the refusals, of up to as many arguments as the longest form has, and one.
+/// The longest form has six arguments; four bodies with a space each have ten.
+constexpr int most_arguments = 10;
+
+/// Registers the refusals, of up to as many arguments as anybody may try.
 inline void add_usage() {
-  for (int arguments = 0; arguments <= 7; ++arguments) {
+  for (int arguments = 0; arguments <= most_arguments; ++arguments) {
     Global.Add(operator_name, "(", new RefusedForm(atype<KN_<double>>(), arguments, false));
     Global.Add(constructor_name, "(",
                new RefusedForm(atype<ContactProblemVariable*>(), arguments, true));

@@ -56,6 +56,13 @@ TEST(RigidMotion, ARotationIsNamedByItsCentreOrAxis) {
       "a rotation about the axis (0, 0, -1) through (1, 2, 0.5), with a translation along it");
 }
 
+TEST(RigidMotion, ARotationAboutACentreThousandsOfSizesAwayIsATranslation) {
+  const Eigen::Vector3d far(0, 3e4, 0), near(0, 1e3, 0), w(0, 0, 1e-4);
+  EXPECT_EQ(Body(2, -w.cross(far), w).text(), "a translation along (1, 0)");
+  EXPECT_EQ(Body(3, -w.cross(far), w).text(), "a translation along (1, 0, 0)");
+  EXPECT_EQ(Body(2, -w.cross(near), w).text(), "a rotation, counter-clockwise, about (0, 1000)");
+}
+
 TEST(RigidMotion, AMotionOfAPartIsNamedByTheNodeThatMovesMost) {
   Body body(2, {0, 0, 0}, {0, 0, 0});
   body.u[body.nodes[5].dof[1]] = -2;

@@ -24,11 +24,11 @@ struct ContactNode {
 
 /// What is wrong with the obstacles at a node.
 constexpr const char* dependent_normals =
-    " have linearly dependent normals on what is free to move there; leave one of their labels "
-    "out, or give one normal";
+    " have linearly dependent normals on what is free to move there; give one normal for all of "
+    "them, or labels that leave one of these faces out";
 constexpr const char* different_gaps =
     " are at different gaps along the one direction that is free to move there, and bilateral "
-    "contact can follow one alone; leave one of their labels out";
+    "contact can follow one alone; give one gap, or labels that leave one of these faces out";
 
 /// The obstacles at one mesh node ask for what its free directions cannot give.
 struct ConflictingObstacles : IllegalInput {
