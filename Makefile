@@ -79,6 +79,9 @@ setup: ## install what is missing from Debian's packages
 	    apt-get install -y -qq --no-install-recommends $$missing >/dev/null || { echo "cannot install:$$missing"; exit 1; }; \
 	fi
 
+# The plugin calls what it defines, and not what FreeFEM has under the same name: see freefem/memory.h.
+OWN_NEW   := -Wl,-Bsymbolic-functions
+
 # The compiler writes what each object includes beside it, so that a header rebuilds what reads it.
 DEPENDS   := -MMD -MP
 
@@ -120,7 +123,7 @@ $(BUILD)/mpiUnit.so: tests/bench/distributed/mpiUnit.cpp $(MPI_OBJECTS) $(OBJECT
 	  $(filter-out %/frictionCG-mpi.o,$(MPI_OBJECTS)) $(OBJECTS) -o $@ $(LIBS) $(MPI_LIBS)
 
 $(BUILD)/frictionCG-mpi.so: $(MPI_OBJECTS) $(OBJECTS)
-	$(CXX) -shared $(LDFLAGS) $^ -o $@ $(LIBS) $(MPI_LIBS)
+	$(CXX) -shared $(OWN_NEW) $(LDFLAGS) $^ -o $@ $(LIBS) $(MPI_LIBS)
 
 core: $(BUILD)/libfrictioncg.a ## the core as a library, used through plugin/core/frictioncg.h
 

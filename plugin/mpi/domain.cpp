@@ -1,12 +1,18 @@
 #include "domain.h"
 
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
 #include <new>
 
 namespace frictioncg {
 
 namespace {
 
-constexpr int tag = 1412;  ///< of messages between neighbours
+constexpr int tag = 1412;         ///< of messages between neighbours
+constexpr unsigned patience = 5;  ///< [s] with MPI, which may want memory to end the others
 
 struct Message {
   int rank;
@@ -31,6 +37,17 @@ void exchange(MPI_Comm communicator, const std::vector<Message>& out, std::vecto
 }
 
 }  // namespace
+
+void end_all(MPI_Comm communicator, const char* name, const char* message) noexcept {
+  int started = 0, rank = 0;
+  MPI_Initialized(&started);
+  if (started) MPI_Comm_rank(communicator, &rank);
+  std::fprintf(stderr, "%s: %s (rank %d)\n", name, message, rank);
+  std::signal(SIGALRM, SIG_DFL);
+  alarm(patience);
+  if (started) MPI_Abort(communicator, EXIT_FAILURE);
+  std::_Exit(EXIT_FAILURE);
+}
 
 Domain::Domain(MPI_Comm communicator, std::vector<Neighbour> neighbours, const Vector& D)
     : owned_(D.size(), 1) {
@@ -156,7 +173,7 @@ void Domain::agree(const std::function<void()>& body) const {
   } catch (const IllegalInput& e) {
     message = e.what();
   } catch (const std::bad_alloc&) {
-    message = "not enough memory for this problem";
+    message = not_enough_memory;
   } catch (const std::exception& e) {
     message = std::string("internal error: ") + e.what();
   } catch (...) {

@@ -7,6 +7,7 @@
 #include "../freefem/freefem.h"
 
 #include "../freefem/load.h"
+#include "../freefem/memory.h"
 #include "shared_solve.h"
 
 namespace frictioncg {

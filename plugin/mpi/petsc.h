@@ -7,7 +7,7 @@
 
 namespace frictioncg {
 
-/// Throws std::runtime_error with PETSc's own words.
+/// Throws std::bad_alloc, or std::runtime_error with PETSc's own words.
 void check(PetscErrorCode error);
 
 /// MPI and PETSc are ready after it; FreeFEM's program may have started MPI.
