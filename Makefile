@@ -48,7 +48,7 @@ SCRIPTS   := $(wildcard tests/edp/*.edp)
 EXAMPLES  := $(filter-out %-mpi.edp,$(wildcard examples/*.edp))
 # Under several processes: where `make mpi` has been
 WITH_MPI   = $(wildcard $(BUILD)/frictionCG-mpi.so)
-SHARED     = $(if $(WITH_MPI),$(wildcard tests/mpi/*.edp examples/*-mpi.edp))
+SHARED     = $(if $(WITH_MPI),$(wildcard tests/mpi/*.edp examples/*-mpi.edp) tests/mpi/scarce)
 PAGES     := README.md $(wildcard edp/doc/*.md)
 BENCHES   := $(wildcard tests/bench/*.cpp)
 OWN       := $(CORE) $(HEADERS) $(wildcard plugin/*.cpp plugin/mpi/*.cpp plugin/mpi/*.h tests/unit/*.cpp tests/unit/*.h \
@@ -122,6 +122,10 @@ $(BUILD)/mpiUnit.so: tests/bench/distributed/mpiUnit.cpp $(MPI_OBJECTS) $(OBJECT
 	$(CXX) $(FLAGS) $(MPI_FLAGS) $(FF_HEADER) -Wno-mismatched-new-delete -Wno-shadow -Iplugin -shared $< \
 	  $(filter-out %/frictionCG-mpi.o,$(MPI_OBJECTS)) $(OBJECTS) -o $@ $(LIBS) $(MPI_LIBS)
 
+# For tests/mpi/scarce
+$(BUILD)/scarce.so: tests/mpi/scarce.cpp
+	$(CXX) -std=c++17 -fPIC $(CXXFLAGS) $(WARN) -shared $< -o $@
+
 $(BUILD)/frictionCG-mpi.so: $(MPI_OBJECTS) $(OBJECTS)
 	$(CXX) -shared $(OWN_NEW) $(LDFLAGS) $^ -o $@ $(LIBS) $(MPI_LIBS)
 
@@ -145,7 +149,8 @@ demo: setup ## the block of the paper: displacement, contact forces, and their p
 	cd $(BUILD) && $(RUN) $(CURDIR)/examples/block.edp
 
 check: setup ## all tests
-	@$(MAKE) --no-print-directory -j$$(nproc) all $(BUILD)/unit_tests $(BUILD)/two_springs $(WITH_MPI) >/dev/null
+	@$(MAKE) --no-print-directory -j$$(nproc) all $(BUILD)/unit_tests $(BUILD)/two_springs \
+	  $(WITH_MPI) $(if $(WITH_MPI),$(BUILD)/scarce.so) >/dev/null
 	@$(if $(WITH_MPI),,echo "left out: tests of several processes; \`make mpi\` adds them")
 	@bash tests/run $(BUILD)/unit_tests $(BUILD)/two_springs tests/figures $(SCRIPTS) $(EXAMPLES) \
 	  $(PAGES) $(SHARED)
@@ -157,7 +162,8 @@ scripts: all ## scripted tests in FreeFEM only
 	@bash tests/run $(SCRIPTS)
 
 shared: mpi ## scripted tests and examples under several processes only
-	@bash tests/run $(wildcard tests/mpi/*.edp examples/*-mpi.edp)
+	@$(MAKE) --no-print-directory $(BUILD)/scarce.so >/dev/null
+	@bash tests/run $(wildcard tests/mpi/*.edp examples/*-mpi.edp) tests/mpi/scarce
 
 examples: all ## every example, on coarse meshes
 	@bash tests/run $(EXAMPLES)

@@ -2,8 +2,8 @@
 #include <cstdlib>
 #include <new>
 
-// FreeFEM's own operator new is malloc, which gives null where memory has run out: what the standard
-// library builds on it would write there. Of the plugin's own code, which is linked with
+// FreeFEM's own operator new is malloc, which gives null where memory has run out: what the
+// standard library builds on it would write there. Of the plugin's own code, which is linked with
 // -Bsymbolic-functions, it throws; what either has allotted the other may free. Included once.
 
 void* operator new(std::size_t size) {

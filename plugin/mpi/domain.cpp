@@ -36,12 +36,34 @@ void exchange(MPI_Comm communicator, const std::vector<Message>& out, std::vecto
   MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
 }
 
+/// What fails in MPI itself, also where PETSc calls it: PETSc may crash while it looks for words.
+void end_by_mpi(MPI_Comm* communicator, int* error, ...) {
+  char text[MPI_MAX_ERROR_STRING] = "";
+  int length = 0;
+  MPI_Error_string(*error, text, &length);
+  end_all(*communicator, "MPI", text);
+}
+
+/// The handler is inherited by what PETSc duplicates in turn.
+MPI_Comm duplicate(MPI_Comm communicator) {
+  MPI_Comm copy;
+  MPI_Errhandler handler;
+  MPI_Comm_dup(communicator, &copy);
+  MPI_Comm_create_errhandler(end_by_mpi, &handler);
+  MPI_Comm_set_errhandler(copy, handler);
+  MPI_Errhandler_free(&handler);
+  return copy;
+}
+
 }  // namespace
 
 void end_all(MPI_Comm communicator, const char* name, const char* message) noexcept {
   int started = 0, rank = 0;
   MPI_Initialized(&started);
   if (started) MPI_Comm_rank(communicator, &rank);
+  static bool ending = false;  // MPI may fail once more on the way
+  if (ending) std::_Exit(EXIT_FAILURE);
+  ending = true;
   std::fprintf(stderr, "%s: %s (rank %d)\n", name, message, rank);
   std::signal(SIGALRM, SIG_DFL);
   alarm(patience);
@@ -50,8 +72,7 @@ void end_all(MPI_Comm communicator, const char* name, const char* message) noexc
 }
 
 Domain::Domain(MPI_Comm communicator, std::vector<Neighbour> neighbours, const Vector& D)
-    : owned_(D.size(), 1) {
-  MPI_Comm_dup(communicator, &communicator_);
+    : communicator_(duplicate(communicator)), owned_(D.size(), 1) {
   MPI_Comm_rank(communicator_, &rank_);
   MPI_Comm_size(communicator_, &size_);
   check_neighbours(neighbours);

@@ -28,7 +28,8 @@ void check(PetscErrorCode error) {
   first_error = {};
   if (error == PETSC_ERR_MEM) throw std::bad_alloc();
   PetscErrorMessage(error, &text, nullptr);
-  throw std::runtime_error("PETSc: " + (text ? std::string(text) : "error " + std::to_string(error)));
+  throw std::runtime_error("PETSc: " +
+                           (text ? std::string(text) : "error " + std::to_string(error)));
 }
 
 void start_petsc() {

@@ -1,7 +1,8 @@
-// Preloaded into one process of several: memory runs out there, at a call of malloc that the environment names.
-//   SCARCE_FROM   the first call that fails, counted from the script's exec(""); 0: none, and their number is printed
-//   SCARCE_SIZE   calls for fewer bytes are granted, and not counted
-//   SCARCE_ONCE   calls after that are granted
+// Preloaded into one process of several: memory runs out there, at a call of malloc that the
+// environment names.
+//   SCARCE_FROM   the first call that fails, counted from the script's exec(""); 0: none, and their
+//   number is printed SCARCE_SIZE   calls for fewer bytes are granted, and not counted SCARCE_ONCE
+//   calls after that are granted
 // glibc's own functions are called by their inner names: looking them up would need memory.
 #include <cerrno>
 #include <cstdio>
