@@ -42,6 +42,9 @@ inline std::string words(aType type) {
 
 /// What is amiss with a call of such arguments, where it is one of the frequent slips.
 inline std::string hint(const std::vector<std::string>& given) {
+  if (given.size() > 2 && given[0] == "contactproblem")
+    return "a contactproblem has its space and its labels already; after b all goes by name, as in "
+           "uold=u[]";
   for (const std::string& word : given) {
     if (word == "function") return "a function stands where its fespace should";
     if (word == "fespace on a meshS" || word == "fespace on a meshL")

@@ -3,10 +3,15 @@
 //   SCARCE_FROM   the first call that fails, counted from the script's exec(""); 0: none, and their
 //   number is printed SCARCE_SIZE   calls for fewer bytes are granted, and not counted SCARCE_ONCE
 //   calls after that are granted
+// What Open MPI asks for is granted: it crashes without, and mpirun ends the others.
 // glibc's own functions are called by their inner names: looking them up would need memory.
+#include <dlfcn.h>
+
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
+#include <initializer_list>
 
 extern "C" {
 void* __libc_malloc(std::size_t size);
@@ -25,10 +30,18 @@ long number(const char* name) {
   return text ? std::atol(text) : 0;
 }
 
-bool refused(std::size_t size) {
+bool is_of_mpi(const void* caller) {
+  Dl_info object;
+  if (!dladdr(caller, &object) || !object.dli_fname) return false;
+  for (const char* name : {"openmpi", "libmpi", "libopen-", "libpmix", "libevent"})
+    if (std::strstr(object.dli_fname, name)) return true;
+  return false;
+}
+
+bool refused(std::size_t size, const void* caller) {
   static const long from = number("SCARCE_FROM"), least = number("SCARCE_SIZE");
   static const bool once = number("SCARCE_ONCE") > 0;
-  if (!begun || size < static_cast<std::size_t>(least)) return false;
+  if (!begun || size < static_cast<std::size_t>(least) || is_of_mpi(caller)) return false;
   const long call = __atomic_add_fetch(&calls, 1, __ATOMIC_RELAXED);
   const bool fails = from > 0 && (once ? call == from : call >= from);
   if (fails) errno = ENOMEM;
@@ -49,21 +62,25 @@ int system(const char*) {
   begun = true;
   return 0;
 }
-void* malloc(std::size_t size) { return refused(size) ? nullptr : __libc_malloc(size); }
+void* malloc(std::size_t size) {
+  return refused(size, __builtin_return_address(0)) ? nullptr : __libc_malloc(size);
+}
 void* calloc(std::size_t count, std::size_t size) {
-  return refused(count * size) ? nullptr : __libc_calloc(count, size);
+  return refused(count * size, __builtin_return_address(0)) ? nullptr : __libc_calloc(count, size);
 }
 void* realloc(void* p, std::size_t size) {
-  return size > 0 && refused(size) ? nullptr : __libc_realloc(p, size);
+  if (size > 0 && refused(size, __builtin_return_address(0))) return nullptr;
+  return __libc_realloc(p, size);
 }
 void* memalign(std::size_t alignment, std::size_t size) {
-  return refused(size) ? nullptr : __libc_memalign(alignment, size);
+  return refused(size, __builtin_return_address(0)) ? nullptr : __libc_memalign(alignment, size);
 }
-void* aligned_alloc(std::size_t alignment, std::size_t size) { return memalign(alignment, size); }
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  return refused(size, __builtin_return_address(0)) ? nullptr : __libc_memalign(alignment, size);
+}
 int posix_memalign(void** p, std::size_t alignment, std::size_t size) {
-  void* memory = memalign(alignment, size);
-  if (!memory) return ENOMEM;
-  *p = memory;
-  return 0;
+  if (refused(size, __builtin_return_address(0))) return ENOMEM;
+  *p = __libc_memalign(alignment, size);
+  return *p ? 0 : ENOMEM;
 }
 }
