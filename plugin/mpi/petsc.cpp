@@ -9,6 +9,7 @@ namespace frictioncg {
 namespace {
 bool ours = false;  ///< another plugin may have started PETSc, and ends it
 PetscErrorCode first_error = {};
+bool failed = false;
 
 /// Some versions of PETSc, 3.18 among them, pass on the line for the code where memory runs out.
 PetscErrorCode remember(MPI_Comm, int, const char* function, const char*, PetscErrorCode error,
@@ -23,6 +24,7 @@ PetscErrorCode remember(MPI_Comm, int, const char* function, const char*, PetscE
 
 void check(PetscErrorCode error) {
   if (!error) return;
+  failed = true;
   const char* text = nullptr;
   if (first_error) error = first_error;
   first_error = {};
@@ -31,6 +33,8 @@ void check(PetscErrorCode error) {
   throw std::runtime_error("PETSc: " +
                            (text ? std::string(text) : "error " + std::to_string(error)));
 }
+
+bool petsc_failed() { return failed; }
 
 void start_petsc() {
   PetscBool started = PETSC_FALSE;
