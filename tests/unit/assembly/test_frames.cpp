@@ -208,6 +208,8 @@ TEST(Frames, TheNearestOfTwoFlanksHoldsTheTipOfAGrooveWhoseOtherComponentsAreHel
     EXPECT_NEAR(u[tip.dof[0]], 2e-3, 1e-15);
     EXPECT_NEAR(u[tip.dof[1]], -std::min(drop[0], drop[1]), 1e-14);
     EXPECT_EQ(posed.problem().tangents(m - 2), 0);
+    EXPECT_TRUE(posed.local().node(m - 2).shared);
+    EXPECT_EQ(posed.problem().increment.mu[m - 2], 0);
   }
 }
 

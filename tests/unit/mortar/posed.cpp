@@ -28,6 +28,7 @@ Answer solve_contact(const Scene& s, Real mu, const Settings& settings, bool uni
   answer.u = local.to_global(answer.solution.x, now.u0);
   answer.force = local.force_to_global(answer.solution.certificate.r);
   answer.nodes = local.nodes();
+  answer.rotated = local.rotated();
   return answer;
 }
 

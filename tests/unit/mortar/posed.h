@@ -36,6 +36,7 @@ struct Answer {
   Solution solution;
   Vector u, force;  ///< force: of the contact, on both bodies
   Index nodes = 0;
+  bool rotated = false;
 };
 
 Answer solve_contact(const Scene& s, Real mu, const Settings& settings, bool unit_rows = false,

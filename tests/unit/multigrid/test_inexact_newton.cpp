@@ -114,6 +114,26 @@ TEST(Multigrid, SolvesAGivenLimitBilateralContactAndOrthotropicFriction) {
   EXPECT_LE(bilateral.verdict.cone, 1e-5);
 }
 
+TEST(Multigrid, BilateralContactThatIsPulledSlidesAsWhereItIsPushed) {
+  SparseOptions o = cube(6);
+  o.mu = 0.1;
+  const auto solved = [&o](Real sign) {
+    o.pressure = sign * 10;
+    o.shear = sign * 3;
+    const SceneInBlocks s(o);
+    ContactProblem problem = s.posed.problem();
+    problem.increment.bilateral = true;
+    return by(Method::multigrid, problem);
+  };
+  const Solution pushed = solved(1), pulled = solved(-1);
+  EXPECT_EQ(pulled.status, Status::converged);
+  EXPECT_EQ(pulled.route, Route::multigrid);
+  EXPECT_EQ(pulled.iterations, pushed.iterations);
+  EXPECT_EQ(pulled.state, pushed.state);
+  EXPECT_GT(std::count(pushed.state.begin(), pushed.state.end(), NodeState::slip), 20);
+  EXPECT_LT((pulled.x + pushed.x).norm(), 1e-7 * pushed.x.norm());
+}
+
 TEST(Multigrid, ItsIterationsDoNotGrowWithTheMesh) {
   Index iterations[2];
   int k = 0;
