@@ -52,7 +52,7 @@ SHARED     = $(if $(WITH_MPI),$(wildcard tests/mpi/*.edp examples/*-mpi.edp) tes
 PAGES     := README.md $(wildcard edp/doc/*.md)
 BENCHES   := $(wildcard tests/bench/*.cpp)
 OWN       := $(CORE) $(HEADERS) $(wildcard plugin/*.cpp plugin/mpi/*.cpp plugin/mpi/*.h tests/unit/*.cpp tests/unit/*.h \
-               tests/unit/*/*.cpp tests/unit/*/*.h tests/bench/*.cpp tests/bench/*.h)
+               tests/unit/*/*.cpp tests/unit/*/*.h tests/bench/*.cpp tests/bench/*.h tests/mpi/*.cpp)
 
 # Debian's freefem++.pref names a folder that does not exist; the first two make up for it.
 export FF_LOADPATH    := $(CURDIR)/$(BUILD);$(FF_PLUGINS)
@@ -259,9 +259,9 @@ IDP_TO     = $(DESTDIR)$(FF_IDP:$(FF_PREFIX)/%=$(PREFIX)/%)
 
 install: all ## the plugin and the .idp files where FreeFEM looks; then an example from there
 	install -d $(PLUGINS_TO) $(IDP_TO)
-	install -m 644 $(BUILD)/frictionCG.so $(PLUGINS_TO)
+	install -m 644 $(BUILD)/frictionCG.so $(WITH_MPI) $(PLUGINS_TO)
 	@# FreeFem++-mpi looks nowhere else where there is a folder mpi
-	if [ -d $(FF_PLUGINS)/mpi ]; then install -D -m 644 -t $(PLUGINS_TO)/mpi $(BUILD)/frictionCG.so; fi
+	if [ -d $(FF_PLUGINS)/mpi ]; then install -D -m 644 -t $(PLUGINS_TO)/mpi $(BUILD)/frictionCG.so $(WITH_MPI); fi
 	install -m 644 $(IDP) $(IDP_TO)
 	@# Debian's preferences name folders that do not exist: add those that do. A private PREFIX is not theirs.
 	@pref=$(DESTDIR)/etc/freefem++.pref; \
