@@ -4,6 +4,7 @@
 #include <limits>
 #include <sstream>
 
+#include "answer.h"
 #include "condensed/condensed.h"
 #include "condensed/equilibrium.h"
 #include "condensed/rigid_motions.h"
@@ -25,9 +26,6 @@ constexpr Real rounding = 1e-10;
 /// What the methods without a factor cost, over multigrid: more than it is ever allowed.
 constexpr double only_gradients = 1e6;
 
-/// Residuals up to this many times what rounding leaves are its work.
-constexpr Real rounding_margin = 10;
-
 /// The method that stands in for the condensed route, without a factor: not regularized either,
 /// unless the settings ask for it.
 Settings without_factor(Settings settings) {
@@ -47,8 +45,7 @@ Layer layer_of(Method method) {
 
 /// The rigid motions of A: from the candidates of the system, or, where none of them floats, by
 /// conjugate gradients; not after a call that was to be short.
-DenseMatrix motions_of_A(const ContactProblem& problem, Status status) {
-  DenseMatrix known = floating_motions(*problem.system);
+DenseMatrix motions_of_A(const ContactProblem& problem, const DenseMatrix& known, Status status) {
   if (known.cols() > 0 || status == Status::max_iterations) return known;
   return rigid_motions(*problem.system, default_iterations(problem));
 }
@@ -56,11 +53,11 @@ DenseMatrix motions_of_A(const ContactProblem& problem, Status status) {
 /// J without a bound at the present sliding limit says nothing about Coulomb's law, and a stall
 /// nothing about the load. Rigid motions do: no_equilibrium where one of them is a proof, and
 /// nowhere else.
-void decide_on_equilibrium(const ContactProblem& problem, Solution& s) {
+void decide_on_equilibrium(const ContactProblem& problem, FloatingMotions& floating, Solution& s) {
   const bool open = s.status == Status::no_equilibrium || s.status == Status::stagnated ||
                     s.status == Status::fixed_point_diverged || s.status == Status::max_iterations;
   if (!open) return;
-  const Statics statics = balance(motions_of_A(problem, s.status), problem);
+  const Statics statics = balance(motions_of_A(problem, floating(), s.status), problem);
   s.unheld_motion = statics.motion;
   if (statics.balance == Balance::unheld)
     s.status = Status::no_equilibrium;
@@ -70,20 +67,20 @@ void decide_on_equilibrium(const ContactProblem& problem, Solution& s) {
 
 /// The rigid motions that neither A nor the laws determine are named, and taken out of the answer;
 /// where the system knows no candidates for them they are not looked for.
-void settle(const ContactProblem& problem, const Settings& settings, Solution& s) {
+void settle(const ContactProblem& problem, const Settings& settings, FloatingMotions& floating,
+            Solution& s) {
   if (s.certificate.residual > settings.tol) return;
-  s.undetermined = left_free(floating_motions(*problem.system), problem,
-                             branches_of(problem, s.x, s.certificate));
+  s.undetermined = left_free(floating(), problem, branches_of(problem, s.x, s.certificate));
   leave_least(problem, settings.tol, s);
 }
 
 Solution iterate(const ContactProblem& problem, const Settings& settings, const Vector& x0,
-                 Observer* observer) {
+                 Observer* observer, FloatingMotions& floating) {
   const auto tresca = make_tresca_solver(problem, settings, bound_of(problem, settings), observer);
   Solution s = FixedPoint(problem, settings, *tresca).solve(x0);
   s.layer = layer_of(settings.method);
-  decide_on_equilibrium(problem, s);
-  settle(problem, settings, s);
+  decide_on_equilibrium(problem, floating, s);
+  settle(problem, settings, floating, s);
   return s;
 }
 
@@ -116,12 +113,12 @@ Status replace_if_better(Solution& s, Solution t) {
 /// factor, which a nearly singular A spoils. It takes what the condensed route has left of the
 /// bound on the iterations.
 void try_without_factor(const ContactProblem& problem, const Settings& settings, Observer* observer,
-                        Solution& s) {
+                        FloatingMotions& floating, Solution& s) {
   if (decided(s)) return;
   if (s.certificate.residual <= rounding) return;
   Settings rest = without_factor(settings);
   rest.nbiter = bound_of(problem, settings) - s.iterations;
-  if (rest.nbiter > 0) replace_if_better(s, iterate(problem, rest, {}, observer));
+  if (rest.nbiter > 0) replace_if_better(s, iterate(problem, rest, {}, observer, floating));
 }
 
 /// Method auto, unless a regularized answer is asked for: multigrid where a factor does not fit.
@@ -129,22 +126,7 @@ bool may_replace_a_factor(const Settings& settings) {
   return settings.method == Method::automatic && settings.newton;
 }
 
-/// Neither a load nor a penetration: the body stays where it is, whatever else could move it.
-bool at_rest(const Increment& increment) {
-  const auto closed = increment.gap.array();
-  return increment.F.isZero(0) && (increment.bilateral ? (closed == 0).all() : (closed >= 0).all());
-}
-
 }  // namespace
-
-Status concluded(Status status, const Certificate& certificate, const Settings& settings) {
-  if (certificate.residual <= settings.tol) return Status::converged;
-  if (status == Status::converged) return settings.stop_on_step > 0 ? status : Status::stagnated;
-  const bool blames_method = status == Status::max_iterations || status == Status::regularized ||
-                             status == Status::fixed_point_diverged;
-  const bool by_rounding = certificate.residual <= rounding_margin * certificate.attainable;
-  return blames_method && by_rounding ? Status::stagnated : status;
-}
 
 /// Unless the settings name a method: a factorization serves every load and law that follows, and
 /// the laws on the contact dofs alone are then exact and cheap; where it costs more than multigrid
@@ -179,7 +161,9 @@ std::unique_ptr<TrescaSolver> make_tresca_solver(const ContactProblem& problem,
   return std::make_unique<ProjectedCG>(problem, settings, max_iterations, observer);
 }
 
-Solver::Solver(SystemPtr system) : system_(std::move(system)) { validate(*system_); }
+Solver::Solver(SystemPtr system) : system_(std::move(system)), floating_(system_) {
+  validate(*system_);
+}
 Solver::~Solver() = default;
 
 Solution Solver::solve(const Increment& increment, const Settings& settings, const Vector& x0,
@@ -188,43 +172,36 @@ Solution Solver::solve(const Increment& increment, const Settings& settings, con
   validate(increment, *system_);
   validate_start(x0, *system_);
   const ContactProblem problem{system_, increment};
-  Solution s;
-  if (at_rest(increment)) {
-    s.x = Vector::Zero(problem.dofs());
-    s.certificate = certify(problem, s.x);
-  } else {
-    s = by_route(problem, settings, x0, observer);
-  }
-  s.status = concluded(s.status, s.certificate, settings);
-  s.state = classify(problem, s.x, s.certificate);
-  return s;
+  return answer(problem, settings, [&] { return by_route(problem, settings, x0, observer); });
 }
 
 /// The route of the plan; where it is not open, or does not arrive, another one.
 Solution Solver::by_route(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                           Observer* observer) {
-  switch (make_plan(problem, settings).route) {
+  const Plan plan = make_plan(problem, settings);
+  switch (plan.route) {
     case Route::iterative:
       break;
     case Route::condensed:
       if (may_replace_a_factor(settings) && !condense(settings) && !indefinite_)
-        return by_multigrid(problem, settings, x0, observer);
+        return by_multigrid(problem, settings, x0, plan.costs, observer);
       return by_condensation(problem, settings, x0, observer);
     case Route::multigrid:
       if (factored_ && may_replace_a_factor(settings))  // the hierarchy was poor
         return by_condensation(problem, settings, x0, observer);
-      return by_multigrid(problem, settings, x0, observer);
+      return by_multigrid(problem, settings, x0, plan.costs, observer);
   }
-  return iterate(problem, settings, x0, observer);
+  return iterate(problem, settings, x0, observer, floating_);
 }
 
 /// The condensed route where its factor fits; where it does not arrive, or does not fit, the same
 /// laws on A.
 Solution Solver::by_condensation(const ContactProblem& problem, const Settings& settings,
                                  const Vector& x0, Observer* observer) {
-  if (!condense(settings)) return iterate(problem, without_factor(settings), x0, observer);
+  if (!condense(settings))
+    return iterate(problem, without_factor(settings), x0, observer, floating_);
   Solution s = condensed_->solve(problem, settings, x0);
-  if (settings.newton) try_without_factor(problem, settings, observer, s);
+  if (settings.newton) try_without_factor(problem, settings, observer, floating_, s);
   if (!told_) {
     told_ = true;
     const EliminationTimes& t = condensed_->elimination().times();
@@ -239,12 +216,12 @@ Solution Solver::by_condensation(const ContactProblem& problem, const Settings& 
 /// Multigrid; where it does not arrive short of rounding, or has no coordinates to build on, the
 /// condensed route and what follows it.
 Solution Solver::by_multigrid(const ContactProblem& problem, const Settings& settings,
-                              const Vector& x0, Observer* observer) {
+                              const Vector& x0, const Costs& costs, Observer* observer) {
   Settings rest = settings;
   rest.method = Method::automatic;
   if (!multigrid_) multigrid_ = std::make_unique<MultigridSolver>(system_);
   if (!multigrid_->has_hierarchy()) return by_condensation(problem, rest, x0, observer);
-  Solution s = multigrid_->solve(problem, settings, x0, observer, allowance(settings));
+  Solution s = multigrid_->solve(problem, settings, x0, observer, allowance(settings, costs));
   if (decided(s) || s.certificate.residual <= rounding) return s;
   const Index left = bound_of(problem, settings) - s.iterations;
   rest.nbiter = left;
@@ -255,10 +232,9 @@ Solution Solver::by_multigrid(const ContactProblem& problem, const Settings& set
 }
 
 /// What the condensed route costs, over multigrid as a rule: infinite where the latter is named.
-double Solver::allowance(const Settings& settings) const {
+double Solver::allowance(const Settings& settings, const Costs& costs) const {
   if (settings.method != Method::automatic) return std::numeric_limits<double>::infinity();
   if (indefinite_ || settings.memory < memory_needed_) return only_gradients;
-  const Costs costs = estimate_costs(*system_);
   return costs.condensed / costs.multigrid;
 }
 

@@ -4,6 +4,7 @@
 #include "cost.h"
 #include "solution.h"
 #include "gradient/tresca.h"
+#include "statics/floating.h"
 
 namespace frictioncg {
 
@@ -24,11 +25,6 @@ Plan make_plan(const ContactProblem& problem, const Settings& settings);
 std::unique_ptr<TrescaSolver> make_tresca_solver(const ContactProblem& problem,
                                                  const Settings& settings, Index max_iterations,
                                                  Observer* observer);
-
-/// The last word on a status is the certificate's: converged where its residual is below tol and
-/// nowhere else (or where the paper's own rule is asked for); and where rounding is what keeps it
-/// above, the method is not blamed.
-Status concluded(Status status, const Certificate& certificate, const Settings& settings);
 
 class CondensedSolver;
 class MultigridSolver;
@@ -55,12 +51,13 @@ class Solver {
   Solution by_condensation(const ContactProblem& problem, const Settings& settings,
                            const Vector& x0, Observer* observer);
   Solution by_multigrid(const ContactProblem& problem, const Settings& settings, const Vector& x0,
-                        Observer* observer);
-  double allowance(const Settings& settings) const;
+                        const Costs& costs, Observer* observer);
+  double allowance(const Settings& settings, const Costs& costs) const;
   bool condense(const Settings& settings);
   [[noreturn]] void refuse_memory(double given) const;
 
   SystemPtr system_;
+  FloatingMotions floating_;
   std::unique_ptr<CondensedSolver> condensed_;
   double memory_needed_ = 0;  ///< by the condensed route, as far as it is known [bytes]
   bool factored_ = false;

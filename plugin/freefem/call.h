@@ -84,7 +84,7 @@ inline void check_vectors(const Call& call, const Scene& scene) {
 inline LocalIncrement increment(const Call& call, const Scene& scene, PointLaws laws) {
   check_vectors(call, scene);
   if (scene.system->nodes() == 0) laws.law = Law::frictionless;  // supports hold every normal
-  LocalIncrement now = scene.increment(call.b, call.u_old, laws);
+  LocalIncrement now = scene.increment(scene.system->load(call.b, call.u_old), laws);
   refuse_other_tgv(scene, call.b, now.u0);
   return now;
 }

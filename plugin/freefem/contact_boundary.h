@@ -101,7 +101,8 @@ void check_trace(const FacetNodes& facet) {
 template <class FESpaceType>
 FacetNodes facet_nodes(const typename Dimension<FESpaceType>::Element& K, int facet) {
   using D = Dimension<FESpaceType>;
-  const Interpolation ip = D::interpolation(K);
+  Interpolation ip;
+  D::interpolate(K, ip);
   std::map<int, int> uses;  // dof -> interpolation points it is made from
   for (int i : ip.dof) ++uses[i];
   FacetNodes found;

@@ -16,6 +16,13 @@ struct Interpolation {
   std::vector<double> coefficient;
   std::vector<Fem2D::R3> hat;  ///< the points, on the reference element
 
+  void clear() {
+    dof.clear();
+    component.clear();
+    point.clear();
+    coefficient.clear();
+    hat.clear();
+  }
   void add(int i, int c, int p, double a) {
     if (a == 0) return;  // P3 and beyond list every order of an edge's points, all but one by 0
     dof.push_back(i);
@@ -58,15 +65,15 @@ struct Dimension<Fem2D::FESpace> {
   }
   static constexpr const char* known_counts = "the 2 of P1 and the 3 of P2";
 
-  static Interpolation interpolation(const Element& K) {
-    Interpolation ip;
+  /// Into ip, whose storage serves one element after the other.
+  static void interpolate(const Element& K, Interpolation& ip) {
+    ip.clear();
     const auto& ipj = K.Pi_h_ipj();
     const auto& P = K.Pi_h_R2();
     KN<double> alpha(ipj.N());
     K.Pi_h(alpha);
     for (int k = 0; k < ipj.N(); ++k) ip.add(ipj[k].i, ipj[k].j, ipj[k].p, alpha[k]);
     for (int p = 0; p < P.N(); ++p) ip.hat.push_back(Fem2D::R3(P[p].x, P[p].y, 0));
-    return ip;
   }
   static Fem2D::R3 position(const Element& K, const Fem2D::R3& hat) {
     const Fem2D::R2 P = K.T(Fem2D::R2(hat.x, hat.y));
@@ -107,13 +114,12 @@ struct Dimension<Fem2D::FESpace3> {
   }
   static constexpr const char* known_counts = "the 3 of P1 and the 6 of P2";
 
-  static Interpolation interpolation(const Element& K) {
-    Interpolation all;
-    Fem2D::InterpolationMatrix<Fem2D::R3> ip(*K.tfe);
-    ip.set(K);
-    for (int k = 0; k < ip.ncoef; ++k) all.add(ip.dofe[k], ip.comp[k], ip.p[k], ip.coef[k]);
-    for (int p = 0; p < ip.P.N(); ++p) all.hat.push_back(ip.P[p]);
-    return all;
+  static void interpolate(const Element& K, Interpolation& ip) {
+    ip.clear();
+    Fem2D::InterpolationMatrix<Fem2D::R3> all(*K.tfe);
+    all.set(K);
+    for (int k = 0; k < all.ncoef; ++k) ip.add(all.dofe[k], all.comp[k], all.p[k], all.coef[k]);
+    for (int p = 0; p < all.P.N(); ++p) ip.hat.push_back(all.P[p]);
   }
   static Fem2D::R3 position(const Element& K, const Fem2D::R3& hat) { return K.T(hat); }
   template <class Node>

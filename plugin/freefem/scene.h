@@ -44,8 +44,8 @@ struct Scene {
   void face(const Triplets& A, const mortar::Options& options);
   /// Copies A into the local frames; the nodes carry their normals and whether they have friction.
   void assemble(const Triplets& A);
-  /// The vectors of a call, and its laws, in local dofs.
-  LocalIncrement increment(const Vector& b, const Vector& u_old, const PointLaws& laws) const;
+  /// The load of a call, and its laws, in local dofs.
+  LocalIncrement increment(const LocalLoad& load, const PointLaws& laws) const;
 
  private:
   /// make(), whose refusals of a contact point get the place of its node.
@@ -91,9 +91,8 @@ inline void Scene::assemble(const Triplets& A) {
   copy_seconds += cpu_seconds() - start;
 }
 
-inline LocalIncrement Scene::increment(const Vector& b, const Vector& u_old,
-                                       const PointLaws& laws) const {
-  return placed([&] { return system->increment(b, u_old, laws); });
+inline LocalIncrement Scene::increment(const LocalLoad& load, const PointLaws& laws) const {
+  return placed([&] { return system->increment(load, laws); });
 }
 
 /// Which node of the mesh each dof belongs to.
@@ -114,7 +113,8 @@ std::vector<Index> body_of_element(const Mesh& Th, int d) {
   std::map<Index, Index> number;
   std::vector<Index> body(Th.nt);
   for (int k = 0; k < Th.nt; ++k)
-    body[k] = number.emplace(groups.of(Th(k, 0)), static_cast<Index>(number.size())).first->second;
+    body[k] =
+        number.try_emplace(groups.of(Th(k, 0)), static_cast<Index>(number.size())).first->second;
   return body;
 }
 
@@ -126,12 +126,13 @@ std::vector<NodePlace> node_places(const Space& Vh) {
   const std::vector<Index> body = body_of_element(Vh.Th, D::d);
   std::vector<NodePlace> places, at_point;
   std::vector<char> seen(Vh.NbOfDF, 0);
+  Interpolation ip;
   for (int k = 0; k < Vh.Th.nt; ++k) {
     const typename D::Element K(Vh[k]);
     bool news = false;
     for (int i = 0; i < K.NbDoF() && !news; ++i) news = !seen[K(i)];
     if (!news) continue;
-    const Interpolation ip = D::interpolation(K);
+    D::interpolate(K, ip);
     at_point.assign(ip.hat.size(), NodePlace());
     for (std::size_t e = 0; e < ip.dof.size(); ++e)
       if (ip.coefficient[e] == 1) at_point[ip.point[e]].dof[ip.component[e]] = K(ip.dof[e]);

@@ -1,31 +1,16 @@
 #pragma once
 #include "../freefem/freefem.h"
 
+#include "../core/answer.h"
 #include "shared_report.h"
 
 namespace frictioncg {
 
-/// Neither a load nor a penetration on any process.
-inline bool all_at_rest(const Domain& domain, const Increment& increment) {
-  const auto closed = increment.gap.array();
-  const bool rests =
-      increment.F.isZero(0) && (increment.bilateral ? (closed == 0).all() : (closed >= 0).all());
-  return domain.largest(rests ? 0 : 1) == 0;
-}
-
 /// As Solver::solve has it, by multigrid alone.
 inline Solution solve_together(SharedScene& shared, const ContactProblem& problem, const Call& call,
                                const Vector& x0, Observer* observer) {
-  Solution s;
-  if (all_at_rest(*shared.domain, problem.increment)) {
-    s.x = Vector::Zero(problem.dofs());
-    s.certificate = certify(problem, s.x);
-  } else {
-    s = shared.solver->solve(problem, call.settings, x0, observer);
-  }
-  s.status = concluded(s.status, s.certificate, call.settings);
-  s.state = classify(problem, s.x, s.certificate);
-  return s;
+  return answer(problem, call.settings,
+                [&] { return shared.solver->solve(problem, call.settings, x0, observer); });
 }
 
 /// A solution over the own dofs as one over the local ones; ghosts are 0.
@@ -76,8 +61,8 @@ inline LocalIncrement increment_together(const Call& call, const SharedScene& sh
   LocalIncrement local;
   LocalLoad load;
   domain.agree([&] {
-    local = scene.increment(b, u_old, laws);
     load = scene.system->load(b, u_old);
+    local = scene.increment(load, laws);
   });
   problem.increment = own_increment(shared, local, load);
   domain.agree([&] { validate(problem.increment, *problem.system); });

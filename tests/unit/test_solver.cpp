@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "core/answer.h"
 #include "core/solver.h"
 #include "driven.h"
 #include "random_scene.h"

@@ -17,14 +17,11 @@ constexpr Real huge_ratio = 1e10;
 
 /// What the triplets say of each row.
 struct Rows {
-  Vector diagonal, row_max, column_max;
+  std::vector<Real> diagonal, row_max, column_max;
   std::vector<char> emptied;  ///< the row has stored off-diagonal zeros
 
   explicit Rows(const Triplets& A)
-      : diagonal(Vector::Zero(A.n)),
-        row_max(Vector::Zero(A.n)),
-        column_max(Vector::Zero(A.n)),
-        emptied(A.n, 0) {
+      : diagonal(A.n, 0), row_max(A.n, 0), column_max(A.n, 0), emptied(A.n, 0) {
     for (std::size_t k = 0; k < A.size; ++k) add(A.row(k), A.col(k), A.a[k]);
     for (Index i = 0; i < A.n; ++i)
       if (!(diagonal[i] > 0)) {
@@ -73,7 +70,8 @@ Dirichlet::Dirichlet(const Triplets& A, const std::vector<ContactPoint>& points)
     for (Index i = 0; i < A.n; ++i)
       emptied_unit_rows |= rows.emptied[i] && rows.row_max[i] == 0 && rows.unit(i);
 
-  const Real largest = rows.row_max.size() > 0 ? rows.row_max.maxCoeff() : 0;
+  const auto most = std::max_element(rows.row_max.begin(), rows.row_max.end());
+  const Real largest = most != rows.row_max.end() ? *most : 0;
   for (Index i = 0; i < A.n; ++i) {
     const Real others = rows.others(i);
     const bool huge = others > 0 && rows.diagonal[i] >= huge_ratio * others;

@@ -196,6 +196,7 @@ void Frames::number(Index n) {
   std::vector<char> framed(n, 0);
   for (const Frame& f : frames_)
     for (int c = 0; c < d_; ++c) framed[f.dof[c]] = 1;
+  basis_.origin.reserve(n);
   const auto next = [this](Index dof) {
     basis_.origin.push_back(dof);
     return basis_.local_dofs() - 1;

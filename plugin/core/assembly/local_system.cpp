@@ -11,6 +11,19 @@ namespace frictioncg {
 /// Over the largest gap or prescribed displacement: up to which two gaps are taken for one.
 constexpr Real same_gap = 1e-9;
 
+namespace {
+
+/// Each vector of a call has a value for each dof, or for each contact point.
+void require_size(const char* name, const Vector& values, std::size_t wanted, const char* of) {
+  if (static_cast<std::size_t>(values.size()) == wanted) return;
+  std::ostringstream m;
+  m << name << " has " << values.size() << " values; it takes " << wanted << ", one for each "
+    << of;
+  throw IllegalInput(m.str());
+}
+
+}  // namespace
+
 LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
                          const std::vector<Index>& mesh_node, RigidModes modes)
     : points_(std::move(points)), dirichlet_(A, points_) {
@@ -37,8 +50,10 @@ void LocalSystem::assemble(const Triplets& A, int dimension, const std::vector<I
   system->D = system->A.diagonal();
   check_stiffness(*system);
   if (!A.half) check_symmetry(system->A, system->D, basis_->origin);
-  if (!mesh_node.empty())
+  if (!mesh_node.empty()) {
+    system->mesh_node.reserve(basis_->origin.size());
     for (Index dof : basis_->origin) system->mesh_node.push_back(mesh_node[dof]);
+  }
   system->weight = node_weights(*system);
   system->rigid_modes = in_local_dofs(std::move(modes));
   system->body_modes = in_local_dofs(std::move(body_modes));
@@ -67,24 +82,10 @@ void LocalSystem::check_stiffness(const System& system) const {
   }
 }
 
-/// Each vector of a call has a value for each dof, or for each contact point.
-void LocalSystem::check_sizes(const Vector& b, const Vector& u_old, const PointLaws& laws) const {
-  const Index n = static_cast<Index>(basis_->T.rows()), points = static_cast<Index>(points_.size());
-  const auto require_size = [](const char* name, Index size, Index wanted, const char* of) {
-    if (size == wanted) return;
-    std::ostringstream m;
-    m << name << " has " << size << " values; it takes " << wanted << ", one for each " << of;
-    throw IllegalInput(m.str());
-  };
-  require_size("b", static_cast<Index>(b.size()), n, "dof");
-  if (u_old.size() > 0) require_size("u_old", static_cast<Index>(u_old.size()), n, "dof");
-  require_size("gap", static_cast<Index>(laws.gap.size()), points, "contact point");
-  if (laws.law != Law::frictionless)
-    require_size("friction", static_cast<Index>(laws.friction.size()), points, "contact point");
-}
-
 /// F = T'b - K u_D - A w_old
 LocalLoad LocalSystem::load(const Vector& b, const Vector& u_old) const {
+  require_size("b", b, basis_->T.rows(), "dof");
+  if (u_old.size() > 0) require_size("u_old", u_old, basis_->T.rows(), "dof");
   LocalLoad load;
   const Index w = basis_->local_dofs();
   load.start = Vector::Zero(w + fixed_dofs());
@@ -110,8 +111,13 @@ void set_load(const LocalLoad& load, const System& system, Increment& increment)
 
 LocalIncrement LocalSystem::increment(const Vector& b, const Vector& u_old,
                                       const PointLaws& laws) const {
-  check_sizes(b, u_old, laws);
-  const LocalLoad load = this->load(b, u_old);
+  return increment(load(b, u_old), laws);
+}
+
+LocalIncrement LocalSystem::increment(const LocalLoad& load, const PointLaws& laws) const {
+  require_size("gap", laws.gap, points_.size(), "contact point");
+  if (laws.law != Law::frictionless)
+    require_size("friction", laws.friction, points_.size(), "contact point");
   LocalIncrement result;
   Increment& increment = result.increment;
   const Vector& start = load.start;

@@ -55,8 +55,9 @@ class LocalSystem {
   /// where A does not have the couplings that Dirichlet data need.
   LocalIncrement increment(const Vector& b, const Vector& u_old, const PointLaws& laws) const;
 
-  /// The load of that increment alone.
+  /// The load of that increment alone, and the increment under it.
   LocalLoad load(const Vector& b, const Vector& u_old) const;
+  LocalIncrement increment(const LocalLoad& load, const PointLaws& laws) const;
 
   SystemPtr system() const { return system_; }
   Index nodes() const { return static_cast<Index>(nodes_.size()); }
@@ -80,7 +81,6 @@ class LocalSystem {
   void check_stiffness(const System& system) const;
   Real nearest_obstacle(const ContactNode& node, const PointLaws& laws, Real rounding,
                         const Vector& start) const;
-  void check_sizes(const Vector& b, const Vector& u_old, const PointLaws& laws) const;
 
   std::vector<ContactPoint> points_;
   Dirichlet dirichlet_;

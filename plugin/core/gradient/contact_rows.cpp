@@ -9,10 +9,10 @@ ContactRows::ContactRows(const ContactProblem& problem)
       r_(Vector::Zero(problem.contact_dofs())),
       dx_C_(Vector::Zero(problem.contact_dofs())) {}
 
-Real ContactRows::row_product(Index c, const Vector& v) const {
+Real ContactRows::row_product(Index c, const Vector& v_in) const {
   const Index* row = system_.A.outerIndexPtr();
   const Index* col = system_.A.innerIndexPtr();
-  const Real* a = system_.A.valuePtr();
+  const Real *a = system_.A.valuePtr(), *v = v_in.data();
   const Index i = system_.interior() + c;
   Real sum = 0;
   for (Index k = row[i]; k < row[i + 1]; ++k) sum += a[k] * v[col[k]];

@@ -60,7 +60,7 @@ Outcome ProjectedCG::minimize(Vector& x, const Vector& g, Real eps, Tangents tan
     const bool before = turn.released && outcome.steps.total() == 0, restart = turn.restart;
     Line line;
     Real rho = 0, rho_gap = infinity;
-    outcome.status = direct(restart);  // (12), (15)
+    outcome.status = direct(restart, line);  // (12), (15)
     if (outcome.status == Status::converged)
       outcome.status = search(line, rho, rho_gap);  // (13), (14)
     if (outcome.status == Status::converged) {
@@ -107,23 +107,26 @@ ProjectedCG::Turn ProjectedCG::begin(const Vector& g, Tangents tangents, Real bo
 /// v = P r + gamma v, or P r alone: at a restart, where that is no descent, and where it would
 /// drive an open node at its gap into the obstacle. Stagnated where all is held: there is no way
 /// down.
-Status ProjectedCG::direct(bool restart) {
+Status ProjectedCG::direct(bool restart, Line& line) {
+  const auto turn = [&](Real gamma) {
+    P_->direction(gamma, v_);
+    line.r_v = P_->r_v(v_);
+  };
   const Real gamma = restart || r_z_ <= 0 ? 0 : std::max(0.0, P_->dr_z() / r_z_);
-  P_->direction(gamma, v_);
-  if (gamma != 0 && P_->r_v(v_) <= 0) P_->direction(0, v_);
+  turn(gamma);
+  if (gamma != 0 && line.r_v <= 0) turn(0);
   while (it_.faces.activate_blocked(it_.x, v_)) {
     rule_->blocked();
     update_friction();
-    P_->direction(0, v_);
+    turn(0);
   }
   r_z_ = P_->r_z();
-  return P_->r_v(v_) > 0 ? Status::converged : Status::stagnated;
+  return line.r_v > 0 ? Status::converged : Status::stagnated;
 }
 
 Status ProjectedCG::search(Line& line, Real& rho, Real& rho_gap) {
   line.vAv = P_->curvature(v_);
   if (line.vAv.A < indefinite * line.vAv.D) return Status::not_positive_definite;
-  line.r_v = P_->r_v(v_);
   line.a = line.r_v + friction_.along(it_.rows.r(), v_);
   rho_gap = it_.faces.step_to_gap(it_.x, v_);
   rho = line_search_(phi_, it_.g, it_.x, v_, line, rho_gap);

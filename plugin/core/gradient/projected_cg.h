@@ -45,7 +45,7 @@ class ProjectedCG final : public TrescaSolver {
   };
 
   Turn begin(const Vector& g, Tangents tangents, Real bound);
-  Status direct(bool restart);
+  Status direct(bool restart, Line& line);
   Status search(Line& line, Real& rho, Real& rho_gap);
   Turn advance(const Line& line, Real rho, Real rho_gap);
   void stop_or_release(Turn& turn, Real rho);

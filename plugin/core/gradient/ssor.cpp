@@ -31,11 +31,12 @@ SsorPreconditioner::SsorPreconditioner(const System& system, bool on_hessian, Re
 
 /// y_C = (C/omega + E)_CC^{-1} (rhs - lower_interior) on the free contact dofs; y_C into y's tail.
 void SsorPreconditioner::forward_contact(const Vector& lower_interior, const Vector& rhs,
-                                         Vector& y) const {
+                                         Vector& y_out) const {
   const Index* row = system_.A.outerIndexPtr();
   const Index* col = system_.A.innerIndexPtr();
   const Real* a = system_.A.valuePtr();
-  const Index shift = interior_ - static_cast<Index>(system_.dofs() - y.size());
+  const Index shift = interior_ - static_cast<Index>(system_.dofs() - y_out.size());
+  Real* y = y_out.data();
   for (Index c = 0; c < rhs.size(); ++c) {
     const Index i = interior_ + c;
     Real sum = 0;
@@ -52,11 +53,11 @@ void SsorPreconditioner::forward_contact(const Vector& lower_interior, const Vec
 void SsorPreconditioner::start(const Vector& r) {
   const Index* row = system_.A.outerIndexPtr();
   const Index* col = system_.A.innerIndexPtr();
-  const Real* a = system_.A.valuePtr();
+  const Real *a = system_.A.valuePtr(), *y = y_.data();
   interior_r_z_ = interior_dr_z_ = 0;
   for (Index i = 0; i < interior_; ++i) {
     Real sum = r[i];
-    for (Index k = row[i]; k < diagonal_[i]; ++k) sum -= a[k] * y_[col[k]];
+    for (Index k = row[i]; k < diagonal_[i]; ++k) sum -= a[k] * y[col[k]];
     y_[i] = sum * inverse_[i];
     interior_r_z_ += kappa_ * C_[i] * y_[i] * y_[i];
   }
@@ -65,7 +66,7 @@ void SsorPreconditioner::start(const Vector& r) {
 void SsorPreconditioner::set_contact(const Vector& r_C, const ContactPart& part) {
   const Index* row = system_.A.outerIndexPtr();
   const Index* col = system_.A.innerIndexPtr();
-  const Real* a = system_.A.valuePtr();
+  const Real *a = system_.A.valuePtr(), *y = y_.data();
   free_ = part.free;
   if (on_hessian_ && C_.tail(r_C.size()) != D_.tail(r_C.size()) + part.hessian) {
     C_changed_ = true;
@@ -78,7 +79,7 @@ void SsorPreconditioner::set_contact(const Vector& r_C, const ContactPart& part)
   for (Index c = 0; c < r_C.size(); ++c) {
     Real sum = 0;
     const Index i = interior_ + c;
-    for (Index k = row[i]; k < diagonal_[i] && col[k] < interior_; ++k) sum += a[k] * y_[col[k]];
+    for (Index k = row[i]; k < diagonal_[i] && col[k] < interior_; ++k) sum += a[k] * y[col[k]];
     dE_y_[c] = sum - E_y_[c];
     dr_C_[c] = r_C[c] - r_C_[c];
     E_y_[c] = sum;
@@ -183,13 +184,13 @@ void SsorPreconditioner::advance(Real rho, const Vector& v_in, Vector& x_out) {
 void SsorPreconditioner::move_contact(const Vector& dx_C) {
   const Index* row = system_.A.outerIndexPtr();
   const Index* col = system_.A.innerIndexPtr();
-  const Real* a = system_.A.valuePtr();
+  const Real *a = system_.A.valuePtr(), *dx = dx_C.data(), *dy = dy_I_.data();
   interior_r_z_ = 0;
   for (Index i = 0; i < interior_; ++i) {
     Real sum = 0;
     for (Index k = row[i + 1] - 1; k > diagonal_[i] && col[k] >= interior_; --k)
-      sum += a[k] * dx_C[col[k] - interior_];
-    for (Index k = row[i]; k < diagonal_[i]; ++k) sum -= a[k] * dy_I_[col[k]];
+      sum += a[k] * dx[col[k] - interior_];
+    for (Index k = row[i]; k < diagonal_[i]; ++k) sum -= a[k] * dy[col[k]];
     dy_I_[i] = sum * inverse_[i];
     y_[i] -= dy_I_[i];
     interior_r_z_ += kappa_ * C_[i] * y_[i] * y_[i];
@@ -199,11 +200,11 @@ void SsorPreconditioner::move_contact(const Vector& dx_C) {
 Real SsorPreconditioner::free_norm() const {
   const Index* row = system_.A.outerIndexPtr();
   const Index* col = system_.A.innerIndexPtr();
-  const Real* a = system_.A.valuePtr();
+  const Real *a = system_.A.valuePtr(), *y = y_.data();
   Real sum = 0;
   for (Index i = 0; i < interior_; ++i) {
     Real r = C_[i] / omega_ * y_[i];
-    for (Index k = row[i]; k < diagonal_[i]; ++k) r += a[k] * y_[col[k]];
+    for (Index k = row[i]; k < diagonal_[i]; ++k) r += a[k] * y[col[k]];
     sum += r * r / system_.weight[i];
   }
   for (Index c = 0; c < r_C_.size(); ++c)

@@ -28,19 +28,22 @@ constexpr Real grazing = 1e-10, vaguest = 1e-6;
 constexpr Real still = 1e-6;
 
 /// r = F - Ax; returns |A||x|, whose rounding r carries.
-Vector residual_of(const ContactProblem& problem, const Vector& x, Vector& r) {
+Vector residual_of(const ContactProblem& problem, const Vector& x_in, Vector& r) {
   const Matrix& A = problem.system->A;
   if (problem.system->processes) {
-    problem.system->multiply(x, r);
+    problem.system->multiply(x_in, r);
     r = problem.increment.F - r;
-    return problem.system->magnitude(x);
+    return problem.system->magnitude(x_in);
   }
   r = problem.increment.F;
   Vector size(r.size());
+  const Index* row = A.outerIndexPtr();
+  const Index* col = A.innerIndexPtr();
+  const Real *a = A.valuePtr(), *x = x_in.data();
   for (Index i = 0; i < A.rows(); ++i) {
     Real sum = 0, sum_of_sizes = 0;
-    for (Matrix::InnerIterator e(A, i); e; ++e) {
-      const Real product = e.value() * x[e.col()];
+    for (Index k = row[i]; k < row[i + 1]; ++k) {
+      const Real product = a[k] * x[col[k]];
       sum += product;
       sum_of_sizes += std::abs(product);
     }

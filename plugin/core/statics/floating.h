@@ -1,6 +1,8 @@
 #pragma once
 #include <Eigen/Core>
 
+#include <optional>
+
 #include "model/system.h"
 
 namespace frictioncg {
@@ -12,6 +14,20 @@ Bodies bodies_of(const Matrix& A);
 /// <Dw,w> = 1. No columns where the system knows no candidates, or has none of n rows. Costs a
 /// product with A for each candidate and for each motion of each body.
 Eigen::MatrixXd floating_motions(const System& system);
+
+/// These motions, made when they are first asked for.
+class FloatingMotions {
+ public:
+  explicit FloatingMotions(SystemPtr system) : system_(std::move(system)) {}
+  const Eigen::MatrixXd& operator()() {
+    if (!motions_) motions_ = floating_motions(*system_);
+    return *motions_;
+  }
+
+ private:
+  const SystemPtr system_;
+  std::optional<Eigen::MatrixXd> motions_;
+};
 
 /// The same among candidates that are made already.
 Eigen::MatrixXd floating_motions(const System& system, const Eigen::MatrixXd& candidates);

@@ -411,6 +411,7 @@ TEST(States, ALooseAnswerLeavesMoreInDoubtButNotEverything) {
     const auto s = std::make_shared<System>();
     s->A.resize(3, 3);
     for (Index i = 0; i < 3; ++i) s->A.insert(i, i) = 1;
+    s->A.makeCompressed();
     s->D = Vector::Ones(3);
     s->first = {1, 3};
     s->weight = node_weights(*s);

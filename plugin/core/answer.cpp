@@ -1,0 +1,47 @@
+#include "answer.h"
+
+#include "model/certificate.h"
+
+namespace frictioncg {
+
+namespace {
+
+/// Residuals up to this many times what rounding leaves are its work.
+constexpr Real rounding_margin = 10;
+
+/// Neither a load nor a penetration, on any process: the body stays where it is, whatever else
+/// could move it.
+bool at_rest(const ContactProblem& problem) {
+  const Increment& increment = problem.increment;
+  const auto closed = increment.gap.array();
+  const bool here =
+      increment.F.isZero(0) && (increment.bilateral ? (closed == 0).all() : (closed >= 0).all());
+  return problem.system->largest(here ? 0 : 1) == 0;
+}
+
+}  // namespace
+
+Status concluded(Status status, const Certificate& certificate, const Settings& settings) {
+  if (certificate.residual <= settings.tol) return Status::converged;
+  if (status == Status::converged) return settings.stop_on_step > 0 ? status : Status::stagnated;
+  const bool blames_method = status == Status::max_iterations || status == Status::regularized ||
+                             status == Status::fixed_point_diverged;
+  const bool by_rounding = certificate.residual <= rounding_margin * certificate.attainable;
+  return blames_method && by_rounding ? Status::stagnated : status;
+}
+
+Solution answer(const ContactProblem& problem, const Settings& settings,
+                const std::function<Solution()>& solve) {
+  Solution s;
+  if (at_rest(problem)) {
+    s.x = Vector::Zero(problem.dofs());
+    s.certificate = certify(problem, s.x);
+  } else {
+    s = solve();
+  }
+  s.status = concluded(s.status, s.certificate, settings);
+  s.state = classify(problem, s.x, s.certificate);
+  return s;
+}
+
+}  // namespace frictioncg

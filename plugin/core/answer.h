@@ -1,0 +1,20 @@
+#pragma once
+#include <functional>
+
+#include "settings.h"
+#include "solution.h"
+#include "model/contact_problem.h"
+
+namespace frictioncg {
+
+/// The last word on a status is the certificate's: converged where its residual is below tol and
+/// nowhere else (or where the paper's own rule is asked for); and where rounding is what keeps it
+/// above, the method is not blamed.
+Status concluded(Status status, const Certificate& certificate, const Settings& settings);
+
+/// The answer to a problem: rest, where nothing loads or penetrates, or else what `solve` makes of
+/// it; with its last status and the states of the nodes.
+Solution answer(const ContactProblem& problem, const Settings& settings,
+                const std::function<Solution()>& solve);
+
+}  // namespace frictioncg
