@@ -7,6 +7,7 @@
 #include "freefem/freefem.h"
 
 #include "freefem/load.h"
+#include "freefem/memory.h"
 #include "freefem/operators.h"
 #include "freefem/usage.h"
 

@@ -60,6 +60,9 @@ constexpr long most_spaces = 2;  ///< of a call
 
 /// What is amiss with a call of such arguments, where it is one of the frequent slips.
 inline std::string hint(const std::vector<std::string>& given, bool constructs) {
+  if (given.size() > 2 && given[0] == "contactproblem")
+    return "a contactproblem has its space and its labels already; after b all goes by name, as in "
+           "uold=u[]";
   if (constructs && given.size() > 1 && given[1] == "real[int]")
     return "a load belongs to each call, frictionalContactCG(C, b, ...)";
   if (exchanged(given, constructs ? 1 : 2))

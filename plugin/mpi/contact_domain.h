@@ -5,6 +5,7 @@
 
 #include "domain.h"
 #include "petsc.h"
+#include "together.h"
 
 namespace frictioncg {
 
@@ -48,13 +49,16 @@ class MakeDomain : public E_F0mps {
   static E_F0* f(const basicAC_F0& args) { return new MakeDomain(args); }
 
   AnyType operator()(Stack stack) const override {
-    return translated("createMat", [&] {
+    MPI_Comm communicator = MPI_COMM_WORLD;
+    beforehand("createMat", [&] {
       start_petsc();
-      auto* C = GetAny<ContactDomainVariable*>((*C_)(stack));
-      MPI_Comm communicator = MPI_COMM_WORLD;
       if (named_[0])
         if (const auto* given = static_cast<MPI_Comm*>(GetAny<pcommworld>((*named_[0])(stack))))
           communicator = *given;
+      return AnyType(Nothing);
+    });
+    return together("createMat", communicator, [&] {
+      auto* C = GetAny<ContactDomainVariable*>((*C_)(stack));
       const Lists& lists = *GetAny<Lists*>((*lists_)(stack));
       const KN_<double> D = GetAny<KN_<double>>((*D_)(stack));
       C->set(std::make_shared<const Domain>(communicator, neighbours(lists), copy_of(D)));

@@ -1,12 +1,18 @@
 #include "domain.h"
 
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
 #include <new>
 
 namespace frictioncg {
 
 namespace {
 
-constexpr int tag = 1412;  ///< of messages between neighbours
+constexpr int tag = 1412;         ///< of messages between neighbours
+constexpr unsigned patience = 5;  ///< [s] with MPI, which may want memory to end the others
 
 struct Message {
   int rank;
@@ -30,11 +36,43 @@ void exchange(MPI_Comm communicator, const std::vector<Message>& out, std::vecto
   MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
 }
 
+/// What fails in MPI itself, also where PETSc calls it: PETSc may crash while it looks for words.
+void end_by_mpi(MPI_Comm* communicator, int* error, ...) {
+  char text[MPI_MAX_ERROR_STRING] = "";
+  int length = 0;
+  MPI_Error_string(*error, text, &length);
+  end_all(*communicator, "MPI", text);
+}
+
+/// The handler is inherited by what PETSc duplicates in turn.
+MPI_Comm duplicate(MPI_Comm communicator) {
+  MPI_Comm copy;
+  MPI_Errhandler handler;
+  MPI_Comm_dup(communicator, &copy);
+  MPI_Comm_create_errhandler(end_by_mpi, &handler);
+  MPI_Comm_set_errhandler(copy, handler);
+  MPI_Errhandler_free(&handler);
+  return copy;
+}
+
 }  // namespace
 
+void end_all(MPI_Comm communicator, const char* name, const char* message) noexcept {
+  int started = 0, rank = 0;
+  MPI_Initialized(&started);
+  if (started) MPI_Comm_rank(communicator, &rank);
+  static bool ending = false;  // MPI may fail once more on the way
+  if (ending) std::_Exit(EXIT_FAILURE);
+  ending = true;
+  std::fprintf(stderr, "%s: %s (rank %d)\n", name, message, rank);
+  std::signal(SIGALRM, SIG_DFL);
+  alarm(patience);
+  if (started) MPI_Abort(communicator, EXIT_FAILURE);
+  std::_Exit(EXIT_FAILURE);
+}
+
 Domain::Domain(MPI_Comm communicator, std::vector<Neighbour> neighbours, const Vector& D)
-    : owned_(D.size(), 1) {
-  MPI_Comm_dup(communicator, &communicator_);
+    : communicator_(duplicate(communicator)), owned_(D.size(), 1) {
   MPI_Comm_rank(communicator_, &rank_);
   MPI_Comm_size(communicator_, &size_);
   check_neighbours(neighbours);
@@ -156,7 +194,7 @@ void Domain::agree(const std::function<void()>& body) const {
   } catch (const IllegalInput& e) {
     message = e.what();
   } catch (const std::bad_alloc&) {
-    message = "not enough memory for this problem";
+    message = not_enough_memory;
   } catch (const std::exception& e) {
     message = std::string("internal error: ") + e.what();
   } catch (...) {

@@ -8,6 +8,11 @@
 
 namespace frictioncg {
 
+constexpr const char* not_enough_memory = "not enough memory for this problem";
+
+/// Ends all processes of the communicator, with one message. Needs no memory itself.
+[[noreturn]] void end_all(MPI_Comm communicator, const char* name, const char* message) noexcept;
+
 /// What one process sends, and takes part in.
 struct Traffic {
   double messages = 0, bytes = 0;

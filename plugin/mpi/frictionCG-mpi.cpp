@@ -7,6 +7,8 @@
 #include "../freefem/freefem.h"
 
 #include "../freefem/load.h"
+#include "../freefem/memory.h"
+#include "../freefem/usage.h"
 #include "shared_solve.h"
 
 namespace frictioncg {
@@ -55,6 +57,7 @@ void load() {
   add_sites<v_fes>();
   add_sites<v_fes3>();
   Global.Add(operator_name, "(", new OneOperatorCode<SharedSolveIncrement>());
+  add_usage();
 }
 
 }  // namespace

@@ -7,8 +7,11 @@
 
 namespace frictioncg {
 
-/// Throws std::runtime_error with PETSc's own words.
+/// Throws std::bad_alloc, or std::runtime_error with PETSc's own words.
 void check(PetscErrorCode error);
+
+/// An error of PETSc's has ended a call, and all processes with it.
+bool petsc_failed();
 
 /// MPI and PETSc are ready after it; FreeFEM's program may have started MPI.
 void start_petsc();
@@ -18,7 +21,8 @@ void end_petsc();
 /// Of PETSc's own on this process so far; 0 where it does not count.
 Traffic petsc_traffic();
 
-/// An object of PETSc's that is destroyed with its owner.
+/// An object of PETSc's that is destroyed with its owner; not after an error, which leaves objects
+/// half made.
 template <class Object, PetscErrorCode (*destroy)(Object*)>
 class Handle {
  public:
@@ -32,7 +36,7 @@ class Handle {
   ~Handle() {
     PetscBool ended = PETSC_FALSE;
     PetscFinalized(&ended);
-    if (object_ && !ended) destroy(&object_);
+    if (object_ && !ended && !petsc_failed()) destroy(&object_);
   }
   Object get() const { return object_; }
   Object* fill() { return &object_; }  ///< for PETSc's constructors

@@ -4,27 +4,9 @@
 #include "../freefem/operators.h"
 #include "contact_domain.h"
 #include "shared_call.h"
+#include "together.h"
 
 namespace frictioncg {
-
-/// Runs the body of an operator on all processes; rank 0 alone says what went wrong. What one of
-/// them throws where it cannot be agreed upon ends them all.
-template <class Body>
-AnyType together(const char* name, const Domain& domain, Body body) {
-  std::string message;
-  try {
-    return body();
-  } catch (const IllegalInput& e) {  // agreed upon
-    message = e.what();
-  } catch (const std::exception& e) {
-    const bool memory = dynamic_cast<const std::bad_alloc*>(&e) != nullptr;
-    std::cerr << name << ": " << (memory ? "not enough memory for this problem" : e.what())
-              << " (rank " << domain.rank() << ")" << std::endl;
-    MPI_Abort(domain.communicator(), 1);
-  }
-  ExecError(domain.rank() == 0 ? name + (": " + message) : std::string(name));
-  return Nothing;
-}
 
 /// Vh, labels, of which a process may have none.
 class SharedSite {
@@ -101,7 +83,7 @@ inline void refuse_without_domain(const Arguments& args) {
 inline std::shared_ptr<const Domain> required_domain(const char* name, Stack stack,
                                                      const Arguments& args) {
   std::shared_ptr<const Domain> domain;
-  translated(name, [&] {
+  beforehand(name, [&] {
     refuse_without_domain(args);
     domain = domain_of(stack, args);
     return AnyType(Nothing);

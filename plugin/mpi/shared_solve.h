@@ -50,7 +50,7 @@ class SharedSolveOnce : public E_F0mps {
   AnyType operator()(Stack stack) const override {
     const auto domain = required_domain(operator_name, stack, arguments_);
     if (!domain) return once_(stack);
-    return together(operator_name, *domain, [&] {
+    return together(operator_name, domain->communicator(), [&] {
       std::unique_ptr<Call> call;
       domain->agree([&] {
         if (!shared_) throw IllegalInput(two_bodies);
@@ -89,7 +89,7 @@ class SharedConstruct : public E_F0mps {
   AnyType operator()(Stack stack) const override {
     const auto domain = required_domain(constructor_name, stack, arguments_);
     if (!domain) return once_(stack);
-    return together(constructor_name, *domain, [&] {
+    return together(constructor_name, domain->communicator(), [&] {
       if (!shared_) throw IllegalInput(SharedSolveOnce::two_bodies);
       PosedProblem posed;
       posed.shared = read_shared(stack, arguments_, A_, *shared_, domain, true, posed.laws);
@@ -122,13 +122,13 @@ class SharedSolveIncrement : public E_F0mps {
 
   AnyType operator()(Stack stack) const override {
     PosedProblem posed;
-    translated(operator_name, [&] {
+    beforehand(operator_name, [&] {
       posed = GetAny<ContactProblemVariable*>((*P_)(stack))->get();
       return AnyType(Nothing);
     });
     if (!posed.shared) return once_(stack);
     SharedScene& shared = *posed.shared;
-    return together(operator_name, *shared.domain, [&] {
+    return together(operator_name, shared.domain->communicator(), [&] {
       std::unique_ptr<Call> call;
       PointLaws laws;
       shared.domain->agree([&] {
