@@ -15,7 +15,6 @@ enum class Layer {
   none,          ///< nothing had to be solved
   linear,        ///< no node can touch: a linear solve
   newton,        ///< semismooth Newton on S
-  continuation,  ///< semismooth Newton on S, mu raised step by step
   proximal,      ///< semismooth Newton on S with springs that vanish
   fixed_point,   ///< the regularized conjugate gradient on S, without Newton after it
   gcx,           ///< stick as a face, on A

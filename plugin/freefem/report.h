@@ -170,8 +170,6 @@ inline const char* name_of(Layer layer) {
       return "a linear solve";
     case Layer::newton:
       return "Newton on the condensed laws";
-    case Layer::continuation:
-      return "Newton on the condensed laws, mu raised step by step";
     case Layer::proximal:
       return "Newton on the condensed laws, with springs that vanish";
     case Layer::fixed_point:

@@ -6,7 +6,6 @@
 #include "clock.h"
 #include "condensed/bounded_pressure.h"
 #include "condensed/cholmod_elimination.h"
-#include "condensed/continuation.h"
 #include "condensed/proximal.h"
 #include "condensed/regularized.h"
 #include "condensed/rigid_motions.h"
@@ -154,9 +153,6 @@ Attempt CondensedSolver::solve_laws(Run& run, const CondensedProblem& condensed,
   a = by_proximal_points(condensed, run.left());
   s.iterations += a.steps;
   if (a.solved) return answered(Layer::proximal);
-  a = by_continuation(condensed, run.left());
-  s.iterations += a.steps;
-  if (a.solved) return answered(Layer::continuation);
   a = by_gradient(run, condensed, start);
   return answered(s.eps > 0 ? Layer::fixed_point : Layer::newton);
 }

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "bodies.h"
+#include "by_hand.h"
 #include "core/condensed/cholmod_elimination.h"
 
 using namespace frictioncg;
@@ -124,6 +125,48 @@ TEST(Elimination, AsksForTheFactorAndTheDenseMatricesAndForNoByteMore) {
   EXPECT_EQ(tight.memory_needed(), needed);
   EXPECT_EQ(tighter.factor(*p.system, dense - 1), Outcome::too_large);
   EXPECT_EQ(tighter.memory_needed(), dense);
+}
+
+TEST(Elimination, ContactDofsStayInTheirOrderWhereNothingButTheirOrderChainsThem) {
+  // two chains of contact nodes, one through the other, and no interior
+  DenseMatrix A = DenseMatrix::Identity(8, 8) * 3;
+  for (Index i = 0; i + 2 < 8; ++i) A(i, i + 2) = A(i + 2, i) = -1;
+  const ByHand hand(1, A, Vector::Ones(8));
+  for (Ordering ordering : {Ordering::camd, Ordering::amd, Ordering::metis}) {
+    CholmodElimination elimination(ordering);
+    ASSERT_EQ(elimination.factor(*hand.problem.system, 1e9), Outcome::done);
+    EXPECT_LT((elimination.S() - A).norm(), 1e-14);
+  }
+}
+
+TEST(Elimination, ASoftSupportIsNoRoundingOfNone) {
+  for (Real spring : {1e-10, 1e-12}) {  // over the stiffness of the body
+    BlockOptions o;
+    o.law = Law::frictionless;
+    o.shear = 0;
+    Scene s = block(o);
+    Real largest = 0;
+    for (std::size_t k = 0; k < s.a.size(); ++k)
+      if (s.i[k] == s.j[k]) largest = std::max(largest, s.a[k]);
+    const Index sideways = Index(s.b.size()) - 2;  // of the last node, on top
+    s.i.push_back(sideways);
+    s.j.push_back(sideways);
+    s.a.push_back(spring * largest);
+    const Posed posed = s.system();
+    CholmodElimination elimination;
+    ASSERT_EQ(elimination.factor(*posed.problem().system, 1e9), Outcome::done) << spring;
+    EXPECT_EQ(elimination.floating().cols(), 0) << spring;
+  }
+}
+
+TEST(Elimination, AContactBlockThatSpringsWouldMakeDefiniteIsIndefiniteAllTheSame) {
+  DenseMatrix A(2, 2);
+  A << 1, 1.7, 1.7, 1;  // S = 1 - 2.89
+  ByHand hand(1, A, Vector::Ones(2));
+  System system = *hand.problem.system;
+  system.first = {1, 2};
+  CholmodElimination elimination;
+  EXPECT_EQ(elimination.factor(system, 1e9), Outcome::not_positive_definite);
 }
 
 TEST(Elimination, AnIndefiniteMatrixHasNone) {

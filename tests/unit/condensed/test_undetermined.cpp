@@ -279,3 +279,19 @@ TEST(Undetermined, TheLeastIsOrthogonalAndDiffersByTheMotionsAlone) {
   const Vector c = V.colPivHouseholderQr().solve(x - y);
   EXPECT_LT((V * c - (x - y)).norm(), 1e-13);
 }
+
+TEST(Undetermined, ASupportOfATrillionthDeterminesAMotionThatSTakesForRigid) {
+  for (bool known : {true, false})
+    for (Real support : {0.0, 1.2e-12}) {  // over the diagonal of A, at every dof
+      BlockOptions o;
+      o.cells = 2;
+      o.shear = 0;
+      ContactProblem p = problem_of(o);
+      const auto system = std::make_shared<System>(*p.system);
+      for (Index i = 0; i < system->dofs(); ++i) system->A.coeffRef(i, i) += support * system->D[i];
+      if (!known) system->rigid_modes = {};
+      p.increment.mu.setZero();  // but with tangents
+      p.system = system;
+      expect_undetermined(p, support > 0 ? 0 : 1, Settings(), 1e-8);
+    }
+}

@@ -141,6 +141,9 @@ TEST(Release, LabelsNameGapsThatCloseAndNodesThatComeToRest) {
       EXPECT_EQ(more_contact + more_rest, 0);
     }
   }
+  settings.method = Method::gc1;  // stops at the first gap
+  const Minimized b = minimize(p, settings, p.increment.g, x0, 1e-6, 1e-9);
+  EXPECT_GT(b.outcome.steps[StepLabel::contact_hit], 0);
 }
 
 TEST(Release, GcxGoesOnBeyondTheFirstGapAndClosesManyInOneIteration) {
