@@ -95,3 +95,19 @@ TEST(RigidMotions, WithoutIterationsNothingIsClaimed) {
   const ContactProblem p = problem_of(BlockOptions());
   EXPECT_EQ(rigid_motions(*p.system, 3).cols(), 0);
 }
+
+TEST(RigidMotions, ASupportThatIsLostInTheResidualIsASupport) {
+  ContactProblem p = problem_of(BlockOptions());
+  for (Real support : {0.0, 5e-13}) {  // over the diagonal of A, at every dof
+    System s = *p.system;
+    for (Index i = 0; i < s.dofs(); ++i) s.A.coeffRef(i, i) += support * s.D[i];
+    EXPECT_EQ(rigid_motions(s, 100000).cols(), support > 0 ? 0 : 3);
+  }
+}
+
+TEST(RigidMotions, EachTakesAsManyIterationsAsALinearSystem) {
+  BlockOptions o;
+  o.cells = 16;
+  const ContactProblem p = problem_of(o);
+  EXPECT_EQ(rigid_motions(*p.system, 3 * 200).cols(), 3);
+}
