@@ -38,9 +38,8 @@ echo "stability ..."
 script stress || exit 1
 echo "random scenes ..."
 RANDOM_SCENES=10000 RANDOM_SEED=${SEED:-$RANDOM} "$root/build/unit_tests" --gtest_filter='RandomScenes.*' >random.log
-random=$?
 grep ' scenes from seed' random.log | tee random.txt
-[ $random = 0 ] || { cat random.log; exit 1; }
+! grep 'off by' random.log || exit 1  # what is not solved is counted; what is wrong ends the report
 echo "what is left out ..."
 script leftOut >left_out.txt || exit 1
 grep 'no friction:' left_out.txt

@@ -58,7 +58,7 @@ Verdict verify(const Scene& s, const Vector& u, const Vector& force) {
   const Eigen::VectorXd diagonal = free_diagonal(s);
   Eigen::VectorXd balance = s.b + force;  // b + f - A u = 0 on free dofs
   for (std::size_t k = 0; k < s.a.size(); ++k) balance[s.i[k]] -= s.a[k] * u[s.j[k]];
-  double load = 0, contact = 0, internal = 0;
+  double load = 0, contact = 0, closing = 0, internal = 0;
   std::vector<double> stiffness(s.points.size(), 0);
   std::vector<char> may_touch(s.n, 0);
   for (std::size_t p = 0; p < s.points.size(); ++p) {
@@ -74,6 +74,7 @@ Verdict verify(const Scene& s, const Vector& u, const Vector& force) {
     if (free == 0) continue;
     stiffness[p] /= free;
     contact = std::max(contact, std::sqrt(squares / stiffness[p]));
+    closing = std::max(closing, -s.gap[p] * std::sqrt(stiffness[p]));
   }
   for (Index i = 0; i < s.n; ++i)
     if (diagonal[i] > 0) load = std::max(load, std::abs(s.b[i]) / std::sqrt(diagonal[i]));
@@ -81,8 +82,11 @@ Verdict verify(const Scene& s, const Vector& u, const Vector& force) {
   for (std::size_t k = 0; k < s.a.size(); ++k) sizes[s.i[k]] += std::abs(s.a[k] * u[s.j[k]]);
   for (Index i = 0; i < s.n; ++i)
     if (diagonal[i] > 0) internal = std::max(internal, sizes[i] / std::sqrt(diagonal[i]));
-  // a hundredth of the load: contact forces may vanish; no forces but rounding: those that move it
-  double unit = std::max(contact, 0.01 * load);
+  // Contact forces, and a hundredth of the load, for they may vanish. Below a millionth of what
+  // drives the body, its load or the penetration that it starts from, they are none.
+  const double driving = std::max(load, closing);
+  double unit = contact > 1e-6 * driving ? std::max(contact, 0.01 * load) : driving;
+  // no forces but rounding: those that move it
   if (unit <= 1e-13 * internal) unit = internal;
   unit = std::max(unit, 1e-300);
   Verdict v;
