@@ -82,6 +82,20 @@ TEST(MortarBasis, TInvertsTheDefinitionOfWWithTheIdentityAtHeldNodes) {
     }
 }
 
+TEST(MortarBasis, TheInverseOfTGivesWBackWithTheIdentityAtHeldNodes) {
+  for (int d : {2, 3})
+    for (bool quadratic : {false, true})
+      for (bool side_held : {false, true}) {
+        const Scene s = stacked(d, quadratic, 4, 3, 0.3, 0.35);
+        std::vector<char> held;
+        for (const Vec3& x : s.bodies.X) held.push_back(side_held && std::abs(x[0]) < 1e-9);
+        const Mortar mortar = s.mortar();
+        const Vector w = Vector::Random(s.bodies.nodes());
+        const Vector back = mortar.inverse_basis(held) * (mortar.change_of_basis(held) * w);
+        EXPECT_LT((back - w).lpNorm<Eigen::Infinity>(), 1e-13) << d << "D P" << 1 + quadratic;
+      }
+}
+
 TEST(MortarBasis, OnMatchingMeshesTheRelativeDisplacementIsTheDifference) {
   for (int d : {2, 3}) {
     const Scene s = stacked(d, false, 4, 4, 0);
