@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/assembly/mortar/clipping.h"
+#include "surfaces.h"
 #include "tied.h"
 
 using namespace frictioncg;
@@ -145,5 +146,33 @@ TEST(MortarPartlyCovered, NodesWithNothingBeforeThemStayFree) {
         EXPECT_EQ(T.row(i).nonZeros(), 1);
         for (const ContactNode& node : mortar.nodes()) EXPECT_NE(node.node, i);
       }
+  }
+}
+
+TEST(MortarPartlyCovered, HeldFacetsBeyondAHoleOfTheMasterArePassedOnOnce) {
+  // the master lies before the first and the last third of the slave; the last is held, and the
+  // nodes of the first stand in for it, several for one facet
+  for (int d : {2, 3}) {
+    Surfaces s(d);
+    const auto third = [](Real from) {
+      return [from](const Vec3& x) { return Vec3(from + x[0] / 3, x[1], 0); };
+    };
+    s.pairs[0].slave = s.sheet(
+        3, -1, [](const Vec3& x) { return x; }, 2);
+    const Index first = static_cast<Index>(s.nodes.X.size());
+    s.pairs[0].master = s.sheet(2, 1, third(0), 1);
+    for (const Facet& f : s.sheet(2, 1, third(2. / 3), 1).facets)
+      s.pairs[0].master.facets.push_back(f);
+    for (Index i = 0; i < static_cast<Index>(s.nodes.X.size()); ++i)
+      s.nodes.held.push_back(i < first && s.nodes.X[i][0] > 0.6 ? 7 : 0);
+    const Mortar mortar = s.mortar();
+    Vector unit(mortar.relative().rows());  // a traction 1
+    for (std::size_t k = 0; k < mortar.nodes().size(); ++k)
+      unit[Index(k)] = mortar.nodes()[k].weight;
+    const Vector force = mortar.relative().transpose() * unit;
+    EXPECT_NEAR(force.tail(force.size() - first).sum(), -2. / 3, 1e-14);
+    Real beyond = 0;
+    for (Index i = first; i < force.size(); ++i) beyond += s.nodes.X[i][0] > 0.6 ? force[i] : 0;
+    EXPECT_NEAR(beyond, -1. / 3, 1e-14);
   }
 }
