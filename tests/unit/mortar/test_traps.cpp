@@ -16,8 +16,8 @@ std::function<Vec3(const Vec3&)> lifted(int d, Real z) {
 }
 
 /// Slave (label 2) at height z above a master (label 1).
-Surfaces above(int d, Real z) {
-  Surfaces s(d);
+Surfaces above(int d, Real z, bool quadratic = false) {
+  Surfaces s(d, quadratic);
   s.pairs[0].master = s.sheet(3, 1, same, 1);
   s.pairs[0].slave = s.sheet(4, -1, lifted(d, z), 2);
   return s;
@@ -134,6 +134,24 @@ TEST(MortarTraps, AMasterThatIsMerelyBehindIsLeftOutByMaxgap) {
   EXPECT_TRUE(names(refusal(s), "within maxgap = 0.5")) << refusal(s);
 }
 
+TEST(MortarTraps, AFacetThatSlopesAwayIsWithinMaxgapByTheMiddleOfWhatItCovers) {
+  for (int d : {2, 3}) {
+    // at distances 0.4 .. 0.9; the middles of the triangles are at x = 1/3 and 2/3
+    Surfaces s(d);
+    const auto sloping = [d](const Vec3& x) {
+      return Vec3(x - (0.4 + 0.5 * x[0]) * Vec3::Unit(d - 1));
+    };
+    s.pairs[0].master = s.sheet(1, 1, sloping, 1);
+    s.pairs[0].slave = s.sheet(1, -1, same, 2);
+    s.options.maxgap = 0.5;
+    const std::string nearest = d == 2 ? "0.65 away" : "0.566667 away";
+    EXPECT_TRUE(names(refusal(s), "within maxgap = 0.5; the nearest opposite facet is " + nearest))
+        << refusal(s);
+    s.options.maxgap = 0.7;  // in 3D one of the two triangles stays out
+    EXPECT_EQ(s.mortar().statistics().facing, d == 2 ? 2 : 3);
+  }
+}
+
 TEST(MortarTraps, AHeldNormalRemovesTheNodeAndALittleIsProjected) {
   for (const Real tilt : {0.0, 0.015, 0.1}) {
     Surfaces s(2);
@@ -153,6 +171,24 @@ TEST(MortarTraps, AHeldNormalRemovesTheNodeAndALittleIsProjected) {
       EXPECT_LT((node.normal - expected).norm(), 1e-15);
     }
   }
+}
+
+TEST(MortarTraps, TheEndsOfAHeldMidEdgeCarryNoLaw) {
+  for (int d : {2, 3})
+    for (int c = 0; c < d; ++c) {
+      Surfaces s = above(d, 0, true);
+      const Facet& f = s.pairs[0].slave.facets[1];
+      const auto [a, b] = edge_ends(d, 0);
+      s.nodes.held.assign(s.nodes.X.size(), 0);
+      s.nodes.held[f.node[d]] = static_cast<unsigned char>(1 << c);
+      const Mortar mortar = s.mortar();
+      EXPECT_EQ(mortar.statistics().held, 2);
+      for (const ContactNode& node : mortar.nodes())
+        EXPECT_TRUE(node.node != f.node[a] && node.node != f.node[b]) << d << c;
+      std::vector<char> held(s.nodes.X.size(), 0);
+      held[f.node[d]] = 1;
+      EXPECT_NO_THROW(mortar.change_of_basis(held));
+    }
 }
 
 TEST(MortarTraps, AFaceMayBeSlaveOnOnePartAndMasterOnAnother) {
@@ -195,6 +231,32 @@ TEST(MortarTraps, LabelsThatMeetSmoothlyShareTheirNode) {
   EXPECT_LT(Matrix(a.relative() - b.relative()).norm(), 1e-15);
   EXPECT_EQ(b.nodes()[2].label, 5);  // the first listed
   EXPECT_EQ(b.nodes()[3].label, 2);
+}
+
+TEST(MortarTraps, WhereLabelsMeetAtAnAngleTheNodeIsOfTheFirstListed) {
+  for (int d : {2, 3})
+    for (const std::vector<long>& labels : {std::vector<long>{2, 3}, std::vector<long>{3, 2}}) {
+      Surfaces s(d);  // both bodies have a roof, the slave's left flank is label 2
+      const auto roof = [d](const Vec3& x) {
+        return Vec3(x - std::abs(x[0] - 0.5) * Vec3::Unit(d - 1));
+      };
+      s.pairs[0].slave = s.sheet(4, -1, roof, 2);
+      s.pairs[0].master = s.sheet(6, 1, roof, 1);
+      s.pairs[0].slave.labels = labels;
+      for (Facet& f : s.pairs[0].slave.facets)
+        for (int v = 0; v < d; ++v)
+          if (s.nodes.X[f.node[v]][0] > 0.6) f.label = 3;
+      const Mortar mortar = s.mortar();
+      Index at_ridge = 0;
+      for (const ContactNode& node : mortar.nodes()) {
+        if (s.nodes.X[node.node][0] != 0.5) continue;
+        ++at_ridge;
+        EXPECT_EQ(node.label, labels[0]);
+        const Vec3 flank = (labels[0] == 2 ? 1 : -1) * Vec3::Unit(0) - Vec3::Unit(d - 1);
+        EXPECT_LT((node.normal - flank.normalized()).norm(), 1e-15);
+      }
+      EXPECT_EQ(at_ridge, d == 2 ? 1 : 5);
+    }
 }
 
 TEST(MortarTraps, GroupsOfElementsAroundANode) {
