@@ -1,9 +1,12 @@
 // The elimination alone: S, the condensed load, the field, what floats, and the memory it asks for.
 #include <gtest/gtest.h>
 
+#include <numeric>
+
 #include "bodies.h"
 #include "by_hand.h"
 #include "core/condensed/cholmod_elimination.h"
+#include "core/condensed/ordering.h"
 
 using namespace frictioncg;
 using namespace frictioncg::test;
@@ -157,6 +160,15 @@ TEST(Elimination, ASoftSupportIsNoRoundingOfNone) {
     ASSERT_EQ(elimination.factor(*posed.problem().system, 1e9), Outcome::done) << spring;
     EXPECT_EQ(elimination.floating().cols(), 0) << spring;
   }
+}
+
+TEST(Elimination, TheLastInteriorDofOfEachBodyIsKnown) {
+  const ContactProblem one = problem_of(BlockOptions()), three = beside(one, 3);
+  std::vector<Index> order(three.dofs());
+  std::iota(order.begin(), order.end(), 0);
+  const Index I = one.interior();
+  EXPECT_EQ(last_of_each_part(*three.system, order),
+            (std::vector<Index>{3 * I - 1, 2 * I - 1, I - 1}));
 }
 
 TEST(Elimination, AContactBlockThatSpringsWouldMakeDefiniteIsIndefiniteAllTheSame) {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/assembly/mortar/search.h"
+#include "core/assembly/mortar/topology.h"
 #include "surfaces.h"
 
 using namespace frictioncg;
@@ -64,6 +65,19 @@ TEST(MortarSearch, FindsWhatAComparisonOfAllPairsFinds) {
     }
     EXPECT_NEAR(tree.nearest(s.nodes.X[0] - 3 * Vec3::Unit(d - 1)), 3, 0.2);
   }
+}
+
+TEST(MortarSearch, WhereThreeFacetsMeetNoneGoesOnSmoothlyInAnother) {
+  Surfaces s(2);
+  s.nodes.X = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(2, 0, 0), Vec3(1, 1, 0)};
+  Surface branched;
+  for (Index end : {0, 2, 3}) s.add(branched, {end, 1}, 1, 1);
+  const Side side(2, branched, s.nodes.X);
+  ASSERT_EQ(side.joints.size(), 2u);
+  for (const Joint& joint : side.joints) EXPECT_EQ(joint.cosine, -1);
+  Surface straight;
+  for (Index end : {0, 2}) s.add(straight, {end, 1}, 1, 1);
+  EXPECT_NEAR(Side(2, straight, s.nodes.X).joints.at(0).cosine, 1, 1e-15);
 }
 
 TEST(MortarSearch, TheNearestOfSeveralSurfacesIsThePartner) {
