@@ -45,7 +45,7 @@ def curves(series):
 
 
 # --- error against run time -------------------------------------------------------------------------------------
-OURS = [("condensed", "Newton", "condensed (default)", "lc rgb '#c00000' pt 3 ps 2.5 lw 3"),
+OURS = [("condensed", "Newton", "condensed (default in 2D)", "lc rgb '#c00000' pt 3 ps 2.5 lw 3"),
         ("GC3", "hessian-ssor 1.5", "GC3", "lc rgb '#d06020' pt 7 lw 2"),
         ("GCX", "SSOR 1.5", "GCX", "lc rgb '#e0a000' pt 5 lw 2"),
         ("GC2", "hessian-ssor 1.5", "GC2", "lc rgb '#b08060' pt 9"),
@@ -330,7 +330,7 @@ if stress:
 
 QUOTED = [("block2d_n160_mu1", "block 160 x 160, mu = 1"), ("block3d_n24_mu0.3", "block 24^3, mu = 0.3"),
           ("dovetail_q36", "dovetail-like root"), ("hertz_c16", "Hertz, no friction")]
-COLUMNS = [("condensed", "frictionCG, default"), ("GCX", "GCX"), ("GetFEM", "GetFEM, nodal Newton"),
+COLUMNS = [("condensed", "frictionCG, condensed"), ("GCX", "GCX"), ("GetFEM", "GetFEM, nodal Newton"),
            ("Siconos", "Siconos, NSN_AC on our condensed system"), ("ff-Ipopt", "FreeFEM's ff-Ipopt")]
 
 
