@@ -40,6 +40,26 @@ TEST(Regularization, StaysWithinItsBoundOfTheAbsoluteValue) {
     }
 }
 
+TEST(Regularization, StartsAtItsLeastAndHasNoJumpWhereItsFormChanges) {
+  for (Regularization kind : all) {
+    const Phi phi{kind, 1.0};
+    EXPECT_NEAR(phi.value(0), kind == Regularization::square_root ? 1 : 0, 1e-15);
+    EXPECT_NEAR(phi.value(1 - 1e-9), phi.value(1 + 1e-9), 3e-9);
+  }
+}
+
+TEST(Regularization, ItsMeanCurvatureIsHalfTheTraceOfItsHessianInThePlane) {
+  for (Regularization kind : all)
+    for (Real t : {0.3, 3.0}) {
+      const Phi phi{kind, 1.0};
+      const Real h = 1e-4;
+      const auto J = [&](Real x, Real y) { return phi.value(std::hypot(x, y)); };
+      const Real trace = (J(t + h, 0) + J(t - h, 0) + J(t, h) + J(t, -h) - 4 * J(t, 0)) / (h * h);
+      EXPECT_NEAR(phi.mean_second_derivative(t, 2), trace / 2, 1e-6);
+      EXPECT_EQ(phi.mean_second_derivative(t, 1), phi.second_derivative(t));
+    }
+}
+
 TEST(Regularization, IsFiniteAtZeroAtEpsAndFarOut) {
   for (Regularization kind : all)
     for (Real t : {0.0, 1e-14, 1.0, 1e14}) {
