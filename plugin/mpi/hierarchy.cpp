@@ -19,7 +19,7 @@ SharedHierarchy::SharedHierarchy(std::shared_ptr<const SharedMatrix> A,
   check(VecSet(r_.get(), 0));
   if (levels() > 1) check(MatDuplicate(level_.front().P.get(), MAT_COPY_VALUES, P_masked_.fill()));
   make_contact_part();
-  cycle_ = make_cycle(level_, P_masked_.get());
+  cycle_ = make_cycle(level_, P_masked_.get(), A_->numbering().dimension);
 }
 
 /// The pattern of E, and where its columns find their mask.

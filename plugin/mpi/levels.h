@@ -16,6 +16,6 @@ struct Level {
 std::vector<Level> make_levels(const SharedMatrix& A, const Eigen::MatrixXd& modes);
 
 /// A V-cycle on the truncated matrices of the levels, with P_fine in place of the finest P.
-PCHandle make_cycle(const std::vector<Level>& levels, Mat P_fine);
+PCHandle make_cycle(const std::vector<Level>& levels, Mat P_fine, Index dimension);
 
 }  // namespace frictioncg
