@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <new>
+#include <sstream>
 
 namespace frictioncg {
 
@@ -147,10 +148,6 @@ void Domain::update(Index width, const Pack& pack, const Unpack& unpack) const {
     from.push_back(&e);
   }
   exchange(communicator_, out, in);
-  for (const Message& m : out) {
-    traffic_.messages += 1;
-    traffic_.bytes += double(m.values.size()) * sizeof(Real);
-  }
   for (std::size_t k = 0; k < in.size(); ++k)
     for (std::size_t s = 0; s < from[k]->received.size(); ++s)
       unpack(from[k]->received[s], &in[k].values[s * width]);
@@ -164,12 +161,12 @@ void Domain::update(Vector& values) const {
 
 void Domain::sum(Real* values, Index count) const {
   MPI_Allreduce(MPI_IN_PLACE, values, count, MPI_DOUBLE, MPI_SUM, communicator_);
-  traffic_.reductions += 1;
+  reductions_ += 1;
 }
 
 Real Domain::largest(Real value) const {
   MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MAX, communicator_);
-  traffic_.reductions += 1;
+  reductions_ += 1;
   return value;
 }
 
@@ -181,7 +178,7 @@ Vector Domain::gathered(const Vector& own) const {
   Vector all(starts.back() + counts.back());
   MPI_Allgatherv(own.data(), count, MPI_DOUBLE, all.data(), counts.data(), starts.data(),
                  MPI_DOUBLE, communicator_);
-  traffic_.reductions += 2;
+  reductions_ += 2;
   return all;
 }
 
@@ -201,6 +198,15 @@ void Domain::agree(const std::function<void()>& body) const {
     message = "an expression of the script failed";
   }
   fail_together(failed, message);
+}
+
+void Domain::require_same(const char* what, Real value) const {
+  const Real most = largest(value), least = -largest(-value);
+  if (most == least) return;
+  std::ostringstream m;
+  m << what << " differs between the processes: " << least << " on one, " << most
+    << " on another; give the same on all";
+  throw IllegalInput(m.str());
 }
 
 void Domain::fail_together(bool failed, const std::string& message) const {

@@ -32,8 +32,10 @@ class SharedObstacleSite final : public SharedSite {
       labels = labels_(stack, "labels");
       check_size(domain, Vh->NbOfDF);
     });
+    domain.require_same("the number of labels", static_cast<Real>(labels.size()));
     std::vector<long> present;
     for (long label : labels) {
+      domain.require_same("a label", static_cast<Real>(label));
       const bool here = has_label(*Vh, label);
       if (here) present.push_back(label);
       if (domain.largest(here) == 0)
@@ -100,6 +102,7 @@ inline void refuse_options(const Arguments& args) {
       "belongs to methods of one process; with domain= there is multigrid alone";
   for (Parameter p : {p_newton, p_polish, p_reg, p_regeps, p_precon, p_omega, p_step, p_memory})
     refuse(p, own);
+  refuse(p_distance, "is that of two bodies; there is one, and an obstacle");
   refuse(p_times, "is of one process; measure around the call, by mpiWtime()");
 }
 

@@ -21,6 +21,13 @@ inline void report_plan(const SharedScene& shared, const ContactProblem& problem
   std::cout << "; multigrid by PETSc" << std::endl;
 }
 
+/// Of PETSc's and the laws' own so far: in the iteration nothing else is sent.
+inline Traffic traffic_so_far(const Domain& domain) {
+  Traffic all = petsc_traffic();
+  all.reductions += domain.reductions();
+  return all;
+}
+
 /// What a process sends on average in one iteration, updates of the faces included.   Collective.
 inline void report_traffic(const Domain& domain, const Traffic& all, Index iterations, long verb) {
   Real sums[] = {all.messages, all.bytes};
@@ -35,7 +42,7 @@ inline void report_traffic(const Domain& domain, const Traffic& all, Index itera
 inline void warn_of_large_displacements(const SharedScene& shared, const Vector& field, long verb) {
   const Domain& domain = *shared.domain;
   const std::vector<NodePlace> places = shared.scene->places();
-  const Real size = 2 * extent_of_all(domain, places).radius;
+  const Real size = 2 * shared.extent.radius;
   const Real most = domain.largest(largest_displacement(places, shared.scene->d, field));
   if (verb > 0 && most > size)
     line() << "warning: displacements of up to " << most << " in a mesh of size " << size
