@@ -41,6 +41,7 @@ class SharedHierarchy final : public Hierarchy {
   VecHandle mask_;                 ///< with ghosts: 0 on fixed dofs, else 1
   std::vector<PetscInt> mask_of_;  ///< of each column of the contact entries
   std::vector<char> fixed_;        ///< own contact dofs
+  Vector free_;                    ///< own dofs: r without what is fixed
   VecHandle r_, z_;
 };
 
