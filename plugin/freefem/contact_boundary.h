@@ -40,6 +40,15 @@ constexpr const char* pair_inside =
     "vertices, have none: use one space per mesh, or join them apart and move them back with "
     "movemesh, in 3D with cleanmesh=false";
 
+/// The labels that a mesh's boundary has.
+template <class FESpaceType>
+std::set<long> labels_of_boundary(const FESpaceType& Vh) {
+  using D = Dimension<FESpaceType>;
+  std::set<long> labels;
+  for (int ib = 0; ib < D::facets(Vh.Th); ++ib) labels.insert(D::label(Vh.Th, ib));
+  return labels;
+}
+
 /// The nodes of one facet: dofs of each component, grouped by the interpolation points they share.
 struct FacetNodes {
   struct Node {
@@ -180,12 +189,10 @@ class BoundaryNodes {
   }
 
   [[noreturn]] void refuse_absent(long label) const {
-    std::set<long> present;
-    for (int ib = 0; ib < D::facets(Vh_.Th); ++ib) present.insert(D::label(Vh_.Th, ib));
     std::ostringstream s;
     s << "label " << label << " is not on the boundary of " << space_.mesh
       << ", which has the labels";
-    for (long p : present) s << " " << p;
+    for (long present : labels_of_boundary(Vh_)) s << " " << present;
     throw IllegalInput(s.str());
   }
   [[noreturn]] void refuse_inside(long label, const Fem2D::R3& x) const {

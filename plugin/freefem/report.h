@@ -212,6 +212,12 @@ inline Real contact_extent(const Scene& scene) {
   return Norme2(most - least);
 }
 
+inline void warn_of_displacements(Real most, const char* of_what, Real size) {
+  line() << "warning: displacements of up to " << most << " in a " << of_what << " of size " << size
+         << "; the laws are those of small displacements, and hold on the undeformed geometry"
+         << std::endl;
+}
+
 /// A warning for a field that moves a node further than its body is large: the laws hold on the
 /// undeformed geometry, and what balances such a load there hardly holds it.
 inline void warn_of_large_displacements(const Scene& scene, const Vector& u) {
@@ -222,11 +228,7 @@ inline void warn_of_large_displacements(const Scene& scene, const Vector& u) {
   for (const auto& [number, body] : bodies) {
     const Real size = 2 * nearest_rigid_motion(body, scene.d, u).extent;
     const Real most = largest_displacement(body, scene.d, u);
-    if (most <= size) continue;
-    line() << "warning: displacements of up to " << most << " in a body of size " << size
-           << "; the laws are those of small displacements, and hold on the undeformed geometry"
-           << std::endl;
-    return;
+    if (most > size) return warn_of_displacements(most, "body", size);
   }
 }
 

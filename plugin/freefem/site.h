@@ -32,14 +32,12 @@ const typename V::FESpace& space_of(Stack stack, Expression e, const char* name)
 template <class FESpaceType>
 void refuse_part_of_mesh(const FESpaceType& Vh) {
   constexpr long cut = -111111;  // macro_ddm's label of what it cuts
-  using D = Dimension<FESpaceType>;
-  if (mpisize <= 1) return;  // 0 in FreeFem++ itself
-  for (int ib = 0; ib < D::facets(Vh.Th); ++ib)
-    if (D::label(Vh.Th, ib) == cut)
-      throw IllegalInput(
-          "Vh lies on one process's part of a distributed mesh, and its matrix would be taken for "
-          "the whole problem; load frictionCG-mpi, and give domain=C, which createMat(Th, C, Pk) "
-          "makes");
+  if (mpisize <= 1) return;      // 0 in FreeFem++ itself
+  if (labels_of_boundary(Vh).count(cut) > 0)
+    throw IllegalInput(
+        "Vh lies on one process's part of a distributed mesh, and its matrix would be taken for "
+        "the whole problem; load frictionCG-mpi, and give domain=C, which createMat(Th, C, Pk) "
+        "makes");
 }
 
 /// Vh, labels: one body, and an obstacle given by gap and normal.

@@ -44,10 +44,7 @@ inline void warn_of_large_displacements(const SharedScene& shared, const Vector&
   const std::vector<NodePlace> places = shared.scene->places();
   const Real size = 2 * shared.extent.radius;
   const Real most = domain.largest(largest_displacement(places, shared.scene->d, field));
-  if (verb > 0 && most > size)
-    line() << "warning: displacements of up to " << most << " in a mesh of size " << size
-           << "; the laws are those of small displacements, and hold on the undeformed geometry"
-           << std::endl;
+  if (verb > 0 && most > size) warn_of_displacements(most, "mesh", size);
 }
 
 /// Some nodes of all processes, with their displacement under a motion of the own dofs: enough to

@@ -27,16 +27,18 @@ class SharedObstacleSite final : public SharedSite {
   std::shared_ptr<Scene> scene(Stack stack, const Domain& domain) const override {
     const typename V::FESpace* Vh = nullptr;
     std::vector<long> labels;
+    std::set<long> boundary;
     domain.agree([&] {
       Vh = &space_of<V>(stack, Vh_, "Vh");
       labels = labels_(stack, "labels");
       check_size(domain, Vh->NbOfDF);
+      boundary = labels_of_boundary(*Vh);
     });
     domain.require_same("the number of labels", static_cast<Real>(labels.size()));
     std::vector<long> present;
     for (long label : labels) {
       domain.require_same("a label", static_cast<Real>(label));
-      const bool here = has_label(*Vh, label);
+      const bool here = boundary.count(label) > 0;
       if (here) present.push_back(label);
       if (domain.largest(here) == 0)
         throw IllegalInput("label " + std::to_string(label) +
@@ -54,12 +56,6 @@ class SharedObstacleSite final : public SharedSite {
     throw IllegalInput("Vh has " + std::to_string(ndof) + " degrees of freedom but the domain " +
                        std::to_string(domain.dofs()) +
                        "; make it by createMat(Th, C, Pk) with the mesh and the elements of Vh");
-  }
-  static bool has_label(const typename V::FESpace& Vh, long label) {
-    using D = Dimension<typename V::FESpace>;
-    for (int ib = 0; ib < D::facets(Vh.Th); ++ib)
-      if (D::label(Vh.Th, ib) == label) return true;
-    return false;
   }
   Expression Vh_;
   Labels labels_;

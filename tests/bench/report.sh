@@ -44,9 +44,10 @@ echo "what is left out ..."
 script leftOut >left_out.txt || exit 1
 grep 'no friction:' left_out.txt
 echo "examples that the manual quotes ..."
-for example in roller wedge crack; do
+mkdir -p examples  # their pictures are the manual's own
+(cd examples && for example in roller wedge crack; do
     FreeFem++-nw -nw -v 0 "$root/examples/$example.edp" || exit 1
-done >examples.log
+done) >examples.log || exit 1
 awk '/^P[12], a\/h = 16/ {
          sub(",", "", $1); printf "roller, %s\t%.2f and %.2f %%\n", $1, $8 < 0 ? -$8 : $8, $12 < 0 ? -$12 : $12 }
      /^wedge (up|down)/ { sub(/.*off by /, ""); if ($1 + 0 > most) most = $1 + 0 }

@@ -1,6 +1,12 @@
 #pragma once
-// Blocks as contact problems, one or several side by side that share nothing.
+// Blocks as contact problems, one or several side by side that share nothing; scenes on their
+// contact dofs.
+#include <gtest/gtest.h>
+
 #include "../scene.h"
+#include "core/condensed/cholmod_elimination.h"
+#include "core/condensed/condensed_problem.h"
+#include "core/model/certificate.h"
 
 namespace frictioncg::test {
 
@@ -48,5 +54,22 @@ inline ContactProblem beside(const ContactProblem& one, int bodies) {
   increment.force_scale *= std::sqrt(bodies);
   return all;
 }
+
+/// A scene on its contact dofs, with all that the condensed problem refers to.
+struct OnContact {
+  explicit OnContact(const Scene& s) : posed(s.system()) {
+    EXPECT_EQ(elimination.factor(*posed.problem().system, 1e9), Elimination::Outcome::done);
+  }
+  CondensedProblem problem() {
+    const ContactProblem& p = posed.problem();
+    return {elimination.S(), elimination.condense(p.increment.F),
+            p.system->weight.tail(p.contact_dofs()), p};
+  }
+  Real residual(const Vector& x_C) {
+    return certify(posed.problem(), elimination.recover(x_C)).residual;
+  }
+  Posed posed;
+  CholmodElimination elimination;
+};
 
 }  // namespace frictioncg::test

@@ -3,34 +3,10 @@
 
 #include "../statics.h"
 #include "bodies.h"
-#include "by_hand.h"
-#include "core/model/certificate.h"
-#include "core/condensed/cholmod_elimination.h"
 #include "core/condensed/proximal.h"
 
 using namespace frictioncg;
 using namespace frictioncg::test;
-
-namespace {
-
-/// A scene on its contact dofs, with all that the condensed problem refers to.
-struct OnContact {
-  explicit OnContact(const Scene& s) : posed(s.system()) {
-    EXPECT_EQ(elimination.factor(*posed.problem().system, 1e9), Elimination::Outcome::done);
-  }
-  CondensedProblem problem() {
-    const ContactProblem& p = posed.problem();
-    return {elimination.S(), elimination.condense(p.increment.F),
-            p.system->weight.tail(p.contact_dofs()), p};
-  }
-  Real residual(const Vector& x_C) {
-    return certify(posed.problem(), elimination.recover(x_C)).residual;
-  }
-  Posed posed;
-  CholmodElimination elimination;
-};
-
-}  // namespace
 
 TEST(Proximal, FindsTheLaddersThatStandWithoutAStart) {
   for (const auto& [degrees, floor, wall] :

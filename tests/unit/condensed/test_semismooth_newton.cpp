@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "../random_scene.h"
+#include "bodies.h"
 #include "by_hand.h"
 #include "core/model/certificate.h"
-#include "core/condensed/cholmod_elimination.h"
 #include "core/condensed/semismooth_newton.h"
 
 using namespace frictioncg;
@@ -179,12 +179,8 @@ TEST(SemismoothNewton, FromItsAnswerItTakesOneStepAndBlocksTakeFew) {
     o.cells = d == 2 ? 12 : 4;
     o.clamp_side = true;
     o.shear = 4;
-    const Posed posed = block(o).system();
-    const ContactProblem& problem = posed.problem();
-    CholmodElimination elimination;
-    ASSERT_EQ(elimination.factor(*problem.system, 1e9), Elimination::Outcome::done);
-    const CondensedProblem p{elimination.S(), elimination.condense(problem.increment.F),
-                             problem.system->weight.tail(problem.contact_dofs()), problem};
+    OnContact condensed(block(o));
+    const CondensedProblem p = condensed.problem();
     SemismoothNewton newton(p);
     newton.start_from_stick();
     ASSERT_EQ(newton.solve(40), Outcome::converged);
@@ -206,13 +202,9 @@ TEST(SemismoothNewton, InThreeDimensionsItArrivesAfterAStepWithoutProgressToo) {
   int arrived = 0, others = 0;
   for (unsigned seed : {454,  597,  764,  1329, 1593, 1627, 1669, 1724, 2024, 2028,
                         2035, 2055, 2243, 2259, 2325, 2420, 2473, 2749, 2920, 3023}) {
-    const Posed posed = make_scene(random_recipe(seed)).system();
-    const ContactProblem& problem = posed.problem();
-    EXPECT_EQ(problem.system->dimension, 3);
-    CholmodElimination elimination;
-    ASSERT_EQ(elimination.factor(*problem.system, 1e9), Elimination::Outcome::done);
-    const CondensedProblem p{elimination.S(), elimination.condense(problem.increment.F),
-                             problem.system->weight.tail(problem.contact_dofs()), problem};
+    OnContact condensed(make_scene(random_recipe(seed)));
+    const CondensedProblem p = condensed.problem();
+    EXPECT_EQ(p.laws.system->dimension, 3);
     SemismoothNewton newton(p);
     newton.start_from_stick();
     ++(newton.solve(200) == Outcome::converged ? arrived : others);
