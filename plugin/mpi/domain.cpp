@@ -86,9 +86,23 @@ Domain::~Domain() {
   if (!ended) MPI_Comm_free(&communicator_);
 }
 
+/// One message of all processes where on any of them something is wrong with the lists.
+void Domain::require_match(bool matches) const {
+  fail_together(!matches,
+                "the lists of shared dofs do not match between the processes; make the domain by "
+                "createMat(Th, C, Pk) of macro_ddm.idp, Th being made by buildDmesh or createMat");
+}
+
+/// Of what each process has for each other one (size), what they have for this one.
+std::vector<int> Domain::counterpart(const std::vector<int>& mine) const {
+  std::vector<int> theirs(size_);
+  MPI_Alltoall(mine.data(), 1, MPI_INT, theirs.data(), 1, MPI_INT, communicator_);
+  return theirs;
+}
+
 /// Each list has its counterpart of the same length: before anything is sent along them.
 void Domain::check_neighbours(const std::vector<Neighbour>& neighbours) const {
-  std::vector<int> mine(size_, 0), theirs(size_, 0);
+  std::vector<int> mine(size_, 0);
   bool matches = true;
   for (const Neighbour& n : neighbours) {
     const bool legal = n.rank >= 0 && n.rank < size_ && n.rank != rank_;
@@ -96,10 +110,7 @@ void Domain::check_neighbours(const std::vector<Neighbour>& neighbours) const {
     if (legal) mine[n.rank] = static_cast<int>(n.shared.size());
     for (Index dof : n.shared) matches = matches && dof >= 0 && dof < dofs();
   }
-  MPI_Alltoall(mine.data(), 1, MPI_INT, theirs.data(), 1, MPI_INT, communicator_);
-  fail_together(!matches || mine != theirs,
-                "the lists of shared dofs do not match between the processes; make the domain by "
-                "createMat(Th, C, Pk) of macro_ddm.idp, Th being made by buildDmesh or createMat");
+  require_match(counterpart(mine) == mine && matches);
 }
 
 void Domain::choose_owners(const std::vector<Neighbour>& neighbours, const Vector& D) {
@@ -122,14 +133,25 @@ void Domain::choose_owners(const std::vector<Neighbour>& neighbours, const Vecto
       owner[dof] = rank;
     }
   for (Index dof = 0; dof < dofs(); ++dof) owned_[dof] = owner[dof] == rank_;
+  make_exchanges(neighbours, owner);
+}
+
+/// Where three processes share a dof and two of them do not know it of each other, they may take
+/// different ones for its owner.
+void Domain::make_exchanges(const std::vector<Neighbour>& neighbours,
+                            const std::vector<int>& owner) {
+  std::vector<int> sent(size_, 0), received(size_, 0);
   for (const Neighbour& n : neighbours) {
     Exchange e{n.rank, {}, {}};
     for (Index dof : n.shared) {
       if (owner[dof] == rank_) e.sent.push_back(dof);
       if (owner[dof] == n.rank) e.received.push_back(dof);
     }
+    sent[n.rank] = static_cast<int>(e.sent.size());
+    received[n.rank] = static_cast<int>(e.received.size());
     exchanges_.push_back(std::move(e));
   }
+  require_match(counterpart(sent) == received);
 }
 
 /// The owner's list and the receiver's have the same order; what a third process owns is sent by it

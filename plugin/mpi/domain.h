@@ -62,8 +62,11 @@ class Domain {
     int rank;
     std::vector<Index> sent, received;
   };
+  void require_match(bool matches) const;
+  std::vector<int> counterpart(const std::vector<int>& mine) const;
   void check_neighbours(const std::vector<Neighbour>& neighbours) const;
   void choose_owners(const std::vector<Neighbour>& neighbours, const Vector& D);
+  void make_exchanges(const std::vector<Neighbour>& neighbours, const std::vector<int>& owner);
   void fail_together(bool failed, const std::string& message) const;
 
   MPI_Comm communicator_ = MPI_COMM_NULL;
