@@ -8,9 +8,8 @@ namespace frictioncg {
 /// A line of rank 0 on what all processes have together.   Collective.
 inline void report_plan(const SharedScene& shared, const ContactProblem& problem, long verb) {
   const Domain& domain = *shared.domain;
-  Real sums[] = {Real(problem.dofs()), Real(problem.nodes()),
-                 Real(problem.dofs() - problem.interior() - problem.nodes())};
-  domain.sum(sums, 3);
+  Real sums[] = {Real(problem.dofs()), Real(problem.nodes())};
+  domain.sum(sums, 2);
   const Real most = domain.largest(problem.dofs());
   if (verb <= 0) return;
   line() << shared.scene->d << "D, " << static_cast<long>(sums[0]) << " dofs on " << domain.size()
