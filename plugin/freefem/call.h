@@ -85,7 +85,7 @@ inline LocalIncrement increment(const Call& call, const Scene& scene, PointLaws 
   check_vectors(call, scene);
   if (scene.system->nodes() == 0) laws.law = Law::frictionless;  // supports hold every normal
   LocalIncrement now = scene.increment(scene.system->load(call.b, call.u_old), laws);
-  refuse_other_tgv(scene, call.b, now.u0);
+  refuse_other_tgv(scene, call.b, now.u0, lengths_of(scene, call.b));
   return now;
 }
 

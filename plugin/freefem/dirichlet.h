@@ -28,14 +28,14 @@ inline Lengths lengths_of(const Scene& scene, const Vector& b) {
 /// Refuses Dirichlet data that A and b cannot have been assembled with alike: b = tgv u_D against
 /// tgv in A, so that another tgv makes u_D huge (A with -1, b with 1e30) or next to nothing (the
 /// other way round). u0 (ndof): the data, at the dofs held [length].
-inline void refuse_other_tgv(const Scene& scene, const Vector& b, const Vector& u0) {
+inline void refuse_other_tgv(const Scene& scene, const Vector& b, const Vector& u0,
+                             const Lengths& l) {
   constexpr Real apart = 1e20;  // between 1, for tgv=-1, and 1e30
   long most = -1;
   for (long i = 0; i < scene.ndof(); ++i)
     if (scene.held[i] && b[i] != 0 && (most < 0 || std::abs(u0[i]) > std::abs(u0[most]))) most = i;
   if (most < 0) return;
   const Real u = std::abs(u0[most]);
-  const Lengths l = lengths_of(scene, b);
   const bool huge = u > apart * std::max(l.extent, l.moved);
   const bool tiny = u * apart < (l.moved > 0 ? std::min(l.extent, l.moved) : l.extent);
   if (!huge && !tiny) return;

@@ -29,7 +29,8 @@ class ContactDomainVariable {
   std::shared_ptr<const Domain>* domain_ = nullptr;
 };
 
-/// constructor(C, n, intersection, D, communicator=...), as createMat of macro_ddm.idp calls it.
+/// constructor(C, n, intersection, D, communicator=...), as createMat of macro_ddm.idp calls it; n
+/// is the size of D.
 /// intersection[0]: ranks of the neighbours, then for each of them the dofs shared with it.
 class MakeDomain : public E_F0mps {
  public:
@@ -37,7 +38,6 @@ class MakeDomain : public E_F0mps {
   using Lists = KN<KN<long>>;
   explicit MakeDomain(const basicAC_F0& args)
       : C_(to<ContactDomainVariable*>(args[0])),
-        n_(to<long>(args[1])),
         lists_(to<Lists*>(args[2])),
         D_(to<KN_<double>>(args[3])) {
     args.SetNameParam(1, names, named_);
@@ -79,7 +79,7 @@ class MakeDomain : public E_F0mps {
   }
   static inline basicAC_F0::name_and_type names[] = {{"communicator", &typeid(pcommworld)}};
 
-  Expression C_, n_, lists_, D_, named_[1];
+  Expression C_, lists_, D_, named_[1];
 };
 
 inline void register_contactdomain() {

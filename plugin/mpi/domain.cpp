@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <new>
+#include <sstream>
 
 namespace frictioncg {
 
@@ -85,9 +86,23 @@ Domain::~Domain() {
   if (!ended) MPI_Comm_free(&communicator_);
 }
 
+/// One message of all processes where on any of them something is wrong with the lists.
+void Domain::require_match(bool matches) const {
+  fail_together(!matches,
+                "the lists of shared dofs do not match between the processes; make the domain by "
+                "createMat(Th, C, Pk) of macro_ddm.idp, Th being made by buildDmesh or createMat");
+}
+
+/// Of what each process has for each other one (size), what they have for this one.
+std::vector<int> Domain::counterpart(const std::vector<int>& mine) const {
+  std::vector<int> theirs(size_);
+  MPI_Alltoall(mine.data(), 1, MPI_INT, theirs.data(), 1, MPI_INT, communicator_);
+  return theirs;
+}
+
 /// Each list has its counterpart of the same length: before anything is sent along them.
 void Domain::check_neighbours(const std::vector<Neighbour>& neighbours) const {
-  std::vector<int> mine(size_, 0), theirs(size_, 0);
+  std::vector<int> mine(size_, 0);
   bool matches = true;
   for (const Neighbour& n : neighbours) {
     const bool legal = n.rank >= 0 && n.rank < size_ && n.rank != rank_;
@@ -95,10 +110,7 @@ void Domain::check_neighbours(const std::vector<Neighbour>& neighbours) const {
     if (legal) mine[n.rank] = static_cast<int>(n.shared.size());
     for (Index dof : n.shared) matches = matches && dof >= 0 && dof < dofs();
   }
-  MPI_Alltoall(mine.data(), 1, MPI_INT, theirs.data(), 1, MPI_INT, communicator_);
-  fail_together(!matches || mine != theirs,
-                "the lists of shared dofs do not match between the processes; make the domain by "
-                "createMat(Th, C, Pk) of macro_ddm.idp, Th being made by buildDmesh or createMat");
+  require_match(counterpart(mine) == mine && matches);
 }
 
 void Domain::choose_owners(const std::vector<Neighbour>& neighbours, const Vector& D) {
@@ -121,14 +133,25 @@ void Domain::choose_owners(const std::vector<Neighbour>& neighbours, const Vecto
       owner[dof] = rank;
     }
   for (Index dof = 0; dof < dofs(); ++dof) owned_[dof] = owner[dof] == rank_;
+  make_exchanges(neighbours, owner);
+}
+
+/// Where three processes share a dof and two of them do not know it of each other, they may take
+/// different ones for its owner.
+void Domain::make_exchanges(const std::vector<Neighbour>& neighbours,
+                            const std::vector<int>& owner) {
+  std::vector<int> sent(size_, 0), received(size_, 0);
   for (const Neighbour& n : neighbours) {
     Exchange e{n.rank, {}, {}};
     for (Index dof : n.shared) {
       if (owner[dof] == rank_) e.sent.push_back(dof);
       if (owner[dof] == n.rank) e.received.push_back(dof);
     }
+    sent[n.rank] = static_cast<int>(e.sent.size());
+    received[n.rank] = static_cast<int>(e.received.size());
     exchanges_.push_back(std::move(e));
   }
+  require_match(counterpart(sent) == received);
 }
 
 /// The owner's list and the receiver's have the same order; what a third process owns is sent by it
@@ -147,10 +170,6 @@ void Domain::update(Index width, const Pack& pack, const Unpack& unpack) const {
     from.push_back(&e);
   }
   exchange(communicator_, out, in);
-  for (const Message& m : out) {
-    traffic_.messages += 1;
-    traffic_.bytes += double(m.values.size()) * sizeof(Real);
-  }
   for (std::size_t k = 0; k < in.size(); ++k)
     for (std::size_t s = 0; s < from[k]->received.size(); ++s)
       unpack(from[k]->received[s], &in[k].values[s * width]);
@@ -164,12 +183,12 @@ void Domain::update(Vector& values) const {
 
 void Domain::sum(Real* values, Index count) const {
   MPI_Allreduce(MPI_IN_PLACE, values, count, MPI_DOUBLE, MPI_SUM, communicator_);
-  traffic_.reductions += 1;
+  reductions_ += 1;
 }
 
 Real Domain::largest(Real value) const {
   MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MAX, communicator_);
-  traffic_.reductions += 1;
+  reductions_ += 1;
   return value;
 }
 
@@ -181,7 +200,7 @@ Vector Domain::gathered(const Vector& own) const {
   Vector all(starts.back() + counts.back());
   MPI_Allgatherv(own.data(), count, MPI_DOUBLE, all.data(), counts.data(), starts.data(),
                  MPI_DOUBLE, communicator_);
-  traffic_.reductions += 2;
+  reductions_ += 2;
   return all;
 }
 
@@ -201,6 +220,15 @@ void Domain::agree(const std::function<void()>& body) const {
     message = "an expression of the script failed";
   }
   fail_together(failed, message);
+}
+
+void Domain::require_same(const char* what, Real value) const {
+  const Real most = largest(value), least = -largest(-value);
+  if (most == least) return;
+  std::ostringstream m;
+  m << what << " differs between the processes: " << least << " on one, " << most
+    << " on another; give the same on all";
+  throw IllegalInput(m.str());
 }
 
 void Domain::fail_together(bool failed, const std::string& message) const {

@@ -13,18 +13,6 @@ constexpr const char* not_enough_memory = "not enough memory for this problem";
 /// Ends all processes of the communicator, with one message. Needs no memory itself.
 [[noreturn]] void end_all(MPI_Comm communicator, const char* name, const char* message) noexcept;
 
-/// What one process sends, and takes part in.
-struct Traffic {
-  double messages = 0, bytes = 0;
-  double reductions = 0;  ///< over all processes
-};
-inline Traffic operator+(const Traffic& a, const Traffic& b) {
-  return {a.messages + b.messages, a.bytes + b.bytes, a.reductions + b.reductions};
-}
-inline Traffic operator-(const Traffic& a, const Traffic& b) {
-  return {a.messages - b.messages, a.bytes - b.bytes, a.reductions - b.reductions};
-}
-
 /// The part of a distributed space that this process has, with overlap, and whom it shares its
 /// dofs with: what createMat of FreeFEM's macro_ddm.idp hands to constructor(...).
 ///
@@ -60,26 +48,32 @@ class Domain {
   Real largest(Real value) const;
   Vector gathered(const Vector& own) const;
 
-  const Traffic& traffic() const { return traffic_; }  ///< so far
+  double reductions() const { return reductions_; }  ///< over all processes, so far
 
   /// Runs what one process does by itself. Where it throws on any of them, all throw IllegalInput
   /// with the message of the lowest rank that failed.
   void agree(const std::function<void()>& body) const;
+  /// Throws IllegalInput on all processes where they have different values: what decides how a call
+  /// goes on would leave some of them waiting for the others.
+  void require_same(const char* what, Real value) const;
 
  private:
   struct Exchange {
     int rank;
     std::vector<Index> sent, received;
   };
+  void require_match(bool matches) const;
+  std::vector<int> counterpart(const std::vector<int>& mine) const;
   void check_neighbours(const std::vector<Neighbour>& neighbours) const;
   void choose_owners(const std::vector<Neighbour>& neighbours, const Vector& D);
+  void make_exchanges(const std::vector<Neighbour>& neighbours, const std::vector<int>& owner);
   void fail_together(bool failed, const std::string& message) const;
 
   MPI_Comm communicator_ = MPI_COMM_NULL;
   int rank_ = 0, size_ = 1;
   std::vector<char> owned_;  ///< n
   std::vector<Exchange> exchanges_;
-  mutable Traffic traffic_;
+  mutable double reductions_ = 0;
 };
 
 }  // namespace frictioncg

@@ -9,7 +9,7 @@
 #include "../freefem/load.h"
 #include "../freefem/memory.h"
 #include "../freefem/usage.h"
-#include "shared_solve.h"
+#include "shared_operators.h"
 
 namespace frictioncg {
 namespace {

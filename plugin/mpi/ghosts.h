@@ -20,7 +20,8 @@ inline void keep_own_points(const Domain& domain, Scene& scene) {
 /// Adds the contact points of ghosts, as their owners have them: point by point of a node, in the
 /// owner's order.
 inline void add_ghost_points(const Domain& domain, Scene& scene) {
-  constexpr Index of_point = 11, most = 3;  // normal, friction, direction, ratio, dofs
+  constexpr Index of_point = 15,
+                  most = 3;  // place, label, normal, friction, direction, ratio, dofs
   std::map<Index, std::vector<const BoundaryNode*>> points;
   for (const BoundaryNode& n : scene.nodes) points[n.point.dof[0]].push_back(&n);
   const auto pack = [&](Index dof, Real* out) {
@@ -30,6 +31,8 @@ inline void add_ghost_points(const Domain& domain, Scene& scene) {
     *out++ = static_cast<Real>(found->second.size());
     for (const BoundaryNode* n : found->second) {
       const ContactPoint& p = n->point;
+      for (int c = 0; c < 3; ++c) *out++ = n->x[c];
+      *out++ = static_cast<Real>(n->label);
       for (int c = 0; c < 3; ++c) *out++ = p.normal[c];
       *out++ = p.friction;
       for (int c = 0; c < 3; ++c) *out++ = p.direction[c];
@@ -41,6 +44,8 @@ inline void add_ghost_points(const Domain& domain, Scene& scene) {
   const auto unpack = [&](Index dof, const Real* in) {
     for (Index count = static_cast<Index>(*in++); count > 0; --count) {
       BoundaryNode n;
+      for (int c = 0; c < 3; ++c) n.x[c] = *in++;
+      n.label = static_cast<long>(*in++);
       for (int c = 0; c < 3; ++c) n.point.normal[c] = *in++;
       n.point.friction = *in++ != 0;
       for (int c = 0; c < 3; ++c) n.point.direction[c] = *in++;

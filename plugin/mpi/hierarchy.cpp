@@ -17,9 +17,8 @@ SharedHierarchy::SharedHierarchy(std::shared_ptr<const SharedMatrix> A,
     : A_(std::move(A)), level_(make_levels(*A_, modes)) {
   check(MatCreateVecs(A_->matrix(), r_.fill(), z_.fill()));
   check(VecSet(r_.get(), 0));
-  if (levels() > 1) check(MatDuplicate(level_.front().P.get(), MAT_COPY_VALUES, P_masked_.fill()));
   make_contact_part();
-  cycle_ = make_cycle(level_, P_masked_.get(), A_->numbering().dimension);
+  cycle_ = make_cycle(level_, A_->numbering().dimension);
 }
 
 /// The pattern of E, and where its columns find their mask.
@@ -115,9 +114,6 @@ void SharedHierarchy::truncate_fine() {
   check(MatCopy(fine.A.get(), A, SAME_NONZERO_PATTERN));
   check(MatAXPY(A, 1, E_.get(), SUBSET_NONZERO_PATTERN));
   fill_empty_rows(fine);
-  if (levels() == 1) return;
-  check(MatCopy(fine.P.get(), P_masked_.get(), SAME_NONZERO_PATTERN));
-  check(MatDiagonalScale(P_masked_.get(), mask_.get(), nullptr));
 }
 
 void SharedHierarchy::truncate_coarse() {
@@ -154,12 +150,11 @@ void SharedHierarchy::fill_empty_rows(const Level& level) {
   check(MatAssemblyEnd(level.truncated.get(), MAT_FINAL_ASSEMBLY));
 }
 
+/// Fixed dofs have rows of their own diagonal, and no coarse correction: what r is there goes
+/// nowhere else.
 void SharedHierarchy::apply(const Vector& r, Vector& z) {
   const Eigen::Index interior = r.size() - Eigen::Index(fixed_.size());
-  Vector free = r;
-  for (std::size_t c = 0; c < fixed_.size(); ++c)
-    if (fixed_[c]) free[interior + Eigen::Index(c)] = 0;
-  A_->to_slots(free, r_.get());
+  A_->to_slots(r, r_.get());
   check(PCApply(cycle_.get(), r_.get(), z_.get()));
   A_->from_slots(z_.get(), z);
   for (std::size_t c = 0; c < fixed_.size(); ++c)

@@ -11,7 +11,9 @@ namespace frictioncg {
 ///   coarse levels  A_1 + P_0'(M B M - B + W) P_0,  A_2 + P_1' dA_1 P_1, ...
 ///
 /// B: entries of A in rows or columns of contact dofs; M drops the fixed ones. P and A_1, A_2 come
-/// from A, once; rows of P_0 of fixed dofs are zero in the cycle.
+/// from A, once. Rows of P_0 of fixed dofs count as zero: the coarse levels see M P_0, and on the
+/// fine one Gauss-Seidel solves these rows, which are their diagonal, before the residual is
+/// restricted and after the correction.
 class SharedHierarchy final : public Hierarchy {
  public:
   /// modes: rigid motions of the own dofs (own x k), the same combinations on all processes.
@@ -37,7 +39,6 @@ class SharedHierarchy final : public Hierarchy {
   std::vector<Level> level_;  ///< from the finest to the coarsest
   PCHandle cycle_;
   MatHandle E_;                    ///< M B M - B + W
-  MatHandle P_masked_;             ///< P_0 without the rows of fixed dofs
   VecHandle mask_;                 ///< with ghosts: 0 on fixed dofs, else 1
   std::vector<PetscInt> mask_of_;  ///< of each column of the contact entries
   std::vector<char> fixed_;        ///< own contact dofs

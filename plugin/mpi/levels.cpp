@@ -140,7 +140,7 @@ void set_coarsest(KSP solver, Mat A) {
 
 }  // namespace
 
-PCHandle make_cycle(const std::vector<Level>& levels, Mat P_fine, Index dimension) {
+PCHandle make_cycle(const std::vector<Level>& levels, Index dimension) {
   const PetscInt count = static_cast<PetscInt>(levels.size());
   Mat fine = levels.front().truncated.get();
   const PetscInt sweeps = sweeps_of(fine, dimension);
@@ -154,7 +154,7 @@ PCHandle make_cycle(const std::vector<Level>& levels, Mat P_fine, Index dimensio
   for (PetscInt l = 1; l < count; ++l) {
     const Level& level = levels[count - 1 - l];
     KSP down, up;
-    check(PCMGSetInterpolation(pc, l, l == count - 1 ? P_fine : level.P.get()));
+    check(PCMGSetInterpolation(pc, l, level.P.get()));
     check(PCMGGetSmootherDown(pc, l, &down));
     check(PCMGGetSmootherUp(pc, l, &up));
     set_smoother(down, level.truncated.get(), sweeps);

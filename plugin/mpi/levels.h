@@ -15,7 +15,7 @@ struct Level {
 /// From the finest to the coarsest. modes: as in SharedHierarchy.   Collective.
 std::vector<Level> make_levels(const SharedMatrix& A, const Eigen::MatrixXd& modes);
 
-/// A V-cycle on the truncated matrices of the levels, with P_fine in place of the finest P.
-PCHandle make_cycle(const std::vector<Level>& levels, Mat P_fine, Index dimension);
+/// A V-cycle on the truncated matrices of the levels.
+PCHandle make_cycle(const std::vector<Level>& levels, Index dimension);
 
 }  // namespace frictioncg

@@ -18,6 +18,15 @@ void start_petsc();
 /// For the end of the program, where PETSc was started here.
 void end_petsc();
 
+/// What one process sends, and takes part in.
+struct Traffic {
+  double messages = 0, bytes = 0;
+  double reductions = 0;  ///< over all processes
+};
+inline Traffic operator-(const Traffic& a, const Traffic& b) {
+  return {a.messages - b.messages, a.bytes - b.bytes, a.reductions - b.reductions};
+}
+
 /// Of PETSc's own on this process so far; 0 where it does not count.
 Traffic petsc_traffic();
 

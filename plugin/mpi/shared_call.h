@@ -58,11 +58,13 @@ inline LocalIncrement increment_together(const Call& call, const SharedScene& sh
   const Vector b = shared.patch->load(domain, call.b);
   Vector u_old = call.u_old;
   if (call.args.has(p_uold)) domain.update(u_old);
+  const Lengths lengths = lengths_of_all(shared, b);
   LocalIncrement local;
   LocalLoad load;
   domain.agree([&] {
     load = scene.system->load(b, u_old);
     local = scene.increment(load, laws);
+    refuse_other_tgv(scene, b, local.u0, lengths);
   });
   problem.increment = own_increment(shared, local, load);
   domain.agree([&] { validate(problem.increment, *problem.system); });
@@ -76,11 +78,21 @@ inline Vector start_of(const Call& call, const SharedScene& shared) {
   return shared.A->own_part(shared.scene->system->to_local(start));
 }
 
+/// Processes that stop at different points, or follow different laws, wait for each other for ever.
+/// Collective.
+inline void require_same_call(const Domain& domain, const Settings& settings,
+                              const PointLaws& laws) {
+  domain.require_same("tol", settings.tol);
+  domain.require_same("nbiter", settings.nbiter);
+  domain.require_same("bilateral", laws.bilateral);
+}
+
 /// The field of one increment.   Collective.
 inline KN_<double> solve_together(Stack stack, const Call& call, SharedScene& shared,
                                   PointLaws laws) {
   const Domain& domain = *shared.domain;
   const Outputs out(stack, call.args);
+  require_same_call(domain, call.settings, laws);
   ContactProblem problem{shared.system, {}};
   if (domain.largest(problem.nodes()) == 0) laws.law = Law::frictionless;
   const LocalIncrement now = increment_together(call, shared, laws, problem);
@@ -89,10 +101,10 @@ inline KN_<double> solve_together(Stack stack, const Call& call, SharedScene& sh
   const bool speaks = domain.largest(static_cast<Real>(verb)) > 0;
   if (speaks) report_plan(shared, problem, verb);
   Progress progress(problem, verb, keeps);
-  const Traffic before = domain.traffic() + petsc_traffic();
+  const Traffic before = traffic_so_far(domain);
   const Solution solution = solve_together(shared, problem, call, start_of(call, shared),
                                            keeps || speaks ? &progress : nullptr);
-  const Traffic traffic = domain.traffic() + petsc_traffic() - before;
+  const Traffic traffic = traffic_so_far(domain) - before;
   if (verb > 0) report_end(solution);
   report_traffic(domain, traffic, solution.iterations, verb);
   const std::string unheld = report_motions(shared, solution, verb);

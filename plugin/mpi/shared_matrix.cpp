@@ -189,10 +189,4 @@ Vector SharedMatrix::magnitude(const Vector& x) const {
   return result;
 }
 
-double SharedMatrix::bytes() const {
-  MatInfo info;
-  check(MatGetInfo(A_.get(), MAT_GLOBAL_SUM, &info));
-  return info.memory;
-}
-
 }  // namespace frictioncg

@@ -32,7 +32,6 @@ class SharedMatrix final : public Processes {
   const Numbering& numbering() const { return numbering_; }
   Mat matrix() const { return A_.get(); }
   const ContactEntries& contact() const { return contact_; }
-  double bytes() const;
 
   /// Own dofs into the slots of a vector, and back.
   void to_slots(const Vector& x, Vec slots) const;

@@ -1,132 +1,169 @@
 #pragma once
 #include "../freefem/freefem.h"
 
-#include "../freefem/operators.h"
-#include "contact_domain.h"
-#include "shared_call.h"
-#include "together.h"
+#include "shared_site.h"
 
 namespace frictioncg {
 
-/// Vh, labels, of which a process may have none.
-class SharedSite {
+/// Laws at the contact points of own nodes, with those of ghosts, which follow: their gaps, as
+/// their owners have them; friction is the owner's matter.   Collective.
+inline PointLaws with_ghosts(PointLaws laws, const SharedScene& shared) {
+  constexpr Index most = 3;  // points of a node
+  const std::vector<BoundaryNode>& nodes = shared.scene->nodes;
+  const Index all = static_cast<Index>(nodes.size());
+  std::map<Index, std::vector<Index>> points;
+  for (Index k = 0; k < all; ++k) points[nodes[k].point.dof[0]].push_back(k);
+  laws.gap.conservativeResize(all);
+  const auto each = [&](Index dof, const auto& take) {
+    const auto found = points.find(dof);
+    if (found == points.end()) return;
+    for (std::size_t k = 0; k < found->second.size(); ++k) take(k, laws.gap[found->second[k]]);
+  };
+  shared.domain->update(
+      most,
+      [&](Index dof, Real* out) {
+        std::fill(out, out + most, 0);
+        each(dof, [&](std::size_t k, Real& gap) { out[k] = gap; });
+      },
+      [&](Index dof, const Real* in) {
+        each(dof, [&](std::size_t k, Real& gap) { gap = in[k]; });
+      });
+  if (laws.law == Law::frictionless) return laws;
+  laws.friction.conservativeResize(all);
+  laws.friction.tail(all - static_cast<Index>(shared.own_points)).setZero();
+  return laws;
+}
+
+/// u[] = frictionalContactCG(A, b, Vh, labels, ..., domain=C).
+class SharedSolveOnce : public E_F0mps {
  public:
-  virtual ~SharedSite() = default;
-  virtual int dimension() const = 0;
-  /// Collective.
-  virtual std::shared_ptr<Scene> scene(Stack stack, const Domain& domain) const = 0;
+  using Result = KN_<double>;
+  SharedSolveOnce(const basicAC_F0& args, std::shared_ptr<const Site> site,
+                  std::shared_ptr<const SharedSite> shared)
+      : arguments_(args, site->dimension(), site->two_bodies()),
+        once_(args, std::move(site)),
+        A_(to<Matrice_Creuse<double>*>(args[0])),
+        b_(to<KN_<double>>(args[1])),
+        shared_(std::move(shared)) {}
+  static std::vector<aType> before_site() { return SolveOnce::before_site(); }
+
+  AnyType operator()(Stack stack) const override {
+    const auto domain = required_domain(operator_name, stack, arguments_);
+    if (!domain) return once_(stack);
+    return together(operator_name, domain->communicator(), [&] {
+      std::unique_ptr<Call> call;
+      domain->agree([&] {
+        if (!shared_) throw IllegalInput(two_bodies);
+        refuse_options(arguments_);
+        call = std::make_unique<Call>(stack, arguments_, b_);
+        set_method(call->settings);
+      });
+      PointLaws laws;
+      const auto shared = read_shared(stack, arguments_, A_, *shared_, domain, false, laws);
+      return SetAny<KN_<double>>(solve_together(stack, *call, *shared, with_ghosts(laws, *shared)));
+    });
+  }
+  static constexpr const char* two_bodies =
+      "contact of two bodies is of one process: facets that face each other may lie on different "
+      "ones; leave domain out, or give the obstacle by gap and normal";
+
+ private:
+  Arguments arguments_;
+  SolveOnce once_;
+  Expression A_, b_;
+  std::shared_ptr<const SharedSite> shared_;  ///< null with two bodies
 };
 
-template <class V>
-class SharedObstacleSite final : public SharedSite {
+/// contactproblem P = contactProblem(A, Vh, labels, ..., domain=C).
+class SharedConstruct : public E_F0mps {
  public:
-  SharedObstacleSite(const basicAC_F0& args, int first, LabelForm form)
-      : Vh_(to<typename V::pfes*>(args[first])), labels_(args[first + 1], form) {}
-  int dimension() const override { return Dimension<typename V::FESpace>::d; }
+  using Result = ContactProblemVariable*;
+  SharedConstruct(const basicAC_F0& args, std::shared_ptr<const Site> site,
+                  std::shared_ptr<const SharedSite> shared)
+      : arguments_(args, site->dimension(), site->two_bodies()),
+        once_(args, std::move(site)),
+        A_(to<Matrice_Creuse<double>*>(args[0])),
+        shared_(std::move(shared)) {}
+  static std::vector<aType> before_site() { return Construct::before_site(); }
 
-  std::shared_ptr<Scene> scene(Stack stack, const Domain& domain) const override {
-    const typename V::FESpace* Vh = nullptr;
-    std::vector<long> labels;
-    std::set<long> boundary;
-    domain.agree([&] {
-      Vh = &space_of<V>(stack, Vh_, "Vh");
-      labels = labels_(stack, "labels");
-      check_size(domain, Vh->NbOfDF);
-      boundary = labels_of_boundary(*Vh);
+  AnyType operator()(Stack stack) const override {
+    const auto domain = required_domain(constructor_name, stack, arguments_);
+    if (!domain) return once_(stack);
+    return together(constructor_name, domain->communicator(), [&] {
+      if (!shared_) throw IllegalInput(SharedSolveOnce::two_bodies);
+      PosedProblem posed;
+      posed.shared = read_shared(stack, arguments_, A_, *shared_, domain, true, posed.laws);
+      posed.scene = posed.shared->scene;
+      posed.laws = with_ghosts(posed.laws, *posed.shared);
+      auto* C = Add2StackOfPtr2Free(stack, new ContactProblemVariable);
+      C->set(std::move(posed));
+      return SetAny<ContactProblemVariable*>(C);
     });
-    std::vector<long> present;
-    for (long label : labels) {
-      const bool here = boundary.count(label) > 0;
-      if (here) present.push_back(label);
-      if (domain.largest(here) == 0)
-        throw IllegalInput("label " + std::to_string(label) +
-                           " is not on the boundary of any part of the mesh");
-    }
-    std::shared_ptr<Scene> scene;
-    domain.agree([&] { scene = obstacle_scene(*Vh, present); });
-    keep_own_points(domain, *scene);
-    return scene;
   }
 
  private:
-  static void check_size(const Domain& domain, long ndof) {
-    if (ndof == domain.dofs()) return;
-    throw IllegalInput("Vh has " + std::to_string(ndof) + " degrees of freedom but the domain " +
-                       std::to_string(domain.dofs()) +
-                       "; make it by createMat(Th, C, Pk) with the mesh and the elements of Vh");
-  }
-  Expression Vh_;
-  Labels labels_;
+  Arguments arguments_;
+  Construct once_;
+  Expression A_;
+  std::shared_ptr<const SharedSite> shared_;  ///< null with two bodies
 };
 
-/// The domain of a call; null where it names none, or one that is not set.
-inline std::shared_ptr<const Domain> domain_of(Stack stack, const Arguments& args) {
-  if (!args.has(p_domain)) return nullptr;
-  return GetAny<ContactDomainVariable*>((*args.expression(p_domain))(stack))->get();
-}
+/// u[] = frictionalContactCG(P, b, ...), on a contactproblem of one process or of all.
+class SharedSolveIncrement : public E_F0mps {
+ public:
+  explicit SharedSolveIncrement(const basicAC_F0& args)
+      : arguments_(Arguments::of_increment(args)),
+        once_(args),
+        P_(to<ContactProblemVariable*>(args[0])),
+        b_(to<KN_<double>>(args[1])) {}
+  static ArrayOfaType typeargs() { return SolveIncrement::typeargs(); }
+  static E_F0* f(const basicAC_F0& args) { return new SharedSolveIncrement(args); }
+  using Result = SolveIncrement::Result;
 
-/// Without domain= every process would take its own matrix for the whole problem.
-inline void refuse_without_domain(const Arguments& args) {
-  if (mpisize <= 1 || args.has(p_domain)) return;  // 0 in FreeFem++ itself
-  throw IllegalInput(
-      "there are " + std::to_string(mpisize) +
-      " processes, and each would take its own matrix for the whole problem; give domain=C, which "
-      "createMat(Th, C, Pk) makes, or, for a problem of its own on each process, a contactdomain "
-      "that is not set");
-}
+  AnyType operator()(Stack stack) const override {
+    PosedProblem posed;
+    beforehand(operator_name, [&] {
+      posed = GetAny<ContactProblemVariable*>((*P_)(stack))->get();
+      return AnyType(Nothing);
+    });
+    if (!posed.shared) return once_(stack);
+    SharedScene& shared = *posed.shared;
+    return together(operator_name, shared.domain->communicator(), [&] {
+      std::unique_ptr<Call> call;
+      PointLaws laws;
+      shared.domain->agree([&] {
+        refuse_options(arguments_);
+        if (!shared.scene->tangents && (arguments_.has(p_mu) || arguments_.has(p_slidinglimit)))
+          throw IllegalInput(
+              "P was made without friction; name mu or slidinglimit in contactProblem(...), too");
+        call = std::make_unique<Call>(stack, arguments_, b_);
+        set_method(call->settings);
+        laws = read_increment_laws(stack, shared, posed.laws);
+      });
+      return SetAny<KN_<double>>(solve_together(stack, *call, shared, with_ghosts(laws, shared)));
+    });
+  }
 
-/// The domain of a call of this operator; null on a process that solves alone.
-inline std::shared_ptr<const Domain> required_domain(const char* name, Stack stack,
-                                                     const Arguments& args) {
-  std::shared_ptr<const Domain> domain;
-  beforehand(name, [&] {
-    refuse_without_domain(args);
-    domain = domain_of(stack, args);
-    return AnyType(Nothing);
-  });
-  return domain;
-}
+ private:
+  /// Expressions of the call at the own points alone: ghosts have no place.
+  PointLaws read_increment_laws(Stack stack, SharedScene& shared, const PointLaws& given) const {
+    Scene& scene = *shared.scene;
+    std::vector<BoundaryNode> all = scene.nodes;
+    scene.nodes.resize(shared.own_points);
+    PointLaws laws;
+    try {
+      laws = read_laws(stack, arguments_, scene, given);
+    } catch (...) {
+      scene.nodes = std::move(all);
+      throw;
+    }
+    scene.nodes = std::move(all);
+    return laws;
+  }
 
-/// What several processes do not do is refused by name.
-inline void refuse_options(const Arguments& args) {
-  const auto refuse = [&](Parameter p, const char* why) {
-    if (args.has(p)) throw IllegalInput(std::string(parameters[p].name) + " " + why);
-  };
-  const char* const own =
-      "belongs to methods of one process; with domain= there is multigrid alone";
-  for (Parameter p : {p_newton, p_polish, p_reg, p_regeps, p_precon, p_omega, p_step, p_memory})
-    refuse(p, own);
-  refuse(p_times, "is of one process; measure around the call, by mpiWtime()");
-}
-
-/// Multigrid is what method="auto" stands for.
-inline void set_method(Settings& settings) {
-  if (settings.method != Method::automatic && settings.method != Method::multigrid)
-    throw IllegalInput(std::string("method=\"") + name_of(settings.method, methods) +
-                       "\" is of one process; with domain= there is method=\"multigrid\" alone: "
-                       "leave it out");
-  settings.method = Method::multigrid;
-}
-
-/// Reads the problem of all processes: geometry, laws, the matrix.   Collective.
-inline std::shared_ptr<SharedScene> read_shared(Stack stack, const Arguments& args,
-                                                const Expression A, const SharedSite& site,
-                                                std::shared_ptr<const Domain> domain,
-                                                bool everywhere, PointLaws& laws) {
-  auto shared = std::make_shared<SharedScene>();
-  shared->domain = std::move(domain);
-  shared->scene = site.scene(stack, *shared->domain);
-  Scene& scene = *shared->scene;
-  Triplets matrix;
-  shared->domain->agree([&] {
-    set_normals(stack, args, scene);
-    laws = read_point_laws(stack, args, everywhere, scene);
-    matrix = triplets(GetAny<Matrice_Creuse<double>*>((*A)(stack)), scene.dofs);
-  });
-  scene.tangents = shared->domain->largest(scene.tangents) > 0;
-  if (!scene.tangents) laws.law = Law::frictionless;
-  share(matrix, *shared);
-  return shared;
-}
+  Arguments arguments_;
+  SolveIncrement once_;
+  Expression P_, b_;
+};
 
 }  // namespace frictioncg

@@ -8,9 +8,8 @@ namespace frictioncg {
 /// A line of rank 0 on what all processes have together.   Collective.
 inline void report_plan(const SharedScene& shared, const ContactProblem& problem, long verb) {
   const Domain& domain = *shared.domain;
-  Real sums[] = {Real(problem.dofs()), Real(problem.nodes()),
-                 Real(problem.dofs() - problem.interior() - problem.nodes())};
-  domain.sum(sums, 3);
+  Real sums[] = {Real(problem.dofs()), Real(problem.nodes())};
+  domain.sum(sums, 2);
   const Real most = domain.largest(problem.dofs());
   if (verb <= 0) return;
   line() << shared.scene->d << "D, " << static_cast<long>(sums[0]) << " dofs on " << domain.size()
@@ -19,6 +18,13 @@ inline void report_plan(const SharedScene& shared, const ContactProblem& problem
          << " contact nodes, " << name_of(problem.increment.law);
   if (problem.increment.bilateral) std::cout << ", bilateral";
   std::cout << "; multigrid by PETSc" << std::endl;
+}
+
+/// Of PETSc's and the laws' own so far: in the iteration nothing else is sent.
+inline Traffic traffic_so_far(const Domain& domain) {
+  Traffic all = petsc_traffic();
+  all.reductions += domain.reductions();
+  return all;
 }
 
 /// What a process sends on average in one iteration, updates of the faces included.   Collective.
@@ -35,7 +41,7 @@ inline void report_traffic(const Domain& domain, const Traffic& all, Index itera
 inline void warn_of_large_displacements(const SharedScene& shared, const Vector& field, long verb) {
   const Domain& domain = *shared.domain;
   const std::vector<NodePlace> places = shared.scene->places();
-  const Real size = 2 * extent_of_all(domain, places).radius;
+  const Real size = 2 * shared.extent.radius;
   const Real most = domain.largest(largest_displacement(places, shared.scene->d, field));
   if (verb > 0 && most > size) warn_of_displacements(most, "mesh", size);
 }

@@ -18,6 +18,7 @@ struct SharedScene {
   std::shared_ptr<const SharedMatrix> A;  ///< of all processes
   SystemPtr system;                       ///< what this process owns
   std::unique_ptr<MultigridSolver> solver;
+  Extent extent;  ///< of the nodes of all processes
 
   const Numbering& numbering() const { return A->numbering(); }
 };
@@ -38,8 +39,8 @@ inline Extent extent_of_all(const Domain& domain, const std::vector<NodePlace>& 
   return e;
 }
 
-/// The part of the local system that this process owns.   Collective.
-inline SystemPtr own_system(const SharedScene& shared) {
+/// The part of the local system that this process owns; finds the extent.   Collective.
+inline SystemPtr own_system(SharedScene& shared) {
   const LocalSystem& local = *shared.scene->system;
   const Numbering& numbering = shared.numbering();
   const auto own = std::make_shared<System>();
@@ -49,10 +50,10 @@ inline SystemPtr own_system(const SharedScene& shared) {
   own->first = numbering.own_first;
   own->processes = shared.A;
   const std::vector<NodePlace> places = shared.scene->places();
-  const Extent extent = extent_of_all(*shared.domain, places);
+  shared.extent = extent_of_all(*shared.domain, places);
+  const Index n = static_cast<Index>(shared.scene->ndof());
   const Eigen::MatrixXd modes =
-      local.basis().W *
-      rigid_modes(places, shared.scene->d, static_cast<Index>(shared.scene->ndof()), extent);
+      local.basis().W * rigid_modes(places, shared.scene->d, n, shared.extent);
   Eigen::MatrixXd own_modes(own->dofs(), modes.cols());
   for (Index k = 0; k < modes.cols(); ++k) own_modes.col(k) = shared.A->own_part(modes.col(k));
   own->rigid_modes = [own_modes] { return own_modes; };
@@ -78,6 +79,16 @@ inline void share(const Triplets& A, SharedScene& shared) {
   shared.system = own_system(shared);
   shared.solver = std::make_unique<MultigridSolver>(
       shared.system, std::make_unique<SharedHierarchy>(shared.A, shared.system->rigid_modes()));
+}
+
+/// As lengths_of, but for the extent, which is that of the body.   Collective.
+inline Lengths lengths_of_all(const SharedScene& shared, const Vector& b) {
+  const Domain& domain = *shared.domain;
+  Real load = 0, diagonal[] = {shared.system->D.sum(), Real(shared.system->dofs())};
+  for (Index i = 0; i < domain.dofs(); ++i)
+    if (domain.owns(i) && !shared.scene->held[i]) load = std::max(load, std::abs(b[i]));
+  domain.sum(diagonal, 2);
+  return {2 * shared.extent.radius, domain.largest(load) * diagonal[1] / diagonal[0]};
 }
 
 /// The increment over the own dofs and nodes, from that of the local system.   Collective.

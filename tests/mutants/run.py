@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""One-line faults put into plugin/core, one at a time: each must be noticed by a test.
+"""One-line faults put into plugin/core and plugin/mpi, one at a time: each must be noticed by a test.
 
   run.py BUILD JOBS [word ...]     only the mutants of files whose path has one of the words
 
@@ -11,7 +11,8 @@ list.txt holds them:
   ? reason                             only where no test can notice: the same answers, other costs
 
 The unit tests are tried first, those of the file's own folder, the other quick ones, the long ones, and then the
-scripts; without a fault all of them must pass. Faults with a reason are tried only with EXPLAINED=1. BUILD holds the objects and the plugin of a build at -O1, and unit_tests. Prints a line each, and those
+scripts; without a fault all of them must pass. Faults in plugin/mpi are tried by the scripts of several processes, where
+BUILD has frictionCG-mpi.so; elsewhere they are passed over. Faults with a reason are tried only with EXPLAINED=1. BUILD holds the objects and the plugin of a build at -O1, and unit_tests. Prints a line each, and those
 that nothing noticed again at the end.
 """
 import functools
@@ -29,6 +30,7 @@ ROOT = os.path.dirname(os.path.dirname(HERE))
 LONG = ":".join(["RandomScenes.*", "*200RandomScenes*", "Hierarchy.*", "Faults.*", "*LargeFriction*", "*LargeSlip*", "Arrival*",
                  "Held.*", "MortarSearch.Steps*", "MortarPatch.*", "MortarContact.*", "MortarPartlyCovered.Uniform*",
                  "MortarGap.*", "Multigrid*"])
+SHARED = "frictionCG-mpi.so"
 SECONDS = 300  # a fault that makes a test run for ever is noticed, too
 
 
@@ -86,7 +88,8 @@ class Build:
     def __init__(self, build):
         self.build = build
         self.lines = {}
-        for target in ("unit_tests", "frictionCG.so"):
+        self.shared = os.path.exists(os.path.join(ROOT, build, SHARED))
+        for target in ["unit_tests", "frictionCG.so"] + [SHARED] * self.shared:
             out = subprocess.run(["make", "-n", "-B", f"BUILD={build}", "CXXFLAGS=-O1", f"{build}/{target}"],
                                  cwd=ROOT, capture_output=True, text=True, check=True).stdout
             for line in out.replace("\\\n", " ").splitlines():
@@ -127,14 +130,14 @@ def unit_tests_notice(folder, log, path=""):
     return next(filter(None, faults), "")
 
 
-def scripts_notice(folder, log):
+def scripts_notice(folder, log, room="edp"):
     env = dict(os.environ, BUILD=os.path.relpath(folder, ROOT))
     plugins = os.environ.get("FF_PLUGINS", "/usr/lib/freefem++")
     idp = os.environ.get("FF_IDP", "/usr/include/freefem++/idp")
     env["FF_LOADPATH"] = f"{folder};{plugins}"
     env["FF_INCLUDEPATH"] = f"{folder};{os.path.join(ROOT, 'tests')};{idp}"  # scripts include ../tests/edp
-    scripts = sorted(s for s in os.listdir(os.path.join(ROOT, "tests/edp")) if s.endswith(".edp"))
-    return fault(["bash", "tests/run"] + [f"tests/edp/{s}" for s in scripts], log, 2 * SECONDS, cwd=ROOT, env=env)
+    scripts = sorted(s for s in os.listdir(os.path.join(ROOT, "tests", room)) if s.endswith(".edp"))
+    return fault(["bash", "tests/run"] + [f"tests/{room}/{s}" for s in scripts], log, 2 * SECONDS, cwd=ROOT, env=env)
 
 
 def noticed(mutant, build):
@@ -154,7 +157,7 @@ def noticed(mutant, build):
         with open(os.path.join(folder, "log"), "w") as log:
             # the fault in a copy of the core, found before the true one
             copy = os.path.join(folder, "plugin")
-            shutil.copytree(os.path.join(ROOT, "plugin/core"), os.path.join(copy, "core"))
+            shutil.copytree(os.path.join(ROOT, "plugin"), copy)
             with open(os.path.join(copy, mutant.path), "w") as f:
                 f.write(text.replace(mutant.old, mutant.new))
             exchange = {}
@@ -163,7 +166,7 @@ def noticed(mutant, build):
                 for made in build.objects(mutant.path, room, sources):
                     name = os.path.join(folder, f"{len(exchange)}.o")
                     command = build.command(made, {made: name})
-                    command = command.replace("plugin/core", f"{copy}/core").replace("-Iplugin ", f"-I{copy} ")
+                    command = re.sub(r"(?<=[ I])plugin(?=[/ ])", copy, command)
                     if fault(command, log, shell=True, cwd=ROOT):
                         return False
                     exchange[made] = name
@@ -174,6 +177,14 @@ def noticed(mutant, build):
                     shutil.copy(idp, folder)
                 made = {f"{build.build}/{target}": os.path.join(folder, target), **exchange}
                 return not fault(build.command(target, made), log, shell=True, cwd=ROOT)
+
+            if mutant.path.startswith("mpi/"):
+                if not compiled("distributed", "plugin/mpi"):
+                    return "compiler"
+                if not linked(SHARED) or not linked("frictionCG.so"):
+                    return "linker"
+                seen = scripts_notice(folder, log, "mpi")
+                return seen and f"scripts of several processes {seen}"
 
             # a test may have compiled a header's function into itself
             rooms = [("core", "plugin/core")] + [("unit", "tests/unit")] * mutant.path.endswith(".h")
@@ -199,9 +210,11 @@ def main():
     build, jobs, words = Build(sys.argv[1]), int(sys.argv[2]), sys.argv[3:]
     with open(os.path.join(build.build, "mutants.log"), "w") as log:
         folder = os.path.join(ROOT, build.build)
-        if unit_tests_notice(folder, log) or scripts_notice(folder, log):
+        if unit_tests_notice(folder, log) or scripts_notice(folder, log) or (
+                build.shared and scripts_notice(folder, log, "mpi")):
             sys.exit(f"tests fail without a fault: {log.name}")
     mutants = [m for m in read_list() if not words or any(w in m.path for w in words)]
+    mutants = [m for m in mutants if build.shared or not m.path.startswith("mpi/")]
     killed, explained, left, broken = 0, 0, [], []
     with ThreadPoolExecutor(jobs) as pool:
         for mutant, by in zip(mutants, pool.map(lambda m: noticed(m, build), mutants)):
