@@ -150,11 +150,12 @@ void SharedHierarchy::fill_empty_rows(const Level& level) {
   check(MatAssemblyEnd(level.truncated.get(), MAT_FINAL_ASSEMBLY));
 }
 
-/// Fixed dofs have rows of their own diagonal, and no coarse correction: what r is there goes
-/// nowhere else.
 void SharedHierarchy::apply(const Vector& r, Vector& z) {
   const Eigen::Index interior = r.size() - Eigen::Index(fixed_.size());
-  A_->to_slots(r, r_.get());
+  free_ = r;
+  for (std::size_t c = 0; c < fixed_.size(); ++c)
+    if (fixed_[c]) free_[interior + Eigen::Index(c)] = 0;
+  A_->to_slots(free_, r_.get());
   check(PCApply(cycle_.get(), r_.get(), z_.get()));
   A_->from_slots(z_.get(), z);
   for (std::size_t c = 0; c < fixed_.size(); ++c)

@@ -11,9 +11,8 @@ namespace frictioncg {
 ///   coarse levels  A_1 + P_0'(M B M - B + W) P_0,  A_2 + P_1' dA_1 P_1, ...
 ///
 /// B: entries of A in rows or columns of contact dofs; M drops the fixed ones. P and A_1, A_2 come
-/// from A, once. Rows of P_0 of fixed dofs count as zero: the coarse levels see M P_0, and on the
-/// fine one Gauss-Seidel solves these rows, which are their diagonal, before the residual is
-/// restricted and after the correction.
+/// from A, once. The coarse levels see M P_0; on the fine one, rows of fixed dofs are uncoupled, and
+/// what they carry is dropped before and after the cycle.
 class SharedHierarchy final : public Hierarchy {
  public:
   /// modes: rigid motions of the own dofs (own x k), the same combinations on all processes.
@@ -42,6 +41,7 @@ class SharedHierarchy final : public Hierarchy {
   VecHandle mask_;                 ///< with ghosts: 0 on fixed dofs, else 1
   std::vector<PetscInt> mask_of_;  ///< of each column of the contact entries
   std::vector<char> fixed_;        ///< own contact dofs
+  Vector free_;                    ///< r without that of fixed dofs
   VecHandle r_, z_;
 };
 
