@@ -47,7 +47,8 @@ Vector bounds(const CondensedProblem& problem, const DenseMatrix& W) {
   const DenseMatrix S_TN = problem.S(dofs.T, dofs.N);
   const DenseMatrix H = factor.solve(S_TN);  // transposed
   const Vector b = problem.f(dofs.T) - S_TN * increment.gap;
-  Vector N0 = problem.f(dofs.N) - problem.S(dofs.N, dofs.N) * increment.gap - H.transpose() * b;
+  const DenseMatrix S_NN = problem.S(dofs.N, dofs.N);
+  Vector N0 = problem.f(dofs.N) - S_NN * increment.gap - H.transpose() * b;
   N0 = N0.cwiseAbs();
   N0.array() += least_share * N0.mean();
   DenseMatrix M = DenseMatrix::Identity(m, m);
