@@ -16,6 +16,7 @@ namespace {
 
 void load() {
   check_version();
+  if (is_loaded()) return;  // frictionCG-mpi has all of this, and macros load frictionCG by name
   register_contactproblem();
   for_each_site<v_fes>(add_site);
   for_each_site<v_fes3>(add_site);

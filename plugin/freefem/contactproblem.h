@@ -43,12 +43,12 @@ class ContactProblemVariable {
   }
   /// A copy, so that what the script assigns meanwhile takes nothing away from a call.
   PosedProblem get() const {
-    if (!problem_)
-      throw IllegalInput(
-          "the contactproblem is not set; write contactproblem C = contactProblem(A, Vh, "
-          "labels, ...)");
+    if (!is_set()) throw IllegalInput(not_set);
     return *problem_;
   }
+  bool is_set() const { return problem_ != nullptr; }
+  static constexpr const char* not_set =
+      "the contactproblem is not set; write contactproblem C = contactProblem(A, Vh, labels, ...)";
 
  private:
   PosedProblem* problem_ = nullptr;

@@ -17,4 +17,11 @@ inline void check_version() {
   throw ErrorLoad(m.str().c_str(), 1);
 }
 
+/// Whether this plugin or the one of several processes is loaded already: types have one name each.
+inline bool is_loaded() {
+  aType type;
+  int token;
+  return zzzfff->InMotClef("contactproblem", type, token);
+}
+
 }  // namespace frictioncg

@@ -27,12 +27,13 @@ const typename V::FESpace& space_of(Stack stack, Expression e, const char* name)
   return *Vh;
 }
 
+constexpr long cut = -111111;  ///< macro_ddm's label of what it cuts
+
 /// Under several processes: refuses a part of a mesh that FreeFEM's macro_ddm.idp has distributed.
 /// A mesh that each process has for itself passes.
 template <class FESpaceType>
 void refuse_part_of_mesh(const FESpaceType& Vh) {
-  constexpr long cut = -111111;  // macro_ddm's label of what it cuts
-  if (mpisize <= 1) return;      // 0 in FreeFem++ itself
+  if (mpisize <= 1) return;  // 0 in FreeFem++ itself
   if (labels_of_boundary(Vh).count(cut) > 0)
     throw IllegalInput(
         "Vh lies on one process's part of a distributed mesh, and its matrix would be taken for "

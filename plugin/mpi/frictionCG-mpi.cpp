@@ -47,10 +47,11 @@ void add_sites() {
 
 void load() {
   check_version();
-  aType type;
-  int token;
-  if (zzzfff->InMotClef("contactproblem", type, token))
-    throw ErrorLoad("frictionCG-mpi has all that frictionCG has; load one of them", 1);
+  if (is_loaded())
+    throw ErrorLoad(
+        "frictionCG-mpi has all that frictionCG has; load it first, before frictionCG and its "
+        "macros (frictionCG.idp)",
+        1);
   register_contactproblem();
   register_contactdomain();
   ff_atend(end_petsc);

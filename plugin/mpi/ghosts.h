@@ -9,6 +9,33 @@ namespace frictioncg {
 // What a process learns of the nodes that it shares: their owners alone have all elements around
 // them, and see normals, weights and supports as one process would.
 
+/// A domain of another decomposition of the mesh names other dofs: where its owners have what this
+/// process has elsewhere, it is not the domain of this space.   Collective.
+inline void refuse_other_domain(const Domain& domain, const std::vector<NodePlace>& places) {
+  constexpr Index d = 3;
+  constexpr Real elsewhere = 1e-6;  // over the largest coordinate
+  std::vector<std::array<Real, 3>> at(domain.dofs()), theirs;
+  Real size = 0;
+  for (const NodePlace& n : places)
+    for (Index dof : n.dof)
+      if (dof >= 0) {
+        at[dof] = n.x;
+        size = std::max(size, position(n).cwiseAbs().maxCoeff());
+      }
+  theirs = at;
+  domain.update(
+      d, [&](Index dof, Real* out) { std::copy(at[dof].begin(), at[dof].end(), out); },
+      [&](Index dof, const Real* in) { std::copy(in, in + d, theirs[dof].begin()); });
+  domain.agree([&] {
+    for (Index dof = 0; dof < domain.dofs(); ++dof)
+      for (Index c = 0; c < d; ++c)
+        if (!(std::abs(at[dof][c] - theirs[dof][c]) <= elsewhere * size))
+          throw IllegalInput(
+              "the domain belongs to another decomposition of the mesh: what processes share lies "
+              "at different places; make it by createMat(Th, C, Pk) with the mesh of Vh");
+  });
+}
+
 /// Leaves the contact points of own nodes.
 inline void keep_own_points(const Domain& domain, Scene& scene) {
   std::vector<BoundaryNode> own;

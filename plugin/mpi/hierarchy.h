@@ -11,8 +11,8 @@ namespace frictioncg {
 ///   coarse levels  A_1 + P_0'(M B M - B + W) P_0,  A_2 + P_1' dA_1 P_1, ...
 ///
 /// B: entries of A in rows or columns of contact dofs; M drops the fixed ones. P and A_1, A_2 come
-/// from A, once. The coarse levels see M P_0; on the fine one, rows of fixed dofs are uncoupled, and
-/// what they carry is dropped before and after the cycle.
+/// from A, once. The coarse levels see M P_0; on the fine one, rows of fixed dofs are uncoupled,
+/// and what they carry is dropped before and after the cycle.
 class SharedHierarchy final : public Hierarchy {
  public:
   /// modes: rigid motions of the own dofs (own x k), the same combinations on all processes.

@@ -123,7 +123,11 @@ class SharedSolveIncrement : public E_F0mps {
   AnyType operator()(Stack stack) const override {
     PosedProblem posed;
     beforehand(operator_name, [&] {
-      posed = GetAny<ContactProblemVariable*>((*P_)(stack))->get();
+      const auto* P = GetAny<ContactProblemVariable*>((*P_)(stack));
+      // whether the others wait for this process, their P says, not this one's
+      if (mpisize > 1 && !P->is_set())
+        end_all(MPI_COMM_WORLD, operator_name, ContactProblemVariable::not_set);
+      posed = P->get();
       return AnyType(Nothing);
     });
     if (!posed.shared) return once_(stack);

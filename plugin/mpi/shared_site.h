@@ -38,6 +38,10 @@ class SharedObstacleSite final : public SharedSite {
     std::vector<long> present;
     for (long label : labels) {
       domain.require_same("a label", static_cast<Real>(label));
+      if (label == cut)
+        throw IllegalInput("label " + std::to_string(label) +
+                           " is what macro_ddm.idp gives to the cuts between processes, which "
+                           "touch nothing; name labels of the whole mesh's boundary");
       const bool here = boundary.count(label) > 0;
       if (here) present.push_back(label);
       if (domain.largest(here) == 0)
@@ -46,6 +50,7 @@ class SharedObstacleSite final : public SharedSite {
     }
     std::shared_ptr<Scene> scene;
     domain.agree([&] { scene = obstacle_scene(*Vh, present); });
+    refuse_other_domain(domain, scene->places());
     keep_own_points(domain, *scene);
     return scene;
   }
