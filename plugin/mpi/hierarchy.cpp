@@ -106,6 +106,8 @@ void SharedHierarchy::truncate(const std::vector<char>& fixed,
   fill_contact_part(W, springs);
   truncate_fine();
   truncate_coarse();
+  if (!damped_) damp(cycle_.get(), level_);
+  damped_ = true;
 }
 
 void SharedHierarchy::truncate_fine() {

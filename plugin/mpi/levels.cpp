@@ -1,5 +1,7 @@
 #include "levels.h"
 
+#include <cmath>
+
 namespace frictioncg {
 
 namespace {
@@ -7,7 +9,7 @@ namespace {
 constexpr PetscInt coarsest = 600;              ///< dofs up to which one factorization does
 constexpr PetscInt most_levels = 15;            ///< what PETSc allows
 constexpr Real weak_2D = 0.02, weak_3D = 0.01;  ///< couplings below are not aggregated along
-constexpr Real damping = 0.8;  ///< of Gauss-Seidel where there are several processes
+constexpr Real overshoot = 1.7;  ///< of the smoother's correction, which diverges from 2 on
 constexpr const char* prefix = "frictioncg_";
 
 Mat retained(Mat matrix) {
@@ -110,23 +112,46 @@ std::vector<Level> make_levels(const SharedMatrix& A, const Eigen::MatrixXd& mod
 
 namespace {
 
-/// Symmetric Gauss-Seidel within each process, before and after: more sweeps in 3D, where the
-/// aggregates are larger. Several processes correct what they share more than once, and their sum
-/// may overshoot by more than 2: it is damped, and one sweep more makes up for it.
-void set_smoother(KSP smoother, Mat A, Index dimension) {
-  PC pc;
+bool of_several(Mat A) {
   PetscMPIInt processes;
   MPI_Comm_size(PetscObjectComm(reinterpret_cast<PetscObject>(A)), &processes);
-  const bool several = processes > 1;
-  const PetscInt sweeps = static_cast<PetscInt>(dimension) + several;
-  check(KSPSetOperators(smoother, A, A));
-  check(KSPSetType(smoother, KSPRICHARDSON));
-  if (several) check(KSPRichardsonSetScale(smoother, damping));
-  check(KSPSetNormType(smoother, KSP_NORM_NONE));
-  check(KSPSetTolerances(smoother, 0, 0, PETSC_DEFAULT, sweeps));
-  check(KSPGetPC(smoother, &pc));
+  return processes > 1;
+}
+
+/// Symmetric Gauss-Seidel within each process.
+void set_iteration(KSP ksp, Mat A, KSPType type, PetscInt iterations) {
+  PC pc;
+  check(KSPSetOperators(ksp, A, A));
+  check(KSPSetType(ksp, type));
+  check(KSPSetNormType(ksp, KSP_NORM_NONE));
+  check(KSPSetTolerances(ksp, 0, 0, PETSC_DEFAULT, iterations));
+  check(KSPGetPC(ksp, &pc));
   check(PCSetType(pc, PCSOR));
   check(PCSORSetSymmetric(pc, SOR_LOCAL_SYMMETRIC_SWEEP));
+}
+
+/// Sweeps before and after: more in 3D, where the aggregates are larger, and one more where each
+/// process sweeps its own part alone.
+void set_smoother(KSP smoother, Mat A, Index dimension) {
+  set_iteration(smoother, A, KSPRICHARDSON, static_cast<PetscInt>(dimension) + of_several(A));
+}
+
+/// Of Gauss-Seidel's correction of A: 1 on one process. By the Lanczos numbers of a few conjugate
+/// gradients.   Collective.
+Real largest_eigenvalue(Mat A) {
+  constexpr PetscInt few = 10;
+  KSPHandle cg;
+  VecHandle x, b;
+  Real largest, least;
+  check(KSPCreate(PetscObjectComm(reinterpret_cast<PetscObject>(A)), cg.fill()));
+  set_iteration(cg.get(), A, KSPCG, few);
+  check(KSPSetComputeSingularValues(cg.get(), PETSC_TRUE));
+  check(MatCreateVecs(A, x.fill(), b.fill()));
+  check(VecSetRandom(x.get(), nullptr));
+  check(MatMult(A, x.get(), b.get()));  // in the range of A, which may be singular
+  check(KSPSolve(cg.get(), b.get(), x.get()));
+  check(KSPComputeExtremeSingularValues(cg.get(), &largest, &least));
+  return std::isfinite(largest) ? largest : overshoot;
 }
 
 /// By a factorization on each process: small.
@@ -168,6 +193,19 @@ PCHandle make_cycle(const std::vector<Level>& levels, Index dimension) {
   check(PCMGGetCoarseSolve(pc, &solver));
   set_coarsest(solver, levels.back().truncated.get());
   return cycle;
+}
+
+void damp(PC cycle, const std::vector<Level>& levels) {
+  if (!of_several(levels.front().A.get())) return;
+  const PetscInt count = static_cast<PetscInt>(levels.size());
+  for (PetscInt l = 1; l < count; ++l) {
+    KSP down, up;
+    const Real most = largest_eigenvalue(levels[count - 1 - l].truncated.get());
+    if (most <= overshoot) continue;
+    check(PCMGGetSmootherDown(cycle, l, &down));
+    check(PCMGGetSmootherUp(cycle, l, &up));
+    for (KSP smoother : {down, up}) check(KSPRichardsonSetScale(smoother, overshoot / most));
+  }
 }
 
 }  // namespace frictioncg

@@ -57,5 +57,6 @@ class Handle {
 using MatHandle = Handle<Mat, MatDestroy>;
 using VecHandle = Handle<Vec, VecDestroy>;
 using PCHandle = Handle<PC, PCDestroy>;
+using KSPHandle = Handle<KSP, KSPDestroy>;
 
 }  // namespace frictioncg
