@@ -5,7 +5,8 @@
 //   SCARCE_SIZE  calls for fewer bytes are granted, and not counted
 //   SCARCE_ONCE  calls after that are granted
 // What Open MPI and GCC's OpenMP ask for is granted: the one crashes without, the other ends the
-// process itself.
+// process itself. So are small blocks of PETSc's, whose tables of names do not look at what they
+// got.
 // glibc's own functions are called by their inner names: looking them up would need memory.
 #include <dlfcn.h>
 
@@ -32,9 +33,12 @@ long number(const char* name) {
   return text ? std::atol(text) : 0;
 }
 
-bool is_granted(const void* caller) {
+constexpr std::size_t of_tables = 4096;  // bytes
+
+bool is_granted(const void* caller, std::size_t size) {
   Dl_info object;
   if (!dladdr(caller, &object) || !object.dli_fname) return false;
+  if (size < of_tables && std::strstr(object.dli_fname, "libpetsc")) return true;
   for (const char* name : {"openmpi", "libmpi", "libopen-", "libpmix", "libevent", "libgomp"})
     if (std::strstr(object.dli_fname, name)) return true;
   return false;
@@ -43,7 +47,7 @@ bool is_granted(const void* caller) {
 bool refused(std::size_t size, const void* caller) {
   static const long from = number("SCARCE_FROM"), least = number("SCARCE_SIZE");
   static const bool once = number("SCARCE_ONCE") > 0;
-  if (!begun || size < static_cast<std::size_t>(least) || is_granted(caller)) return false;
+  if (!begun || size < static_cast<std::size_t>(least) || is_granted(caller, size)) return false;
   const long call = __atomic_add_fetch(&calls, 1, __ATOMIC_RELAXED);
   const bool fails = from > 0 && (once ? call == from : call >= from);
   if (fails) errno = ENOMEM;
