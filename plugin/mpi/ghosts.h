@@ -14,7 +14,7 @@ namespace frictioncg {
 inline void refuse_other_domain(const Domain& domain, const std::vector<NodePlace>& places) {
   constexpr Index d = 3;
   constexpr Real elsewhere = 1e-6;  // over the largest coordinate
-  std::vector<std::array<Real, 3>> at(domain.dofs()), theirs;
+  std::vector<std::array<Real, 3>> at(domain.dofs());
   Real size = 0;
   for (const NodePlace& n : places)
     for (Index dof : n.dof)
@@ -22,18 +22,17 @@ inline void refuse_other_domain(const Domain& domain, const std::vector<NodePlac
         at[dof] = n.x;
         size = std::max(size, position(n).cwiseAbs().maxCoeff());
       }
-  theirs = at;
+  bool apart = false;
   domain.update(
       d, [&](Index dof, Real* out) { std::copy(at[dof].begin(), at[dof].end(), out); },
-      [&](Index dof, const Real* in) { std::copy(in, in + d, theirs[dof].begin()); });
-  domain.agree([&] {
-    for (Index dof = 0; dof < domain.dofs(); ++dof)
-      for (Index c = 0; c < d; ++c)
-        if (!(std::abs(at[dof][c] - theirs[dof][c]) <= elsewhere * size))
-          throw IllegalInput(
-              "the domain belongs to another decomposition of the mesh: what processes share lies "
-              "at different places; make it by createMat(Th, C, Pk) with the mesh of Vh");
-  });
+      [&](Index dof, const Real* theirs) {
+        for (Index c = 0; c < d; ++c)
+          apart = apart || !(std::abs(at[dof][c] - theirs[c]) <= elsewhere * size);
+      });
+  if (domain.largest(apart) > 0)
+    throw IllegalInput(
+        "the domain belongs to another decomposition of the mesh: what processes share lies at "
+        "different places; make it by createMat(Th, C, Pk) with the mesh of Vh");
 }
 
 /// Leaves the contact points of own nodes.
