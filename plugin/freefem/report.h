@@ -130,8 +130,9 @@ inline void report_pair(const Scene& scene, Index number) {
     std::cout << "two bodies: ";
   std::cout << s.facing << " slave nodes on " << pair.slave.facets.size() << " facets face "
             << pair.master.facets.size() << " master facets, gap " << s.least_gap << " to "
-            << s.largest_gap << "; " << s.partly_covered << " slave facets partly covered, "
-            << s.removed << " nodes removed";
+            << s.largest_gap << "; " << s.partly_covered << " slave facets partly covered, ";
+  if (s.beyond_steps > 0) std::cout << s.beyond_steps << " left out beyond a step of the master, ";
+  std::cout << s.removed << " nodes removed";
   if (s.held > 0)
     std::cout << ", " << s.held << " of them since Dirichlet conditions hold the normal or a part "
               << "of it, as at " << mortar::place(scene.d, faces.X[s.first_held])

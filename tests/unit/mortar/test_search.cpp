@@ -147,7 +147,39 @@ TEST(MortarSearch, BesideAStepEachNodeHasTheGapOfOneSurface) {
       EXPECT_GT(near, 0u);
       EXPECT_GT(far, 0u);
       EXPECT_EQ(near + far, mortar.nodes().size());
+      EXPECT_GT(mortar.statistics().beyond_steps, 0);
     }
+}
+
+TEST(MortarSearch, ADentedMasterOfOneSheetHasNoStepsWhereverTheSlaveMoves) {
+  // bent facets: their planes, continued to a vertex of the slave, differ by a part of its size
+  const auto bowl = [](Real shift) {
+    return [shift](const Vec3& x) {
+      const Real a = x[0] - 0.5, b = x[1] - 0.5;
+      return Vec3(x[0] + shift, x[1], 0.25 * (a * a + b * b));
+    };
+  };
+  const auto dented = [](const Vec3& x) {
+    return Vec3(3 * x[0] - 1, 2 * x[1] - 0.5, 0.02 * std::sin(40 * x[0]) * std::sin(23 * x[1]));
+  };
+  for (const int fineness : {11, 43}) {
+    std::map<Index, Vec3> last;
+    for (int k = 0; k < 100; ++k) {
+      Surfaces s(3);
+      s.pairs[0].slave = s.sheet(5, -1, bowl(0.002 * k), 2);
+      s.pairs[0].master = s.sheet(fineness, 1, dented, 1);
+      const Mortar mortar = s.mortar();
+      EXPECT_EQ(mortar.statistics().beyond_steps, 0);
+      EXPECT_EQ(mortar.statistics().facing, 36);
+      for (const ContactNode& node : mortar.nodes()) {
+        const auto [at, is_new] = last.emplace(node.node, node.gap * node.normal);
+        if (!is_new) {
+          EXPECT_LT((at->second - node.gap * node.normal).norm(), 0.004) << k;
+        }
+        at->second = node.gap * node.normal;
+      }
+    }
+  }
 }
 
 TEST(MortarSearch, SurfacesSideBySideWithoutAStepAreFacedBoth) {

@@ -183,7 +183,7 @@ Cover Covering::run() {
     cells.erase(std::remove_if(cells.begin(), cells.end(), refused), cells.end());
     keep_nearest_sheet(slave_, f, master_, X_, cells);
   }
-  uncover_beyond_steps(slave_, master_, X_, result.cells);
+  result.beyond_steps = uncover_beyond_steps(slave_, master_, X_, result.cells);
   for (Index f = 0; f < slave_.facets(); ++f) {
     for (const Cell& cell : result.cells[f]) result.fraction[f] += extent(cell.part) / whole;
     total += result.fraction[f];

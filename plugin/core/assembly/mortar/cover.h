@@ -16,7 +16,8 @@ struct Cell {
 struct Cover {
   std::vector<std::vector<Cell>> cells;  ///< per slave facet
   std::vector<Real> fraction;            ///< covered share of each slave facet, 0 .. 1
-  std::size_t visited = 0;               ///< nodes of the tree and pairs of facets looked at
+  Index beyond_steps = 0;   ///< facets left out, since they face a farther surface than beside them
+  std::size_t visited = 0;  ///< nodes of the tree and pairs of facets looked at
   Real nearest = 0;  ///< distance of the nearest facing facet, where nothing is covered [length]
 };
 

@@ -72,6 +72,7 @@ void Assembly::add_pair(Index p, const Side& slave, const Side& master, const Co
   const Integration integration(slave, master, nodes_.X, options_.smooth);
   Statistics& s = statistics_.emplace_back();
   s.visited = cover.visited;
+  s.beyond_steps = cover.beyond_steps;
   for (Index f = 0; f < slave.facets(); ++f) {
     const std::vector<Cell>& cells = cover.cells[f];
     if (cells.empty()) continue;

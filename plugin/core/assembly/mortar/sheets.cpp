@@ -1,9 +1,9 @@
 #include "assembly/mortar/sheets.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
+#include <set>
 
 namespace frictioncg::mortar {
 
@@ -21,13 +21,13 @@ struct Seen {
   Real size() const { return std::abs(distance(centre)); }
 };
 
-/// Cells of facets that share a vertex are of one sheet.
-Groups joined_by_vertices(const Side& master, const std::vector<Cell>& cells) {
-  Groups sheets(static_cast<Index>(cells.size()));
-  std::map<Index, Index> first;  // cell at a vertex
-  for (Index p = 0; p < static_cast<Index>(cells.size()); ++p)
+/// Facets that share a vertex are of one sheet.
+Groups joined_by_vertices(const Side& master, const std::vector<Index>& facets) {
+  Groups sheets(static_cast<Index>(facets.size()));
+  std::map<Index, Index> first;  // facet at a vertex
+  for (Index p = 0; p < static_cast<Index>(facets.size()); ++p)
     for (int v = 0; v < master.d; ++v)
-      sheets.join(p, first.emplace(master.facet(cells[p].master).node[v], p).first->second);
+      sheets.join(p, first.emplace(master.facet(facets[p]).node[v], p).first->second);
   return sheets;
 }
 
@@ -37,13 +37,54 @@ Real step_between(const Seen& a, const Seen& b) {
   return std::abs(a.distance(between) - b.distance(between));
 }
 
+/// What a slave facet faces at one of its vertices.
+struct Faced {
+  Index facet;
+  Index master;   ///< of the cell nearest to the vertex
+  Real distance;  ///< of that facet's plane, along the normal of the slave facet [length]
+};
+
+Faced faced_at(int v, const Side& slave, Index facet, const Side& master,
+               const std::vector<Vec3>& X, const std::vector<Cell>& cells) {
+  const Vec2 corner = v == 0 ? Vec2(0, 0) : v == 1 ? Vec2(1, 0) : Vec2(0, 1);
+  const auto closer = [&](const Cell& a, const Cell& b) {
+    return (centroid(a.part) - corner).norm() < (centroid(b.part) - corner).norm();
+  };
+  const Index nearest = std::min_element(cells.begin(), cells.end(), closer)->master;
+  const Projection p = project(slave.d, slave.planes[facet], master.facet(nearest), X);
+  return {facet, nearest, std::abs(p.distance(corner))};
+}
+
+/// Whether each facet around a vertex faces a sheet that lies beyond a step. Planes that meet at an
+/// angle also differ in distance, the more the farther their cells are from the vertex: on one
+/// sheet that is no step.
+std::vector<bool> beyond_a_step(const std::vector<Faced>& around, const Side& slave,
+                                const Side& master) {
+  const auto nearer = [](const Faced& a, const Faced& b) { return a.distance < b.distance; };
+  const auto nearest = std::min_element(around.begin(), around.end(), nearer);
+  std::vector<bool> beyond;
+  for (const Faced& f : around)
+    beyond.push_back(f.distance - nearest->distance >
+                     std::max(step * slave.planes[f.facet].size, much_farther * f.distance));
+  if (std::find(beyond.begin(), beyond.end(), true) == beyond.end()) return beyond;
+  std::vector<Index> masters;
+  for (const Faced& f : around) masters.push_back(f.master);
+  Groups sheets = joined_by_vertices(master, masters);
+  for (Index p = 0; p < static_cast<Index>(around.size()); ++p)
+    beyond[p] =
+        beyond[p] && sheets.of(p) != sheets.of(static_cast<Index>(nearest - around.begin()));
+  return beyond;
+}
+
 }  // namespace
 
 void keep_nearest_sheet(const Side& slave, Index facet, const Side& master,
                         const std::vector<Vec3>& X, std::vector<Cell>& cells) {
   const Index n = static_cast<Index>(cells.size());
   if (n < 2) return;
-  Groups sheets = joined_by_vertices(master, cells);
+  std::vector<Index> masters;
+  for (const Cell& cell : cells) masters.push_back(cell.master);
+  Groups sheets = joined_by_vertices(master, masters);
   bool one = true;
   for (Index p = 1; p < n; ++p) one = one && sheets.of(p) == sheets.of(0);
   if (one) return;
@@ -63,29 +104,20 @@ void keep_nearest_sheet(const Side& slave, Index facet, const Side& master,
   cells = std::move(kept);
 }
 
-void uncover_beyond_steps(const Side& slave, const Side& master, const std::vector<Vec3>& X,
-                          std::vector<std::vector<Cell>>& cells) {
-  const Vec2 corner[3] = {{0, 0}, {1, 0}, {0, 1}};
-  constexpr Real none = -1;
-  std::vector<std::array<Real, 3>> at(cells.size(), {none, none, none});  // distance at vertices
-  std::map<Index, Real> nearest;
+Index uncover_beyond_steps(const Side& slave, const Side& master, const std::vector<Vec3>& X,
+                           std::vector<std::vector<Cell>>& cells) {
+  std::map<Index, std::vector<Faced>> at;  // per vertex of the slave
   for (Index f = 0; f < slave.facets(); ++f)
-    for (int v = 0; v < slave.d && !cells[f].empty(); ++v) {
-      const auto closer = [&](const Cell& a, const Cell& b) {
-        return (centroid(a.part) - corner[v]).norm() < (centroid(b.part) - corner[v]).norm();
-      };
-      const Cell& cell = *std::min_element(cells[f].begin(), cells[f].end(), closer);
-      const Projection p = project(slave.d, slave.planes[f], master.facet(cell.master), X);
-      at[f][v] = std::abs(p.distance(corner[v]));
-      Real& least = nearest.emplace(slave.facet(f).node[v], at[f][v]).first->second;
-      least = std::min(least, at[f][v]);
-    }
-  for (Index f = 0; f < slave.facets(); ++f)
-    for (int v = 0; v < slave.d; ++v) {
-      if (at[f][v] == none) continue;
-      const Real beyond = at[f][v] - nearest.at(slave.facet(f).node[v]);
-      if (beyond > std::max(step * slave.planes[f].size, much_farther * at[f][v])) cells[f].clear();
-    }
+    for (int v = 0; v < slave.d && !cells[f].empty(); ++v)
+      at[slave.facet(f).node[v]].push_back(faced_at(v, slave, f, master, X, cells[f]));
+  std::set<Index> uncovered;
+  for (const auto& [vertex, around] : at) {
+    const std::vector<bool> beyond = beyond_a_step(around, slave, master);
+    for (std::size_t k = 0; k < around.size(); ++k)
+      if (beyond[k]) uncovered.insert(around[k].facet);
+  }
+  for (Index f : uncovered) cells[f].clear();
+  return static_cast<Index>(uncovered.size());
 }
 
 }  // namespace frictioncg::mortar

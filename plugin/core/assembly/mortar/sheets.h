@@ -11,8 +11,9 @@ void keep_nearest_sheet(const Side& slave, Index facet, const Side& master,
                         const std::vector<Vec3>& X, std::vector<Cell>& cells);
 
 /// The same from facet to facet: at a vertex whose facets face surfaces with a step between them,
-/// the farther ones face nothing: the vertex would meet neither.   cells: per slave facet
-void uncover_beyond_steps(const Side& slave, const Side& master, const std::vector<Vec3>& X,
-                          std::vector<std::vector<Cell>>& cells);
+/// the farther ones face nothing: the vertex would meet neither. Facets of the master that share a
+/// vertex are one surface, however it is bent.   cells: per slave facet; returns how many it clears
+Index uncover_beyond_steps(const Side& slave, const Side& master, const std::vector<Vec3>& X,
+                           std::vector<std::vector<Cell>>& cells);
 
 }  // namespace frictioncg::mortar
