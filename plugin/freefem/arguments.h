@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "errors.h"
 #include "parameters.h"
 
 namespace frictioncg {
@@ -50,14 +51,18 @@ class Arguments {
   }
 
   bool has(Parameter p) const { return named_[p] != nullptr; }
-  Expression expression(Parameter p) const { return named_[p]; }
   Parameter start() const { return has(p_start) ? p_start : p_init; }
   const Components& normal() const { return normal_; }
   const Components& direction() const { return direction_; }
 
+  /// Of a parameter that is there.
+  template <class T>
+  T value(Stack stack, Parameter p) const {
+    return evaluated(parameters[p].name, [&] { return GetAny<T>((*named_[p])(stack)); });
+  }
   template <class T>
   T value(Stack stack, Parameter p, T otherwise) const {
-    return has(p) ? GetAny<T>((*named_[p])(stack)) : otherwise;
+    return has(p) ? value<T>(stack, p) : otherwise;
   }
   template <class T>
   T* output(Stack stack, Parameter p) const {

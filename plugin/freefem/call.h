@@ -27,30 +27,36 @@ struct Call {
       : args(arguments),
         settings(read_settings(stack, arguments)),
         verb(read_verb(stack, arguments)),
-        b(copy_of(GetAny<KN_<double>>((*load)(stack)))),
+        b(evaluated("b", [&] { return copy_of(GetAny<KN_<double>>((*load)(stack))); })),
         u_old(given(stack, p_uold)),
         u_init(given(stack, args.start())) {}
 
  private:
   Vector given(Stack stack, Parameter p) const {
     if (!args.has(p)) return {};
-    return copy_of(GetAny<KN_<double>>((*args.expression(p))(stack)));
+    return copy_of(args.value<KN_<double>>(stack, p));
   }
 };
+
+/// The script's matrix as it is now.
+inline Triplets read_matrix(Stack stack, const Expression A, const Scene& scene) {
+  return evaluated(
+      "A", [&] { return triplets(GetAny<Matrice_Creuse<double>*>((*A)(stack)), scene.dofs); });
+}
 
 /// Finds the contact nodes of two bodies. A shows what Dirichlet conditions hold of them.
 inline void face_bodies(Stack stack, const Arguments& args, const Expression A, Scene& scene) {
   mortar::Options options;
   options.maxgap = args.value(stack, p_maxgap, options.maxgap);
   options.smooth = args.value(stack, p_smooth, options.smooth);
-  scene.face(triplets(GetAny<Matrice_Creuse<double>*>((*A)(stack)), scene.dofs), options);
+  scene.face(read_matrix(stack, A, scene), options);
 }
 
 /// The laws that the arguments name at the contact points, which get their tangents: a node has
 /// tangential laws where `everywhere` or its own mu or limit asks for them.
-inline PointLaws read_point_laws(Stack stack, const Arguments& args, bool everywhere,
-                                 Scene& scene) {
-  PointLaws laws = read_laws(stack, args, scene);
+inline PointLaws read_point_laws(Stack stack, const Arguments& args, bool everywhere, Scene& scene,
+                                 PointLaws begun) {
+  PointLaws laws = read_laws(stack, args, scene, std::move(begun));
   if (args.has(p_mu2)) set_orthotropy(stack, args, laws.friction, scene);
   if (laws.law != Law::frictionless)
     for (std::size_t k = 0; k < scene.nodes.size(); ++k)
@@ -66,8 +72,8 @@ inline std::shared_ptr<Scene> read_scene(Stack stack, const Arguments& args, con
     face_bodies(stack, args, A, *scene);
   else
     set_normals(stack, args, *scene);
-  laws = read_point_laws(stack, args, everywhere, *scene);
-  scene->assemble(triplets(GetAny<Matrice_Creuse<double>*>((*A)(stack)), scene->dofs));
+  laws = read_point_laws(stack, args, everywhere, *scene, begun_laws(stack, args));
+  scene->assemble(read_matrix(stack, A, *scene));
   if (!scene->tangents) laws.law = Law::frictionless;
   return scene;
 }

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "../core/types.h"
+#include "errors.h"
 
 namespace frictioncg {
 
@@ -67,6 +67,11 @@ class Labels {
   }
   /// what: the side of the contact, for the message.
   std::vector<long> operator()(Stack stack, const char* what) const {
+    return evaluated(what, [&] { return read(stack, what); });
+  }
+
+ private:
+  std::vector<long> read(Stack stack, const char* what) const {
     std::vector<long> all;
     if (form_ == LabelForm::array) {
       const KN_<long> list = GetAny<KN_<long>>((*array_)(stack));
@@ -79,7 +84,6 @@ class Labels {
     return all;
   }
 
- private:
   LabelForm form_;
   std::vector<LabelExpression> labels_;
   Expression array_ = nullptr;

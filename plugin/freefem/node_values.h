@@ -41,7 +41,7 @@ inline Vector at_nodes(Stack stack, const Arguments& args, Parameter p, const Sc
   PointGuard guard(stack);
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     scene.go_to(guard.point(), nodes[k]);
-    result[k] = GetAny<double>((*args.expression(p))(stack));
+    result[k] = args.value<double>(stack, p);
     check_value(p, result[k], nodes[k], scene.d);
   }
   return result;
@@ -57,13 +57,13 @@ inline Vector read_gap(Stack stack, const Arguments& args, const Scene& scene) {
   return scene.pairing->gap(at_nodes(stack, args, p_gap, scene, scene.pairing->slave_nodes()));
 }
 
-/// The values of a vector at the present point, scaled to length 1; false where it has no
+/// The values of a vector, p, at the present point, scaled to length 1; false where it has no
 /// direction.
-inline bool unit_vector(Stack stack, const Arguments::Components& components, int d,
+inline bool unit_vector(Stack stack, Parameter p, const Arguments::Components& components, int d,
                         std::array<Real, 3>& n) {
   double norm = 0;
   for (int c = 0; c < d; ++c) {
-    n[c] = GetAny<double>((*components[c])(stack));
+    n[c] = evaluated(parameters[p].name, [&] { return GetAny<double>((*components[c])(stack)); });
     norm = std::hypot(norm, n[c]);
   }
   for (int c = 0; c < d; ++c) n[c] /= norm;
@@ -92,7 +92,7 @@ inline void set_normals(Stack stack, const Arguments& args, Scene& scene) {
     }
     scene.go_to(guard.point(), node);
     std::array<Real, 3> n{};
-    if (!unit_vector(stack, args.normal(), scene.d, n))
+    if (!unit_vector(stack, p_normal, args.normal(), scene.d, n))
       throw IllegalInput("normal has no direction at " + place(node, scene.d) +
                          "; give the outward normal of the body, of any length > 0");
     refuse_inward(node, n, scene.d);
@@ -118,7 +118,8 @@ inline void set_orthotropy(Stack stack, const Arguments& args, const Vector& mu,
     if (mu[k] == 0) continue;
     ContactPoint& p = node.point;
     scene.go_to(guard.point(), node);
-    const bool has_direction = unit_vector(stack, args.direction(), scene.d, p.direction);
+    const bool has_direction =
+        unit_vector(stack, p_direction, args.direction(), scene.d, p.direction);
     const double along_normal = (as_R3(p.direction), as_R3(p.normal));
     if (!has_direction || std::abs(along_normal) > 1 - 1e-10)
       throw IllegalInput("direction has no part in the contact plane at " + place(node, scene.d) +
@@ -127,17 +128,19 @@ inline void set_orthotropy(Stack stack, const Arguments& args, const Vector& mu,
   }
 }
 
-/// The laws of a call: those of `given` where the call names no other. They hold for this call
-/// only.
-inline PointLaws read_laws(Stack stack, const Arguments& args, const Scene& scene,
-                           PointLaws given = {}) {
+/// What the laws of a call are beside their values at nodes, of which `given` has others.
+inline PointLaws begun_laws(Stack stack, const Arguments& args, PointLaws given = {}) {
   if (args.has(p_mu) && args.has(p_slidinglimit))
     throw IllegalInput(
         "mu and slidinglimit are both given; Coulomb friction takes mu, a given limit "
         "slidinglimit");
-  PointLaws laws = std::move(given);
+  given.bilateral = args.value(stack, p_bilateral, given.bilateral);
+  return given;
+}
+
+/// The laws of a call: those of `laws` where the call names no other. They hold for this call only.
+inline PointLaws read_laws(Stack stack, const Arguments& args, const Scene& scene, PointLaws laws) {
   if (args.has(p_gap) || laws.gap.size() == 0) laws.gap = read_gap(stack, args, scene);
-  laws.bilateral = args.value(stack, p_bilateral, laws.bilateral);
   if (args.has(p_mu)) {
     laws.friction = at_nodes(stack, args, p_mu, scene);
     laws.law = Law::coulomb;

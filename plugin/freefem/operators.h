@@ -85,7 +85,8 @@ class SolveIncrement : public E_F0mps {
       if (!posed.scene->pairing && arguments_.has(p_distance))
         throw IllegalInput("distance is that of two bodies; C has one, and an obstacle");
       const Call call(stack, arguments_, b_);
-      const PointLaws laws = read_laws(stack, arguments_, *posed.scene, posed.laws);
+      const PointLaws laws =
+          read_laws(stack, arguments_, *posed.scene, begun_laws(stack, arguments_, posed.laws));
       return SetAny<KN_<double>>(solve(stack, call, *posed.scene, laws));
     });
   }

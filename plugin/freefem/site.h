@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "errors.h"
 #include "labels.h"
 #include "scene.h"
 
@@ -14,6 +15,7 @@ class Site {
   virtual ~Site() = default;
   virtual int dimension() const = 0;
   virtual bool two_bodies() const { return false; }
+  virtual bool is_on_part(Stack stack) const = 0;  ///< of a distributed mesh
   /// The geometry as it is now.
   virtual std::shared_ptr<Scene> scene(Stack stack) const = 0;
 };
@@ -21,20 +23,26 @@ class Site {
 /// The space that an expression of the script stands for, made anew where its mesh has changed.
 template <class V>
 const typename V::FESpace& space_of(Stack stack, Expression e, const char* name) {
-  typename V::pfes* p = GetAny<typename V::pfes*>((*e)(stack));
-  const typename V::FESpace* Vh = p && *p ? static_cast<typename V::FESpace*>(**p) : nullptr;
+  const typename V::FESpace* Vh = evaluated(name, [&] {
+    typename V::pfes* p = GetAny<typename V::pfes*>((*e)(stack));
+    return p && *p ? static_cast<typename V::FESpace*>(**p) : nullptr;
+  });
   if (!Vh) throw IllegalInput(std::string(name) + " is not a finite-element space");
   return *Vh;
 }
 
 constexpr long cut = -111111;  ///< macro_ddm's label of what it cuts
 
-/// Under several processes: refuses a part of a mesh that FreeFEM's macro_ddm.idp has distributed.
-/// A mesh that each process has for itself passes.
+/// Under several processes: whether a mesh is the part of one that FreeFEM's macro_ddm.idp has
+/// distributed. A mesh that each process has for itself is none.
+template <class FESpaceType>
+bool is_on_part_of_mesh(const FESpaceType& Vh) {
+  return mpisize > 1 && labels_of_boundary(Vh).count(cut) > 0;  // 0 in FreeFem++ itself
+}
+
 template <class FESpaceType>
 void refuse_part_of_mesh(const FESpaceType& Vh) {
-  if (mpisize <= 1) return;  // 0 in FreeFem++ itself
-  if (labels_of_boundary(Vh).count(cut) > 0)
+  if (is_on_part_of_mesh(Vh))
     throw IllegalInput(
         "Vh lies on one process's part of a distributed mesh, and its matrix would be taken for "
         "the whole problem; load frictionCG-mpi, and give domain=C, which createMat(Th, C, Pk) "
@@ -48,6 +56,9 @@ class ObstacleSite final : public Site {
   ObstacleSite(const basicAC_F0& args, int first, LabelForm form)
       : Vh_(to<typename V::pfes*>(args[first])), labels_(args[first + 1], form) {}
   int dimension() const override { return Dimension<typename V::FESpace>::d; }
+  bool is_on_part(Stack stack) const override {
+    return is_on_part_of_mesh(space_of<V>(stack, Vh_, "Vh"));
+  }
   std::shared_ptr<Scene> scene(Stack stack) const override {
     const auto& Vh = space_of<V>(stack, Vh_, "Vh");
     refuse_part_of_mesh(Vh);
@@ -69,6 +80,9 @@ class OneSpaceSite final : public Site {
         master_(args[first + 2], master) {}
   int dimension() const override { return Dimension<typename V::FESpace>::d; }
   bool two_bodies() const override { return true; }
+  bool is_on_part(Stack stack) const override {
+    return is_on_part_of_mesh(space_of<V>(stack, Vh_, "Vh"));
+  }
   std::shared_ptr<Scene> scene(Stack stack) const override {
     const auto& Vh = space_of<V>(stack, Vh_, "Vh");
     refuse_part_of_mesh(Vh);
@@ -91,6 +105,10 @@ class TwoSpaceSite final : public Site {
         master_(args[first + 3], master) {}
   int dimension() const override { return Dimension<typename V::FESpace>::d; }
   bool two_bodies() const override { return true; }
+  bool is_on_part(Stack stack) const override {
+    return is_on_part_of_mesh(space_of<V>(stack, V1_, "V1")) ||
+           is_on_part_of_mesh(space_of<V>(stack, V2_, "V2"));
+  }
   std::shared_ptr<Scene> scene(Stack stack) const override {
     const auto &V1 = space_of<V>(stack, V1_, "V1"), &V2 = space_of<V>(stack, V2_, "V2");
     refuse_part_of_mesh(V1);

@@ -1,19 +1,10 @@
 #include "domain.h"
 
-#include <unistd.h>
-
-#include <csignal>
-#include <cstdio>
-#include <cstdlib>
-#include <new>
-#include <sstream>
-
 namespace frictioncg {
 
 namespace {
 
-constexpr int tag = 1412;         ///< of messages between neighbours
-constexpr unsigned patience = 5;  ///< [s] with MPI, which may want memory to end the others
+constexpr int tag = 1412;  ///< of messages between neighbours
 
 struct Message {
   int rank;
@@ -37,43 +28,13 @@ void exchange(MPI_Comm communicator, const std::vector<Message>& out, std::vecto
   MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
 }
 
-/// What fails in MPI itself, also where PETSc calls it: PETSc may crash while it looks for words.
-void end_by_mpi(MPI_Comm* communicator, int* error, ...) {
-  char text[MPI_MAX_ERROR_STRING] = "";
-  int length = 0;
-  MPI_Error_string(*error, text, &length);
-  end_all(*communicator, "MPI", text);
-}
-
-/// The handler is inherited by what PETSc duplicates in turn.
-MPI_Comm duplicate(MPI_Comm communicator) {
-  MPI_Comm copy;
-  MPI_Errhandler handler;
-  MPI_Comm_dup(communicator, &copy);
-  MPI_Comm_create_errhandler(end_by_mpi, &handler);
-  MPI_Comm_set_errhandler(copy, handler);
-  MPI_Errhandler_free(&handler);
-  return copy;
-}
-
 }  // namespace
 
-void end_all(MPI_Comm communicator, const char* name, const char* message) noexcept {
-  int started = 0, rank = 0;
-  MPI_Initialized(&started);
-  if (started) MPI_Comm_rank(communicator, &rank);
-  static bool ending = false;  // MPI may fail once more on the way
-  if (ending) std::_Exit(EXIT_FAILURE);
-  ending = true;
-  std::fprintf(stderr, "%s: %s (rank %d)\n", name, message, rank);
-  std::signal(SIGALRM, SIG_DFL);
-  alarm(patience);
-  if (started) MPI_Abort(communicator, EXIT_FAILURE);
-  std::_Exit(EXIT_FAILURE);
-}
-
 Domain::Domain(MPI_Comm communicator, std::vector<Neighbour> neighbours, const Vector& D)
-    : communicator_(duplicate(communicator)), owned_(D.size(), 1) {
+    : meeting_(Meeting::of(communicator)),
+      number_(meeting_->next_number()),
+      communicator_(duplicate(communicator)),
+      owned_(D.size(), 1) {
   MPI_Comm_rank(communicator_, &rank_);
   MPI_Comm_size(communicator_, &size_);
   check_neighbours(neighbours);
@@ -205,44 +166,14 @@ Vector Domain::gathered(const Vector& own) const {
 }
 
 void Domain::agree(const std::function<void()>& body) const {
-  bool failed = true;
-  std::string message;
-  try {
-    body();
-    failed = false;
-  } catch (const IllegalInput& e) {
-    message = e.what();
-  } catch (const std::bad_alloc&) {
-    message = not_enough_memory;
-  } catch (const std::exception& e) {
-    message = std::string("internal error: ") + e.what();
-  } catch (...) {
-    message = "an expression of the script failed";
-  }
-  fail_together(failed, message);
-}
-
-void Domain::require_same(const char* what, Real value) const {
-  const Real most = largest(value), least = -largest(-value);
-  if (most == least) return;
-  std::ostringstream m;
-  m << what << " differs between the processes: " << least << " on one, " << most
-    << " on another; give the same on all";
-  throw IllegalInput(m.str());
+  const Attempt own_part = attempt(body);
+  fail_together(own_part.failed, own_part.message);
 }
 
 void Domain::fail_together(bool failed, const std::string& message) const {
   int least[] = {failed ? rank_ : size_, failed};
   MPI_Allreduce(MPI_IN_PLACE, least, 2, MPI_INT, MPI_MIN, communicator_);
-  const int first = least[0];
-  const bool everywhere = least[1] != 0;
-  if (first == size_) return;
-  std::string text = message;
-  int length = static_cast<int>(text.size());
-  MPI_Bcast(&length, 1, MPI_INT, first, communicator_);
-  text.resize(length);
-  MPI_Bcast(&text[0], length, MPI_CHAR, first, communicator_);
-  throw IllegalInput(everywhere ? text : text + " (on rank " + std::to_string(first) + ")");
+  if (least[0] < size_) throw_together(communicator_, least[0], least[1] != 0, message);
 }
 
 }  // namespace frictioncg

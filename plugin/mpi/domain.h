@@ -4,14 +4,9 @@
 #include <functional>
 #include <string>
 
-#include "types.h"
+#include "meeting.h"
 
 namespace frictioncg {
-
-constexpr const char* not_enough_memory = "not enough memory for this problem";
-
-/// Ends all processes of the communicator, with one message. Needs no memory itself.
-[[noreturn]] void end_all(MPI_Comm communicator, const char* name, const char* message) noexcept;
 
 /// The part of a distributed space that this process has, with overlap, and whom it shares its
 /// dofs with: what createMat of FreeFEM's macro_ddm.idp hands to constructor(...).
@@ -33,6 +28,8 @@ class Domain {
   Domain& operator=(const Domain&) = delete;
 
   MPI_Comm communicator() const { return communicator_; }
+  Meeting& meeting() const { return *meeting_; }
+  int number() const { return number_; }  ///< in the order in which its processes made domains
   int rank() const { return rank_; }
   int size() const { return size_; }
   Index dofs() const { return static_cast<Index>(owned_.size()); }
@@ -53,9 +50,6 @@ class Domain {
   /// Runs what one process does by itself. Where it throws on any of them, all throw IllegalInput
   /// with the message of the lowest rank that failed.
   void agree(const std::function<void()>& body) const;
-  /// Throws IllegalInput on all processes where they have different values: what decides how a call
-  /// goes on would leave some of them waiting for the others.
-  void require_same(const char* what, Real value) const;
 
  private:
   struct Exchange {
@@ -69,6 +63,8 @@ class Domain {
   void make_exchanges(const std::vector<Neighbour>& neighbours, const std::vector<int>& owner);
   void fail_together(bool failed, const std::string& message) const;
 
+  std::shared_ptr<Meeting> meeting_;
+  int number_;
   MPI_Comm communicator_ = MPI_COMM_NULL;
   int rank_ = 0, size_ = 1;
   std::vector<char> owned_;  ///< n

@@ -55,6 +55,7 @@ void load() {
   register_contactproblem();
   register_contactdomain();
   ff_atend(end_petsc);
+  if (mpisize > 1) Meeting::of(MPI_COMM_WORLD);  // while all processes are here
   add_sites<v_fes>();
   add_sites<v_fes3>();
   Global.Add(operator_name, "(", new OneOperatorCode<SharedSolveIncrement>());

@@ -29,12 +29,12 @@ inline Solution on_local_dofs(const SharedScene& shared, const Solution& own) {
   return s;
 }
 
-/// Values at ghosts from their owners.
+/// Values at ghosts from their owners, where the call has the vector: all processes ask for the
+/// same.
 template <class Number>
 void update(const Domain& domain, KN<Number>* values) {
-  if (domain.largest(values != nullptr) == 0) return;
-  KN<Number> none(values ? 0 : domain.dofs());
-  KN<Number>& v = values ? *values : none;
+  if (!values) return;
+  KN<Number>& v = *values;
   domain.update(
       1, [&](Index dof, Real* out) { *out = static_cast<Real>(v[dof]); },
       [&](Index dof, const Real* in) { v[dof] = static_cast<Number>(*in); });
@@ -78,38 +78,26 @@ inline Vector start_of(const Call& call, const SharedScene& shared) {
   return shared.A->own_part(shared.scene->system->to_local(start));
 }
 
-/// Processes that stop at different points, or follow different laws, wait for each other for ever.
-/// Collective.
-inline void require_same_call(const Domain& domain, const Settings& settings,
-                              const PointLaws& laws) {
-  domain.require_same("tol", settings.tol);
-  domain.require_same("nbiter", settings.nbiter);
-  domain.require_same("bilateral", laws.bilateral);
-}
-
 /// The field of one increment.   Collective.
 inline KN_<double> solve_together(Stack stack, const Call& call, SharedScene& shared,
                                   PointLaws laws) {
   const Domain& domain = *shared.domain;
   const Outputs out(stack, call.args);
-  require_same_call(domain, call.settings, laws);
   ContactProblem problem{shared.system, {}};
   if (domain.largest(problem.nodes()) == 0) laws.law = Law::frictionless;
   const LocalIncrement now = increment_together(call, shared, laws, problem);
-  const bool keeps = domain.largest(out.history != nullptr) > 0;
   const long verb = domain.rank() == 0 ? call.verb : 0;
   const bool speaks = domain.largest(static_cast<Real>(verb)) > 0;
   if (speaks) report_plan(shared, problem, verb);
-  Progress progress(problem, verb, keeps);
+  Progress progress(problem, verb, out.history);
   const Traffic before = traffic_so_far(domain);
   const Solution solution = solve_together(shared, problem, call, start_of(call, shared),
-                                           keeps || speaks ? &progress : nullptr);
+                                           out.history || speaks ? &progress : nullptr);
   const Traffic traffic = traffic_so_far(domain) - before;
   if (verb > 0) report_end(solution);
   report_traffic(domain, traffic, solution.iterations, verb);
   const std::string unheld = report_motions(shared, solution, verb);
-  const bool wants_status = domain.largest(out.status != nullptr) > 0;
-  if (solution.status != Status::converged && !wants_status)
+  if (solution.status != Status::converged && !out.status)
     refuse_unconverged(solution, call.settings, unheld);
   const Solution local = on_local_dofs(shared, solution);
   write_together(shared, local, progress, out);

@@ -34,6 +34,31 @@ inline PointLaws with_ghosts(PointLaws laws, const SharedScene& shared) {
   return laws;
 }
 
+/// The call, apart from what is given by name.
+inline std::string form_of(const char* name, const Site& site) {
+  return std::string(name) + (site.two_bodies() ? " of two bodies in " : " in ") +
+         std::to_string(site.dimension()) + "D";
+}
+
+/// Begins a call on a space: its domain, or null, its labels, and what its laws are. shared: null
+/// with two bodies.
+inline std::shared_ptr<const Domain> opened(Opening& opening, Stack stack, const Arguments& args,
+                                            const Site& site, const SharedSite* shared) {
+  std::shared_ptr<const Domain> domain;
+  opening.alone([&] {
+    domain = domain_of(stack, args, site);
+    if (!domain) return;
+    if (!shared)
+      throw IllegalInput(
+          "contact of two bodies is of one process: facets that face each other may lie on "
+          "different ones; leave domain out, or give the obstacle by gap and normal");
+    opening.domain = domain->number();
+    opening.labels = shared->labels(stack);
+    opening.laws = begun_laws(stack, args);
+  });
+  return domain;
+}
+
 /// u[] = frictionalContactCG(A, b, Vh, labels, ..., domain=C).
 class SharedSolveOnce : public E_F0mps {
  public:
@@ -41,35 +66,35 @@ class SharedSolveOnce : public E_F0mps {
   SharedSolveOnce(const basicAC_F0& args, std::shared_ptr<const Site> site,
                   std::shared_ptr<const SharedSite> shared)
       : arguments_(args, site->dimension(), site->two_bodies()),
-        once_(args, std::move(site)),
+        once_(args, site),
+        site_(std::move(site)),
         A_(to<Matrice_Creuse<double>*>(args[0])),
         b_(to<KN_<double>>(args[1])),
         shared_(std::move(shared)) {}
   static std::vector<aType> before_site() { return SolveOnce::before_site(); }
 
   AnyType operator()(Stack stack) const override {
-    const auto domain = required_domain(operator_name, stack, arguments_);
-    if (!domain) return once_(stack);
-    return together(operator_name, domain->communicator(), [&] {
-      std::unique_ptr<Call> call;
-      domain->agree([&] {
-        if (!shared_) throw IllegalInput(two_bodies);
-        refuse_options(arguments_);
-        call = std::make_unique<Call>(stack, arguments_, b_);
-        set_method(call->settings);
-      });
+    Opening opening(operator_name, form_of(operator_name, *site_), arguments_);
+    const auto domain = opened(opening, stack, arguments_, *site_, shared_.get());
+    if (!domain && !opening.failed()) return once_(stack);
+    opening.alone([&] {
+      refuse_options(arguments_);
+      opening.call = std::make_unique<Call>(stack, arguments_, b_);
+      set_method(opening.call->settings);
+    });
+    return opening.together_with(domain.get(), [&] {
       PointLaws laws;
-      const auto shared = read_shared(stack, arguments_, A_, *shared_, domain, false, laws);
-      return SetAny<KN_<double>>(solve_together(stack, *call, *shared, with_ghosts(laws, *shared)));
+      const auto shared =
+          read_shared(stack, arguments_, A_, *shared_, domain, false, opening, laws);
+      return SetAny<KN_<double>>(
+          solve_together(stack, *opening.call, *shared, with_ghosts(laws, *shared)));
     });
   }
-  static constexpr const char* two_bodies =
-      "contact of two bodies is of one process: facets that face each other may lie on different "
-      "ones; leave domain out, or give the obstacle by gap and normal";
 
  private:
   Arguments arguments_;
   SolveOnce once_;
+  std::shared_ptr<const Site> site_;
   Expression A_, b_;
   std::shared_ptr<const SharedSite> shared_;  ///< null with two bodies
 };
@@ -81,18 +106,20 @@ class SharedConstruct : public E_F0mps {
   SharedConstruct(const basicAC_F0& args, std::shared_ptr<const Site> site,
                   std::shared_ptr<const SharedSite> shared)
       : arguments_(args, site->dimension(), site->two_bodies()),
-        once_(args, std::move(site)),
+        once_(args, site),
+        site_(std::move(site)),
         A_(to<Matrice_Creuse<double>*>(args[0])),
         shared_(std::move(shared)) {}
   static std::vector<aType> before_site() { return Construct::before_site(); }
 
   AnyType operator()(Stack stack) const override {
-    const auto domain = required_domain(constructor_name, stack, arguments_);
-    if (!domain) return once_(stack);
-    return together(constructor_name, domain->communicator(), [&] {
-      if (!shared_) throw IllegalInput(SharedSolveOnce::two_bodies);
+    Opening opening(constructor_name, form_of(constructor_name, *site_), arguments_);
+    const auto domain = opened(opening, stack, arguments_, *site_, shared_.get());
+    if (!domain && !opening.failed()) return once_(stack);
+    return opening.together_with(domain.get(), [&] {
       PosedProblem posed;
-      posed.shared = read_shared(stack, arguments_, A_, *shared_, domain, true, posed.laws);
+      posed.shared =
+          read_shared(stack, arguments_, A_, *shared_, domain, true, opening, posed.laws);
       posed.scene = posed.shared->scene;
       posed.laws = with_ghosts(posed.laws, *posed.shared);
       auto* C = Add2StackOfPtr2Free(stack, new ContactProblemVariable);
@@ -104,6 +131,7 @@ class SharedConstruct : public E_F0mps {
  private:
   Arguments arguments_;
   Construct once_;
+  std::shared_ptr<const Site> site_;
   Expression A_;
   std::shared_ptr<const SharedSite> shared_;  ///< null with two bodies
 };
@@ -122,29 +150,30 @@ class SharedSolveIncrement : public E_F0mps {
 
   AnyType operator()(Stack stack) const override {
     PosedProblem posed;
-    beforehand(operator_name, [&] {
-      const auto* P = GetAny<ContactProblemVariable*>((*P_)(stack));
-      // whether the others wait for this process, their P says, not this one's
-      if (mpisize > 1 && !P->is_set())
-        end_all(MPI_COMM_WORLD, operator_name, ContactProblemVariable::not_set);
-      posed = P->get();
-      return AnyType(Nothing);
+    Opening opening(operator_name, std::string(operator_name) + " of a contactproblem", arguments_);
+    opening.alone([&] {
+      posed = evaluated("the contactproblem", [&] {
+                return GetAny<ContactProblemVariable*>((*P_)(stack));
+              })->get();
     });
-    if (!posed.shared) return once_(stack);
-    SharedScene& shared = *posed.shared;
-    return together(operator_name, shared.domain->communicator(), [&] {
-      std::unique_ptr<Call> call;
+    if (!posed.shared && !opening.failed()) return once_(stack);
+    opening.alone([&] {
+      opening.problem = posed.shared->number;
+      refuse_options(arguments_);
+      if (!posed.scene->tangents && (arguments_.has(p_mu) || arguments_.has(p_slidinglimit)))
+        throw IllegalInput(
+            "P was made without friction; name mu or slidinglimit in contactProblem(...), too");
+      opening.call = std::make_unique<Call>(stack, arguments_, b_);
+      set_method(opening.call->settings);
+      opening.laws = begun_laws(stack, arguments_, posed.laws);
+    });
+    const Domain* domain = posed.shared ? posed.shared->domain.get() : nullptr;
+    return opening.together_with(domain, [&] {
+      SharedScene& shared = *posed.shared;
       PointLaws laws;
-      shared.domain->agree([&] {
-        refuse_options(arguments_);
-        if (!shared.scene->tangents && (arguments_.has(p_mu) || arguments_.has(p_slidinglimit)))
-          throw IllegalInput(
-              "P was made without friction; name mu or slidinglimit in contactProblem(...), too");
-        call = std::make_unique<Call>(stack, arguments_, b_);
-        set_method(call->settings);
-        laws = read_increment_laws(stack, shared, posed.laws);
-      });
-      return SetAny<KN_<double>>(solve_together(stack, *call, shared, with_ghosts(laws, shared)));
+      domain->agree([&] { laws = read_increment_laws(stack, shared, opening.laws); });
+      return SetAny<KN_<double>>(
+          solve_together(stack, *opening.call, shared, with_ghosts(laws, shared)));
     });
   }
 

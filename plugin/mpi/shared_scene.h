@@ -12,6 +12,7 @@ namespace frictioncg {
 /// system that it owns of the whole.
 struct SharedScene {
   std::shared_ptr<const Domain> domain;
+  int number = 0;                         ///< as that of a domain
   std::shared_ptr<Scene> scene;           ///< overlapping; contact points of ghosts included
   std::size_t own_points = 0;             ///< of the contact points; those of ghosts follow
   std::unique_ptr<PatchedMatrix> patch;   ///< supports of ghosts

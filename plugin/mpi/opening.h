@@ -1,0 +1,105 @@
+#pragma once
+#include "../freefem/freefem.h"
+
+#include <charconv>
+
+#include "../freefem/call.h"
+#include "contact_domain.h"
+
+namespace frictioncg {
+
+/// The shortest text that stands for this number alone.
+inline std::string exact(double value) {
+  char text[32];
+  return std::string(text, std::to_chars(text, text + sizeof text, value).ptr);
+}
+inline std::string in_brackets(const std::vector<long>& labels) {
+  std::string list;
+  for (long label : labels) list += (list.empty() ? "[" : ", ") + std::to_string(label);
+  return list + "]";
+}
+
+/// What several processes do not do is refused by name.
+inline void refuse_options(const Arguments& args) {
+  const auto refuse = [&](Parameter p, const char* why) {
+    if (args.has(p)) throw IllegalInput(std::string(parameters[p].name) + " " + why);
+  };
+  const char* const own =
+      "belongs to methods of one process; with domain= there is multigrid alone";
+  for (Parameter p : {p_newton, p_polish, p_reg, p_regeps, p_precon, p_omega, p_step, p_memory})
+    refuse(p, own);
+  refuse(p_distance, "is that of two bodies; there is one, and an obstacle");
+  refuse(p_times, "is of one process; measure around the call, by mpiWtime()");
+}
+
+/// Multigrid is what method="auto" stands for.
+inline void set_method(Settings& settings) {
+  if (settings.method != Method::automatic && settings.method != Method::multigrid)
+    throw IllegalInput(std::string("method=\"") + name_of(settings.method, methods) +
+                       "\" is of one process; with domain= there is method=\"multigrid\" alone: "
+                       "leave it out");
+  settings.method = Method::multigrid;
+}
+
+/// The beginning of a call: what each process finds by itself, and the comparison with the others,
+/// who may wait for it already.
+class Opening {
+ public:
+  /// form: which of the operators, and with which arguments in their places.
+  Opening(const char* name, std::string form, const Arguments& args)
+      : name_(name), form_(std::move(form)), args_(args) {}
+
+  /// What may fail on one process alone, before it knows of the others.
+  void alone(const std::function<void()>& body) {
+    if (!own_part_.failed) own_part_ = attempt(body);
+  }
+  bool failed() const { return own_part_.failed; }
+
+  /// Runs the rest of the call where it is the same on all processes, each of which has done its
+  /// part of it. A process without a domain meets the others where they all are.
+  template <class Body>
+  AnyType together_with(const Domain* of_all, Body body) const {
+    if (!of_all && mpisize <= 1)
+      return translated(name_, [&] {
+        if (failed()) throw IllegalInput(own_part_.message);
+        return AnyType(Nothing);
+      });
+    const auto world = of_all ? nullptr : Meeting::of(MPI_COMM_WORLD);
+    const Meeting& here = of_all ? of_all->meeting() : *world;
+    return together(name_, here.communicator(), [&] {
+      items().compare(name_, here, own_part_, of_all != nullptr);
+      return body();
+    });
+  }
+
+  int problem = 0;  ///< the contactproblem's number, or 0
+  int domain = 0;   ///< the domain's
+  std::vector<long> labels;
+  std::unique_ptr<Call> call;  ///< null where a problem is posed
+  PointLaws laws;              ///< before their values at nodes
+
+ private:
+  /// verb is of rank 0 alone.
+  Comparison items() const {
+    Comparison all;
+    all.add("the call", form_);
+    for (int p = 0; p < parameter_count; ++p)
+      if (p != p_verb) all.add(parameters[p].name, args_.has(Parameter(p)) ? "given" : "");
+    all.mark();
+    const auto made = [](int number) { return number > 0 ? "no. " + std::to_string(number) : ""; };
+    all.add("the contactproblem", made(problem));
+    all.add("the domain", made(domain));
+    all.add("the list of labels", in_brackets(labels));
+    all.add("tol", call ? exact(call->settings.tol) : "");
+    all.add("nbiter", call ? std::to_string(call->settings.nbiter) : "");
+    all.add("bilateral", laws.bilateral ? "true" : "false");
+    return all;
+  }
+
+  const char* name_;
+  std::string form_;
+  const Arguments& args_;
+  Attempt own_part_;
+};
+
+}  // namespace frictioncg
