@@ -48,7 +48,7 @@ SCRIPTS   := $(wildcard tests/edp/*.edp)
 EXAMPLES  := $(filter-out %-mpi.edp,$(wildcard examples/*.edp))
 # Under several processes: where `make mpi` has been
 WITH_MPI   = $(wildcard $(BUILD)/frictionCG-mpi.so)
-SHARED     = $(if $(WITH_MPI),$(wildcard tests/mpi/*.edp examples/*-mpi.edp) tests/mpi/scarce)
+SHARED     = $(if $(WITH_MPI),$(wildcard tests/mpi/*.edp examples/*-mpi.edp) tests/mpi/scarce tests/mpi/limited)
 PAGES     := README.md $(wildcard edp/doc/*.md)
 BENCHES   := $(wildcard tests/bench/*.cpp)
 OWN       := $(CORE) $(HEADERS) $(wildcard plugin/*.cpp plugin/mpi/*.cpp plugin/mpi/*.h tests/unit/*.cpp tests/unit/*.h \
@@ -163,7 +163,7 @@ scripts: all ## scripted tests in FreeFEM only
 
 shared: mpi ## scripted tests and examples under several processes only
 	@$(MAKE) --no-print-directory $(BUILD)/scarce.so >/dev/null
-	@bash tests/run $(wildcard tests/mpi/*.edp examples/*-mpi.edp) tests/mpi/scarce
+	@bash tests/run $(wildcard tests/mpi/*.edp examples/*-mpi.edp) tests/mpi/scarce tests/mpi/limited
 
 examples: all ## every example, on coarse meshes
 	@bash tests/run $(EXAMPLES)

@@ -17,6 +17,8 @@ namespace {
 void load() {
   check_version();
   if (is_loaded()) return;  // frictionCG-mpi has all of this, and macros load frictionCG by name
+  if (!take_buffer_of_blas())
+    throw ErrorLoad("frictionCG: not enough memory for a buffer of BLAS", 1);
   register_contactproblem();
   for_each_site<v_fes>(add_site);
   for_each_site<v_fes3>(add_site);

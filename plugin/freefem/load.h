@@ -1,6 +1,9 @@
 #pragma once
 #include "freefem.h"
 
+#include <sys/mman.h>
+
+#include <Eigen/Core>
 #include <cmath>
 #include <cstdlib>
 #include <sstream>
@@ -22,6 +25,23 @@ inline bool is_loaded() {
   aType type;
   int token;
   return zzzfff->InMotClef("contactproblem", type, token);
+}
+
+/// OpenBLAS takes a buffer at its first product of matrices, keeps it, and where memory is refused
+/// asks for it for ever: it takes it here, before a solve waits for it. False where it is not to be
+/// had.
+inline bool take_buffer_of_blas() {
+  constexpr std::size_t size =
+      (std::size_t(1) << 27) + (1 << 16);  // of OpenBLAS 0.3 and a bit more
+  void* room = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (room == MAP_FAILED) return false;
+  munmap(room, size);
+  constexpr int n = 16;
+  const Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
+  Eigen::MatrixXd C = A;
+  const double one = 1;
+  dsyrk_("L", "N", &n, &n, &one, A.data(), &n, &one, C.data(), &n);
+  return true;
 }
 
 }  // namespace frictioncg

@@ -52,6 +52,7 @@ void load() {
         "frictionCG-mpi has all that frictionCG has; load it first, before frictionCG and its "
         "macros (frictionCG.idp)",
         1);
+  if (!take_buffer_of_blas()) end_all(MPI_COMM_WORLD, "frictionCG-mpi", not_enough_memory);
   register_contactproblem();
   register_contactdomain();
   ff_atend(end_petsc);
