@@ -7,7 +7,15 @@
 #include "petsc.h"
 #include "together.h"
 
+extern KN<String>* pkarg;  // FreeFEM's: the words of the command line
+
 namespace frictioncg {
+
+inline std::vector<std::string> command_line() {
+  std::vector<std::string> words;
+  for (long k = 0; pkarg && k < pkarg->N(); ++k) words.push_back(*(*pkarg)[k].getap()[0]);
+  return words;
+}
 
 /// What a script's variable of type contactdomain stands for. FreeFEM allots its bytes without a
 /// constructor, and calls init() and destroy().
@@ -51,7 +59,7 @@ class MakeDomain : public E_F0mps {
   AnyType operator()(Stack stack) const override {
     MPI_Comm communicator = MPI_COMM_WORLD;
     beforehand("createMat", [&] {
-      start_petsc();
+      start_petsc(command_line());
       if (named_[0])
         if (const auto* given = static_cast<MPI_Comm*>(GetAny<pcommworld>((*named_[0])(stack))))
           communicator = *given;

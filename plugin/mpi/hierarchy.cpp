@@ -14,7 +14,9 @@ constexpr Real vanished = 1e-10;  ///< diagonal entries over what they were: not
 
 SharedHierarchy::SharedHierarchy(std::shared_ptr<const SharedMatrix> A,
                                  const Eigen::MatrixXd& modes)
-    : A_(std::move(A)), level_(make_levels(*A_, modes)) {
+    : A_(std::move(A)) {
+  const Timed timed(Phase::hierarchy);
+  level_ = make_levels(*A_, modes);
   check(MatCreateVecs(A_->matrix(), r_.fill(), z_.fill()));
   check(VecSet(r_.get(), 0));
   make_contact_part();
@@ -102,12 +104,13 @@ void SharedHierarchy::fill_contact_part(const std::vector<TangentialStiffness>& 
 
 void SharedHierarchy::truncate(const std::vector<char>& fixed,
                                const std::vector<TangentialStiffness>& W, const Vector& springs) {
+  const Timed timed(Phase::faces);
   set_mask(fixed);
   fill_contact_part(W, springs);
   truncate_fine();
   truncate_coarse();
-  if (!damped_) damp(cycle_.get(), level_);
-  damped_ = true;
+  if (!settled_) settle(cycle_.get(), level_);
+  settled_ = true;
 }
 
 void SharedHierarchy::truncate_fine() {
@@ -153,6 +156,7 @@ void SharedHierarchy::fill_empty_rows(const Level& level) {
 }
 
 void SharedHierarchy::apply(const Vector& r, Vector& z) {
+  const Timed timed(Phase::cycle);
   const Eigen::Index interior = r.size() - Eigen::Index(fixed_.size());
   free_ = r;
   for (std::size_t c = 0; c < fixed_.size(); ++c)

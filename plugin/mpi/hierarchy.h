@@ -37,7 +37,7 @@ class SharedHierarchy final : public Hierarchy {
   std::shared_ptr<const SharedMatrix> A_;
   std::vector<Level> level_;  ///< from the finest to the coarsest
   PCHandle cycle_;
-  bool damped_ = false;
+  bool settled_ = false;
   MatHandle E_;                    ///< M B M - B + W
   VecHandle mask_;                 ///< with ghosts: 0 on fixed dofs, else 1
   std::vector<PetscInt> mask_of_;  ///< of each column of the contact entries

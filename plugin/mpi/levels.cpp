@@ -1,6 +1,8 @@
 #include "levels.h"
 
+#include <array>
 #include <cmath>
+#include <string>
 
 namespace frictioncg {
 
@@ -10,7 +12,8 @@ constexpr PetscInt coarsest = 600;              ///< dofs up to which one factor
 constexpr PetscInt most_levels = 15;            ///< what PETSc allows
 constexpr Real weak_2D = 0.02, weak_3D = 0.01;  ///< couplings below are not aggregated along
 constexpr Real overshoot = 1.7;  ///< of the smoother's correction, which diverges from 2 on
-constexpr const char* prefix = "frictioncg_";
+constexpr const char* prefix = "frictioncg_";            ///< of PETSc's options
+constexpr const char* discarded = "frictioncg_unused_";  ///< of what GAMG makes and we do not keep
 
 Mat retained(Mat matrix) {
   check(PetscObjectReference(reinterpret_cast<PetscObject>(matrix)));
@@ -63,11 +66,29 @@ void set_rings(PC gamg, Index dimension) {
   if (dimension == 2 && !squared && !aggressive) check(PCGAMGSetAggressiveLevels(gamg, 0));
 }
 
+/// GAMG gives levels and prolongations alone, whose cycle is made anew: options that would be read
+/// and change nothing, or take away what this needs.
+void refuse_options_without_effect() {
+  for (const char* name :
+       {"-pc_type", "-pc_mg_levels", "-pc_mg_galerkin", "-pc_gamg_use_sa_esteig",
+        "-pc_gamg_recompute_esteig", "-pc_gamg_asm_use_agg", "-pc_gamg_reuse_interpolation",
+        "-pc_gamg_parallel_coarse_grid_solver"}) {
+    PetscBool given = PETSC_FALSE;
+    check(PetscOptionsHasName(nullptr, prefix, name, &given));
+    if (given)
+      throw IllegalInput("PETSc's option -" + std::string(prefix) + (name + 1) +
+                         " has no meaning here: GAMG makes levels and prolongations alone; leave "
+                         "it out, and set the cycle by -" +
+                         prefix + "mg_levels_... and -" + prefix + "mg_coarse_...");
+  }
+}
+
 }  // namespace
 
 /// Levels and prolongations by GAMG, which is then given up: a change of the matrix would make it
 /// begin anew.
 std::vector<Level> make_levels(const SharedMatrix& A, const Eigen::MatrixXd& modes) {
+  refuse_options_without_effect();
   set_near_kernel(A, modes);
   std::vector<Level> levels;
   PCHandle gamg;
@@ -85,7 +106,8 @@ std::vector<Level> make_levels(const SharedMatrix& A, const Eigen::MatrixXd& mod
   check(PCGAMGSetThreshold(gamg.get(), thresholds.data(), most_levels));
   check(PCSetOptionsPrefix(gamg.get(), prefix));
   check(PCSetFromOptions(gamg.get()));
-  set_rings(gamg.get(), A.numbering().dimension);  // here: PETSc 3.18 has set its own before
+  set_rings(gamg.get(), A.numbering().dimension);    // here: PETSc 3.18 has set its own before
+  check(PCSetOptionsPrefix(gamg.get(), discarded));  // its smoothers do not serve
   check(PCSetUp(gamg.get()));
   PetscInt count;
   check(PCMGGetLevels(gamg.get(), &count));
@@ -118,33 +140,54 @@ bool of_several(Mat A) {
   return processes > 1;
 }
 
-/// Symmetric Gauss-Seidel within each process.
 void set_iteration(KSP ksp, Mat A, KSPType type, PetscInt iterations) {
-  PC pc;
   check(KSPSetOperators(ksp, A, A));
   check(KSPSetType(ksp, type));
   check(KSPSetNormType(ksp, KSP_NORM_NONE));
   check(KSPSetTolerances(ksp, 0, 0, PETSC_DEFAULT, iterations));
-  check(KSPGetPC(ksp, &pc));
+}
+
+/// Symmetric Gauss-Seidel within each process. Sweeps before and after: more in 3D, where the
+/// aggregates are larger, and one more where each process sweeps its own part alone.
+void set_smoother(KSP smoother, Mat A, Index dimension) {
+  PC pc;
+  set_iteration(smoother, A, KSPRICHARDSON, static_cast<PetscInt>(dimension) + of_several(A));
+  check(KSPGetPC(smoother, &pc));
   check(PCSetType(pc, PCSOR));
   check(PCSORSetSymmetric(pc, SOR_LOCAL_SYMMETRIC_SWEEP));
 }
 
-/// Sweeps before and after: more in 3D, where the aggregates are larger, and one more where each
-/// process sweeps its own part alone.
-void set_smoother(KSP smoother, Mat A, Index dimension) {
-  set_iteration(smoother, A, KSPRICHARDSON, static_cast<PetscInt>(dimension) + of_several(A));
+/// Before the coarse correction of a level, and after it.
+std::array<KSP, 2> smoothers(PC cycle, PetscInt level) {
+  std::array<KSP, 2> both{};
+  check(PCMGGetSmootherDown(cycle, level, &both[0]));
+  check(PCMGGetSmootherUp(cycle, level, &both[1]));
+  return both;
 }
 
-/// Of Gauss-Seidel's correction of A: 1 on one process. By the Lanczos numbers of a few conjugate
-/// gradients.   Collective.
-Real largest_eigenvalue(Mat A) {
+/// Whether a smoother's corrections have a scale, and PETSc's options do not set it.
+bool may_be_damped(KSP smoother) {
+  PetscBool scales, scaled;
+  const char* own = nullptr;
+  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(smoother), KSPRICHARDSON, &scales));
+  if (!scales) return false;
+  check(KSPGetOptionsPrefix(smoother, &own));
+  check(PetscOptionsHasName(nullptr, own, "-ksp_richardson_scale", &scaled));
+  return !scaled;
+}
+
+/// Of a smoother's correction of A; of Gauss-Seidel's on one process it is 1. By the Lanczos
+/// numbers of a few conjugate gradients.   Collective.
+Real largest_eigenvalue(KSP smoother, Mat A) {
   constexpr PetscInt few = 10;
   KSPHandle cg;
   VecHandle x, b;
   Real largest, least;
   check(KSPCreate(PetscObjectComm(reinterpret_cast<PetscObject>(A)), cg.fill()));
+  PC correction;
   set_iteration(cg.get(), A, KSPCG, few);
+  check(KSPGetPC(smoother, &correction));
+  check(KSPSetPC(cg.get(), correction));
   check(KSPSetComputeSingularValues(cg.get(), PETSC_TRUE));
   check(MatCreateVecs(A, x.fill(), b.fill()));
   check(VecSetRandom(x.get(), nullptr));
@@ -176,36 +219,39 @@ PCHandle make_cycle(const std::vector<Level>& levels, Index dimension) {
   PCHandle cycle;
   check(PCCreate(PetscObjectComm(reinterpret_cast<PetscObject>(fine)), cycle.fill()));
   PC pc = cycle.get();
+  check(PCSetOptionsPrefix(pc, prefix));
   check(PCSetType(pc, PCMG));
   check(PCSetOperators(pc, fine, fine));
   check(PCMGSetLevels(pc, count, nullptr));
   check(PCMGSetGalerkin(pc, PC_MG_GALERKIN_NONE));
   for (PetscInt l = 1; l < count; ++l) {
     const Level& level = levels[count - 1 - l];
-    KSP down, up;
     check(PCMGSetInterpolation(pc, l, level.P.get()));
-    check(PCMGGetSmootherDown(pc, l, &down));
-    check(PCMGGetSmootherUp(pc, l, &up));
-    set_smoother(down, level.truncated.get(), dimension);
-    set_smoother(up, level.truncated.get(), dimension);
+    for (KSP smoother : smoothers(pc, l)) set_smoother(smoother, level.truncated.get(), dimension);
   }
   KSP solver;
   check(PCMGGetCoarseSolve(pc, &solver));
   set_coarsest(solver, levels.back().truncated.get());
+  check(PCSetFromOptions(pc));
+  check(KSPSetFromOptions(solver));
+  for (PetscInt l = 1; l < count; ++l)
+    for (KSP smoother : smoothers(pc, l)) check(KSPSetFromOptions(smoother));
   return cycle;
 }
 
-void damp(PC cycle, const std::vector<Level>& levels) {
-  if (!of_several(levels.front().A.get())) return;
+void settle(PC cycle, const std::vector<Level>& levels) {
   const PetscInt count = static_cast<PetscInt>(levels.size());
   for (PetscInt l = 1; l < count; ++l) {
-    KSP down, up;
-    const Real most = largest_eigenvalue(levels[count - 1 - l].truncated.get());
+    Mat A = levels[count - 1 - l].truncated.get();
+    if (!of_several(A)) continue;
+    const auto [down, up] = smoothers(cycle, l);
+    if (!may_be_damped(down)) continue;
+    const Real most = largest_eigenvalue(down, A);
     if (most <= overshoot) continue;
-    check(PCMGGetSmootherDown(cycle, l, &down));
-    check(PCMGGetSmootherUp(cycle, l, &up));
     for (KSP smoother : {down, up}) check(KSPRichardsonSetScale(smoother, overshoot / most));
   }
+  check(PCSetUp(cycle));  // what the coarsest solve has inside reads its options here
+  check(PCViewFromOptions(cycle, nullptr, "-pc_view"));
 }
 
 }  // namespace frictioncg

@@ -1,5 +1,6 @@
 #include "petsc.h"
 
+#include <iterator>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -36,18 +37,49 @@ void check(PetscErrorCode error) {
 
 bool petsc_failed() { return failed; }
 
-void start_petsc() {
+namespace {
+
+constexpr const char* phase_names[] = {"fCGPose",  "fCGHierarchy", "fCGSolve",
+                                       "fCGFaces", "fCGCycle",     "fCGProduct"};
+PetscLogEvent events[std::size(phase_names)];
+
+void name_phases() {
+  static bool named = false;
+  if (named) return;
+  PetscClassId id;
+  check(PetscClassIdRegister("frictionCG", &id));
+  for (std::size_t k = 0; k < std::size(phase_names); ++k)
+    check(PetscLogEventRegister(phase_names[k], id, &events[k]));
+  named = true;
+}
+
+}  // namespace
+
+void start_petsc(const std::vector<std::string>& arguments) {
   PetscBool started = PETSC_FALSE;
   check(PetscInitialized(&started));
-  if (started) return;
-  static int count = 0;
-  static char** arguments = nullptr;
-  check(PetscInitialize(&count, &arguments, nullptr, nullptr));
+  if (started) return name_phases();
+  // PETSc keeps them to its end
+  static std::vector<std::string> kept = arguments;
+  static std::vector<char*> words;
+  for (std::string& word : kept) words.push_back(&word[0]);
+  words.push_back(nullptr);
+  static int count = static_cast<int>(kept.size());
+  static char** all = words.data();
+  check(PetscInitialize(&count, &all, nullptr, nullptr));
   ours = true;
   // errors are thrown, and said once
   check(PetscPushErrorHandler(remember, nullptr));
   // a crash is left to mpirun: PETSc's way to end the others hangs where memory has run out
   check(PetscPopSignalHandler());
+  name_phases();
+}
+
+Timed::Timed(Phase phase) : event_(events[static_cast<std::size_t>(phase)]) {
+  check(PetscLogEventBegin(event_, nullptr, nullptr, nullptr, nullptr));
+}
+Timed::~Timed() {
+  if (!failed) PetscLogEventEnd(event_, nullptr, nullptr, nullptr, nullptr);
 }
 
 Traffic petsc_traffic() {

@@ -1,7 +1,9 @@
 #pragma once
 #include <petscksp.h>
 
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "domain.h"
 
@@ -13,10 +15,24 @@ void check(PetscErrorCode error);
 /// An error of PETSc's has ended a call, and all processes with it.
 bool petsc_failed();
 
-/// MPI and PETSc are ready after it; FreeFEM's program may have started MPI.
-void start_petsc();
+/// MPI and PETSc are ready after it; FreeFEM's program may have started MPI. arguments: of the
+/// command line, the program's name first; PETSc takes its options from them.
+void start_petsc(const std::vector<std::string>& arguments);
 /// For the end of the program, where PETSc was started here.
 void end_petsc();
+
+/// A phase of a call under the name that -log_view has for it, to the end of its block.
+enum class Phase { pose, hierarchy, solve, faces, cycle, product };
+class Timed {
+ public:
+  explicit Timed(Phase phase);
+  ~Timed();
+  Timed(const Timed&) = delete;
+  Timed& operator=(const Timed&) = delete;
+
+ private:
+  PetscLogEvent event_;
+};
 
 /// What one process sends, and takes part in.
 struct Traffic {

@@ -9,6 +9,7 @@ namespace frictioncg {
 /// As Solver::solve has it, by multigrid alone.
 inline Solution solve_together(SharedScene& shared, const ContactProblem& problem, const Call& call,
                                const Vector& x0, Observer* observer) {
+  const Timed timed(Phase::solve);
   return answer(problem, call.settings,
                 [&] { return shared.solver->solve(problem, call.settings, x0, observer); });
 }

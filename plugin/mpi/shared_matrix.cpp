@@ -159,6 +159,7 @@ Vector SharedMatrix::own_part(const Vector& local) const {
 }
 
 void SharedMatrix::multiply(const Vector& x, Vector& Ax) const {
+  const Timed timed(Phase::product);
   to_slots(x, x_.get());
   check(MatMult(A_.get(), x_.get(), Ax_.get()));
   from_slots(Ax_.get(), Ax);

@@ -91,6 +91,7 @@ inline std::shared_ptr<SharedScene> read_shared(Stack stack, const Arguments& ar
                                                 std::shared_ptr<const Domain> domain,
                                                 bool everywhere, const Opening& opening,
                                                 PointLaws& laws) {
+  const Timed timed(Phase::pose);
   auto shared = std::make_shared<SharedScene>();
   shared->domain = std::move(domain);
   shared->number = shared->domain->meeting().next_number();
