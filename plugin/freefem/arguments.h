@@ -76,9 +76,19 @@ class Arguments {
 
  private:
   explicit Arguments(const basicAC_F0& args) {
+    refuse_domain(args);
     args.SetNameParam(parameter_count, parameters, named_);
     if (has(p_newton) && has(p_polish)) refuse(p_polish, "is the former name of newton; give one");
     if (has(p_init) && has(p_start)) refuse(p_start, "is another name of init; give one");
+  }
+  /// Before FreeFEM looks for the type of domain, which frictionCG-mpi alone has.
+  static void refuse_domain(const basicAC_F0& args) {
+    const auto type = map_type.find(typeid(ContactDomainVariable*).name());
+    const bool known = type != map_type.end() && type->second;
+    if (!known && args.find(parameters[p_domain].name).LeftValue())
+      refuse(p_domain,
+             "belongs to a problem that several processes share, which frictionCG has none of; "
+             "load \"frictionCG-mpi\" in its place, or leave domain out");
   }
   static void refuse(Parameter p, const std::string& rule) {
     CompileError(std::string(operator_name) + ": " + parameters[p].name + " " + rule);

@@ -1,6 +1,7 @@
 #pragma once
 #include "freefem.h"
 
+#include "block_order.h"
 #include "node_values.h"
 #include "outputs.h"
 #include "report.h"
@@ -49,7 +50,9 @@ inline void face_bodies(Stack stack, const Arguments& args, const Expression A, 
   mortar::Options options;
   options.maxgap = args.value(stack, p_maxgap, options.maxgap);
   options.smooth = args.value(stack, p_smooth, options.smooth);
-  scene.face(read_matrix(stack, A, scene), options);
+  const Triplets matrix = read_matrix(stack, A, scene);
+  refuse_exchanged_blocks(scene, matrix);
+  scene.face(matrix, options);
 }
 
 /// The laws that the arguments name at the contact points, which get their tangents: a node has
@@ -72,6 +75,7 @@ inline std::shared_ptr<Scene> read_scene(Stack stack, const Arguments& args, con
     face_bodies(stack, args, A, *scene);
   else
     set_normals(stack, args, *scene);
+  if (scene->nodes.empty() && !scene->averted.empty()) refuse_inward(*scene);
   laws = read_point_laws(stack, args, everywhere, *scene, begun_laws(stack, args));
   scene->assemble(read_matrix(stack, A, *scene));
   if (!scene->tangents) laws.law = Law::frictionless;
@@ -91,7 +95,7 @@ inline LocalIncrement increment(const Call& call, const Scene& scene, PointLaws 
   check_vectors(call, scene);
   if (scene.system->nodes() == 0) laws.law = Law::frictionless;  // supports hold every normal
   LocalIncrement now = scene.increment(scene.system->load(call.b, call.u_old), laws);
-  refuse_other_tgv(scene, call.b, now.u0, lengths_of(scene, call.b));
+  report_leftover(check_data(scene, call.b, now.u0), call.verb);
   return now;
 }
 
@@ -104,6 +108,8 @@ inline KN_<double> solve(Stack stack, const Call& call, Scene& scene, const Poin
   if (call.verb > 0) {
     report_plan(call.args, scene, problem, call.settings);
     warn_of_averages(scene);
+    report_averted(scene);
+    report_large_friction(largest_friction(problem));
   }
   Progress progress(problem, call.verb, out.history);
   Vector x0;

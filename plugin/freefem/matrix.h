@@ -27,6 +27,12 @@ inline DofCount dofs_of(long ndof1, long ndof2) {
           "give the matrix of both bodies, A = [[A1, 0], [0, A2]], and b = [b1, b2]", ndof1};
 }
 
+[[noreturn]] inline void refuse_order(const DofCount& dofs) {
+  throw IllegalInput("the blocks of A are in the other order: " + dofs.in_words +
+                     ", and A = [[A1, 0], [0, A2]] and b = [b1, b2] have those of V1, the space of "
+                     "the slave, first");
+}
+
 /// Refuses the blocks of two bodies that come in the other order: nothing else would tell, where
 /// the sizes add up. Couplings that the script has put between the bodies are none of it.
 inline void refuse_other_order(const Triplets& A, const DofCount& dofs) {
@@ -38,10 +44,7 @@ inline void refuse_other_order(const Triplets& A, const DofCount& dofs) {
     crosses_first = crosses_first || (i < dofs.first) != (j < dofs.first);
     crosses_second = crosses_second || (i < second) != (j < second);
   }
-  if (!crosses_first || crosses_second) return;
-  throw IllegalInput("the blocks of A are in the other order: " + dofs.in_words +
-                     ", and A = [[A1, 0], [0, A2]] and b = [b1, b2] have those of V1, the space of "
-                     "the slave, first");
+  if (crosses_first && !crosses_second) refuse_order(dofs);
 }
 
 /// A view of the script's matrix. Its triplets are read as they lie: sorting them, as FreeFEM's own

@@ -70,35 +70,47 @@ inline bool unit_vector(Stack stack, Parameter p, const Arguments::Components& c
   return norm > 0 && std::isfinite(norm);
 }
 
-/// A normal may lean away from the boundary's own, up to lying in it (the obstacle may give it),
-/// but not into the body.
-inline void refuse_inward(const BoundaryNode& node, const std::array<Real, 3>& n, int d) {
-  const Fem2D::R3 outward = node.mean, given = as_R3(n);
-  if ((outward, given) >= -1e-6) return;
-  throw IllegalInput("normal = " + coordinates(given, d) + " at " + place(node, d) +
-                     " points into the body, whose boundary has the outward normal " +
-                     coordinates(outward, d) + "; give the normal that leaves the body");
+/// A normal may lean away from the boundary's own, up to lying in it (the obstacle may give it).
+/// Beyond that the node faces away from the obstacle.
+inline bool faces_away(const BoundaryNode& node, const std::array<Real, 3>& n) {
+  return (node.mean, as_R3(n)) < -1e-6;
 }
 
-/// Replaces the mesh's normals by those of the call.
-inline void set_normals(Stack stack, const Arguments& args, Scene& scene) {
-  scene.given_normals = args.has(p_normal);
-  PointGuard guard(stack);
-  for (BoundaryNode& node : scene.nodes) {
-    if (!scene.given_normals) {
-      if (Norme2(as_R3(node.point.normal)) > 0) continue;
+/// The normals of the mesh, all of which have to have a direction.
+inline void keep_normals(const Scene& scene) {
+  for (const BoundaryNode& node : scene.nodes)
+    if (Norme2(as_R3(node.point.normal)) == 0)
       throw IllegalInput("the outward normals at " + place(node, scene.d) +
                          " cancel; give normal=[...] explicitly");
-    }
+}
+
+/// Replaces the mesh's normals by those of the call. Nodes that face away from the obstacle, as
+/// those at the ends of a nose, are left out, and kept aside.
+inline void set_normals(Stack stack, const Arguments& args, Scene& scene) {
+  scene.given_normals = args.has(p_normal);
+  if (!scene.given_normals) return keep_normals(scene);
+  PointGuard guard(stack);
+  std::vector<BoundaryNode> facing;
+  for (BoundaryNode& node : scene.nodes) {
     scene.go_to(guard.point(), node);
     std::array<Real, 3> n{};
     if (!unit_vector(stack, p_normal, args.normal(), scene.d, n))
       throw IllegalInput("normal has no direction at " + place(node, scene.d) +
                          "; give the outward normal of the body, of any length > 0");
-    refuse_inward(node, n, scene.d);
     node.point.normal = n;
+    (faces_away(node, n) ? scene.averted : facing).push_back(node);
   }
-  if (scene.given_normals) merge_equal_normals(scene.nodes);
+  scene.nodes = std::move(facing);
+  merge_equal_normals(scene.nodes);
+}
+
+/// Refuses normals that every node faces away from: they point into the body.
+inline void refuse_inward(const Scene& scene) {
+  const BoundaryNode& node = scene.averted.front();
+  throw IllegalInput("normal = " + coordinates(as_R3(node.point.normal), scene.d) + " at " +
+                     place(node, scene.d) +
+                     " points into the body, whose boundary has the outward normal " +
+                     coordinates(node.mean, scene.d) + "; give the normal that leaves the body");
 }
 
 /// Orthotropic friction: the ratio of the coefficients, and the direction of the first. The frames

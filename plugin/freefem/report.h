@@ -118,6 +118,29 @@ inline void warn_of_averages(const Scene& scene) {
   }
 }
 
+/// Nodes that the given normal leaves out.
+inline void report_averted(const Scene& scene) {
+  const std::size_t count = scene.averted.size();
+  if (count == 0) return;
+  line() << count << (count == 1 ? " node faces" : " nodes face")
+         << " away from the normal given, as at " << place(scene.averted.front(), scene.d)
+         << ", and cannot touch: left out" << std::endl;
+}
+
+/// The largest coefficient of Coulomb friction; 0 where there is none.
+inline Real largest_friction(const ContactProblem& problem) {
+  const Vector& mu = problem.increment.mu;
+  return problem.increment.law == Law::coulomb && mu.size() > 0 ? mu.maxCoeff() : 0;
+}
+
+/// One answer is certain where friction is small alone.
+inline void report_large_friction(Real mu) {
+  constexpr Real small = 1;
+  if (mu > small)
+    line() << "mu = " << mu << " is above " << small
+           << ": such laws may have several answers, of which one is given" << std::endl;
+}
+
 /// What faces what, between two bodies; nodes that carry no law are named by place.
 inline void report_pair(const Scene& scene, Index number) {
   const Interface& faces = scene.pairing->between();
@@ -231,6 +254,15 @@ inline void warn_of_large_displacements(const Scene& scene, const Vector& u) {
     const Real most = largest_displacement(body, scene.d, u);
     if (most > size) return warn_of_displacements(most, "body", size);
   }
+}
+
+/// What b has beside the data of tgv = 1e30, 0 being nothing.
+inline void report_leftover(Real most, long verb) {
+  if (verb <= 0 || most == 0) return;
+  line() << "b has up to " << most
+         << " in Dirichlet rows of A, which is no data of tgv = 1e30: taken for what b = A*U + r "
+            "leaves there, and the displacement for 0"
+         << std::endl;
 }
 
 /// How a call ended, and which layer answered: a fallback shows here.

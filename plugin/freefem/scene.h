@@ -19,10 +19,11 @@ namespace frictioncg {
 struct Scene {
   int d = 2;
   DofCount dofs;
-  std::vector<BoundaryNode> nodes;  ///< contact points, one per normal of a node
-  bool given_normals = false;       ///< by the script, in place of the mesh's
-  bool tangents = false;            ///< some nodes have tangential laws
-  std::vector<Index> mesh_node;     ///< of each dof
+  std::vector<BoundaryNode> nodes;    ///< contact points, one per normal of a node
+  std::vector<BoundaryNode> averted;  ///< left out: they face away from the normal given
+  bool given_normals = false;         ///< by the script, in place of the mesh's
+  bool tangents = false;              ///< some nodes have tangential laws
+  std::vector<Index> mesh_node;       ///< of each dof
   /// Makes a contact node the point at which expressions are evaluated.
   std::function<void(MeshPoint*, const BoundaryNode&)> go_to;
   /// Where the nodal values of a displacement are.

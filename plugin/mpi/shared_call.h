@@ -59,14 +59,13 @@ inline LocalIncrement increment_together(const Call& call, const SharedScene& sh
   const Vector b = shared.patch->load(domain, call.b);
   Vector u_old = call.u_old;
   if (call.args.has(p_uold)) domain.update(u_old);
-  const Lengths lengths = lengths_of_all(shared, b);
   LocalIncrement local;
   LocalLoad load;
   domain.agree([&] {
     load = scene.system->load(b, u_old);
     local = scene.increment(load, laws);
-    refuse_other_tgv(scene, b, local.u0, lengths);
   });
+  report_leftover(check_data(shared, b, local.u0), domain.rank() == 0 ? call.verb : 0);
   problem.increment = own_increment(shared, local, load);
   domain.agree([&] { validate(problem.increment, *problem.system); });
   return local;

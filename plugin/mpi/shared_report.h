@@ -10,7 +10,9 @@ inline void report_plan(const SharedScene& shared, const ContactProblem& problem
   const Domain& domain = *shared.domain;
   Real sums[] = {Real(problem.dofs()), Real(problem.nodes())};
   domain.sum(sums, 2);
-  const Real most = domain.largest(problem.dofs());
+  const Real most = domain.largest(problem.dofs()), mu = domain.largest(largest_friction(problem));
+  Real averted = shared.scene->averted.size();
+  domain.sum(&averted, 1);
   if (verb <= 0) return;
   line() << shared.scene->d << "D, " << static_cast<long>(sums[0]) << " dofs on " << domain.size()
          << (domain.size() == 1 ? " process" : " processes") << " (at most "
@@ -18,6 +20,10 @@ inline void report_plan(const SharedScene& shared, const ContactProblem& problem
          << " contact nodes, " << name_of(problem.increment.law);
   if (problem.increment.bilateral) std::cout << ", bilateral";
   std::cout << "; multigrid by PETSc" << std::endl;
+  if (averted > 0)
+    line() << static_cast<long>(averted)
+           << " nodes face away from the normal given, and cannot touch: left out" << std::endl;
+  report_large_friction(mu);
 }
 
 /// Of PETSc's and the laws' own so far: in the iteration nothing else is sent.

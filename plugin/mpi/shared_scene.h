@@ -82,14 +82,54 @@ inline void share(const Triplets& A, SharedScene& shared) {
       shared.system, std::make_unique<SharedHierarchy>(shared.A, shared.system->rigid_modes()));
 }
 
-/// As lengths_of, but for the extent, which is that of the body.   Collective.
-inline Lengths lengths_of_all(const SharedScene& shared, const Vector& b) {
+/// As scales_of, but for the extent, which is that of the body.   Collective.
+inline Scales scales_of_all(const SharedScene& shared, const Vector& b) {
   const Domain& domain = *shared.domain;
-  Real load = 0, diagonal[] = {shared.system->D.sum(), Real(shared.system->dofs())};
+  const Vector& D = shared.system->D;
+  Real load = 0, diagonal[] = {D.sum(), Real(D.size())};
   for (Index i = 0; i < domain.dofs(); ++i)
     if (domain.owns(i) && !shared.scene->held[i]) load = std::max(load, std::abs(b[i]));
   domain.sum(diagonal, 2);
-  return {2 * shared.extent.radius, domain.largest(load) * diagonal[1] / diagonal[0]};
+  Scales s;
+  s.extent = 2 * shared.extent.radius;
+  s.stiffness = diagonal[0] / diagonal[1];
+  s.stiffest = domain.largest(D.size() > 0 ? D.maxCoeff() : 0);
+  s.moved = domain.largest(load) / s.stiffness;
+  return s;
+}
+
+/// What b has at the Dirichlet dofs of all processes, which are taken for one body.   Collective.
+inline Leftover leftover_of_all(const SharedScene& shared, const Vector& b) {
+  const Domain& domain = *shared.domain;
+  Leftover left;
+  for (const NodePlace& n : shared.scene->places())
+    if (domain.owns(n.dof[0])) left.add(*shared.scene, b, n);
+  Real counts[] = {left.loaded, left.empty};
+  domain.sum(counts, 2);
+  left.loaded = counts[0];
+  left.empty = counts[1];
+  left.most = domain.largest(left.most);
+  for (int c = 0; c < 3; ++c) {
+    left.largest[c] = domain.largest(left.largest[c]);
+    left.least[c] = -domain.largest(-left.least[c]);
+  }
+  return left;
+}
+
+/// As in one process.   Collective.
+inline Real check_data(const SharedScene& shared, const Vector& b, const Vector& u0) {
+  const Domain& domain = *shared.domain;
+  const Scene& scene = *shared.scene;
+  const Scales s = scales_of_all(shared, b);
+  domain.agree([&] {
+    refuse_data_without_row(scene, b, s);
+    refuse_huge_data(scene, b, u0, s);
+  });
+  const long i = largest_data(scene, b, u0);
+  if (!is_tiny(domain.largest(i < 0 ? 0 : std::abs(u0[i])), s)) return 0;
+  const Leftover left = leftover_of_all(shared, b);
+  domain.agree([&] { refuse_tiny_data(scene, b, u0, s, left); });
+  return left.most;
 }
 
 /// The increment over the own dofs and nodes, from that of the local system.   Collective.

@@ -103,6 +103,11 @@ inline std::shared_ptr<SharedScene> read_shared(Stack stack, const Arguments& ar
     laws = read_point_laws(stack, args, everywhere, scene, opening.laws);
     matrix = read_matrix(stack, A, scene);
   });
+  const Real counts[] = {Real(scene.nodes.size()), Real(scene.averted.size())};
+  if (shared->domain->largest(counts[0]) == 0 && shared->domain->largest(counts[1]) > 0)
+    shared->domain->agree([&] {
+      if (!scene.averted.empty()) refuse_inward(scene);
+    });
   scene.tangents = shared->domain->largest(scene.tangents) > 0;
   if (!scene.tangents) laws.law = Law::frictionless;
   share(matrix, *shared);
