@@ -10,6 +10,8 @@ namespace {
 constexpr double of_factor = 1.2e-9;  ///< s over n^2, contact dofs last, 3D
 constexpr double of_laws = 5e-10;     ///< s over contact_dofs^3: S, and ten steps on it
 constexpr double of_cycles = 2.5e-7;  ///< s over the entries of A: 30 to 60 cycles, and the set-up
+constexpr double of_factor_2d = 1.5e-8;  ///< s over n^1.5, 2D
+constexpr double of_levels = 5e-8;       ///< s over the entries of A: the set-up alone
 
 }  // namespace
 
@@ -22,6 +24,16 @@ Costs estimate_costs(const System& system) {
   costs.multigrid =
       known ? of_cycles * double(system.A.nonZeros()) : std::numeric_limits<double>::infinity();
   return costs;
+}
+
+double seconds_of_factor(const System& system) {
+  const double n = system.dofs();
+  return estimate_costs(system).condensed +
+         (system.dimension == 2 ? of_factor_2d * std::pow(n, 1.5) : 0);
+}
+
+double seconds_of_hierarchy(const System& system) {
+  return of_levels * double(system.A.nonZeros());
 }
 
 }  // namespace frictioncg

@@ -67,11 +67,21 @@ inline bool relaxes(const Settings& s) {
   return s.method == Method::sorp || s.precon == Precon::ssor || s.precon == Precon::hessian_ssor;
 }
 
+/// What a layer is at that has no field to show.
+enum class Work { factorization, hierarchy, newton, proximal, gradient };
+constexpr int works = 5;
+
 /// Hears of the iterations; the core never prints.
 class Observer {
  public:
   virtual ~Observer() = default;
   virtual void iterate(Index iteration, StepLabel label, const Vector& x) = 0;
+  /// A step of a layer on the contact dofs, and the residual of the laws there.
+  virtual void step(Work, Real /*residual*/) {}
+  /// Whether a step would be heard now: where its residual costs something.
+  virtual bool listens() { return false; }
+  /// Before work of about so many seconds, in which nothing else is said.
+  virtual void begin(Work, double /*seconds*/) {}
 };
 
 }  // namespace frictioncg

@@ -183,7 +183,7 @@ Solution Solver::by_route(const ContactProblem& problem, const Settings& setting
     case Route::iterative:
       break;
     case Route::condensed:
-      if (may_replace_a_factor(settings) && !condense(settings) && !indefinite_)
+      if (may_replace_a_factor(settings) && !condense(settings, observer) && !indefinite_)
         return by_multigrid(problem, settings, x0, plan.costs, observer);
       return by_condensation(problem, settings, x0, observer);
     case Route::multigrid:
@@ -198,9 +198,9 @@ Solution Solver::by_route(const ContactProblem& problem, const Settings& setting
 /// laws on A.
 Solution Solver::by_condensation(const ContactProblem& problem, const Settings& settings,
                                  const Vector& x0, Observer* observer) {
-  if (!condense(settings))
+  if (!condense(settings, observer))
     return iterate(problem, without_factor(settings), x0, observer, floating_);
-  Solution s = condensed_->solve(problem, settings, x0);
+  Solution s = condensed_->solve(problem, settings, x0, observer);
   if (settings.newton) try_without_factor(problem, settings, observer, floating_, s);
   if (!told_) {
     told_ = true;
@@ -219,7 +219,10 @@ Solution Solver::by_multigrid(const ContactProblem& problem, const Settings& set
                               const Vector& x0, const Costs& costs, Observer* observer) {
   Settings rest = settings;
   rest.method = Method::automatic;
-  if (!multigrid_) multigrid_ = std::make_unique<MultigridSolver>(system_);
+  if (!multigrid_) {
+    if (observer) observer->begin(Work::hierarchy, seconds_of_hierarchy(*system_));
+    multigrid_ = std::make_unique<MultigridSolver>(system_);
+  }
   if (!multigrid_->has_hierarchy()) return by_condensation(problem, rest, x0, observer);
   Solution s = multigrid_->solve(problem, settings, x0, observer, allowance(settings, costs));
   if (decided(s) || s.certificate.residual <= rounding) return s;
@@ -239,9 +242,10 @@ double Solver::allowance(const Settings& settings, const Costs& costs) const {
 }
 
 /// Whether the condensed route is open: factors A where that was not done, and fits now.
-bool Solver::condense(const Settings& settings) {
+bool Solver::condense(const Settings& settings, Observer* observer) {
   const bool fits = settings.memory >= memory_needed_;
   if (fits && !factored_ && !indefinite_) {
+    if (observer) observer->begin(Work::factorization, seconds_of_factor(*system_));
     condensed_ = std::make_unique<CondensedSolver>(system_);
     const Elimination::Outcome outcome = condensed_->factor(settings.memory);
     memory_needed_ = condensed_->elimination().memory_needed();

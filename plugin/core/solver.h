@@ -55,7 +55,7 @@ class Solver {
   Solution by_multigrid(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                         const Costs& costs, Observer* observer);
   double allowance(const Settings& settings, const Costs& costs) const;
-  bool condense(const Settings& settings);
+  bool condense(const Settings& settings, Observer* observer);
   [[noreturn]] void refuse_memory(double given) const;
 
   SystemPtr system_;

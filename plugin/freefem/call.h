@@ -4,6 +4,7 @@
 #include "block_order.h"
 #include "node_values.h"
 #include "outputs.h"
+#include "plan_report.h"
 #include "report.h"
 #include "site.h"
 
@@ -106,7 +107,7 @@ inline KN_<double> solve(Stack stack, const Call& call, Scene& scene, const Poin
   const LocalIncrement now = increment(call, scene, laws);
   const ContactProblem problem{scene.system->system(), now.increment};
   if (call.verb > 0) {
-    report_plan(call.args, scene, problem, call.settings);
+    report_plan(call.args, scene, problem, call.settings, call.verb);
     warn_of_averages(scene);
     report_averted(scene);
     report_large_friction(largest_friction(problem));
@@ -121,7 +122,7 @@ inline KN_<double> solve(Stack stack, const Call& call, Scene& scene, const Poin
   if (call.verb > 0) {
     report_memory(scene.solver->memory_needed(), call.settings);
     report_end(solution);
-    report_motions(scene, solution);
+    report_motions(scene, solution, call.verb);
   }
   if (call.verb > 2) report_phases(scene, solution);
   if (solution.status != Status::converged && !out.status)

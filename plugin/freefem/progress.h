@@ -3,6 +3,7 @@
 
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <iostream>
 #include <vector>
 
@@ -15,8 +16,14 @@ constexpr const char* step_names[step_labels] = {"conjugate",   "restart",  "sti
                                                  "contact hit", "release",  "sweep",
                                                  "Newton",      "expansion"};
 
+constexpr const char* work_names[works] = {
+    "the factorization", "the multigrid hierarchy", "Newton on the condensed laws",
+    "Newton on the condensed laws, with springs that vanish",
+    "the regularized conjugate gradient on the condensed system"};
+
 /// Hears of the iterations: keeps the history, and shows that a long run lives.
-///   verb 1: a line every five seconds; from 2 on the first iteration, then a line every second
+///   verb 1: a line every five seconds; from 2 on the first iteration, then a line every second;
+///   likewise before work that takes as long and cannot be interrupted
 /// Its own cost is not counted.
 class Progress final : public Observer {
  public:
@@ -36,6 +43,20 @@ class Progress final : public Observer {
     start_ += cpu_seconds() - now;
   }
 
+  void step(Work work, Real residual) override {
+    const int count = ++steps_[static_cast<int>(work)];
+    if (!listens()) return;
+    speak() << "step " << count << " of " << work_names[static_cast<int>(work)] << ", residual "
+            << residual << ", " << since(begun_) << " s" << std::endl;
+  }
+  bool listens() override { return verb_ > 0 && since(spoken_) >= interval(); }
+
+  void begin(Work work, double seconds) override {
+    if (verb_ < 1 || seconds < interval()) return;
+    speak() << work_names[static_cast<int>(work)] << " of " << problem_.dofs()
+            << " dofs begins: about " << std::round(seconds) << " s without a word" << std::endl;
+  }
+
   /// Rows (CPU seconds, iteration, certificate, label of the step).
   void write_history(KNM<double>* out) const {
     out->resize(static_cast<long>(rows_.size()), 4);
@@ -48,17 +69,18 @@ class Progress final : public Observer {
   static double since(Clock::time_point t) {
     return std::chrono::duration<double>(Clock::now() - t).count();
   }
+  double interval() const { return verb_ == 1 ? 5 : 1; }
   bool is_time_to_speak() const {
-    if (verb_ < 1) return false;
-    if (verb_ == 1) return since(spoken_) >= 5;
-    return first_ || since(spoken_) >= 1;
+    return verb_ > 0 && ((first_ && verb_ > 1) || since(spoken_) >= interval());
+  }
+  std::ostream& speak() {
+    spoken_ = Clock::now();
+    return std::cout << " -- " << operator_name << ": ";
   }
   void say(Index iteration, StepLabel label, double residual) {
     first_ = false;
-    spoken_ = Clock::now();
-    std::cout << " -- " << operator_name << ": iteration " << iteration << " ("
-              << step_names[static_cast<int>(label)] << "), certificate " << residual << ", "
-              << since(begun_) << " s" << std::endl;
+    speak() << "iteration " << iteration << " (" << step_names[static_cast<int>(label)]
+            << "), certificate " << residual << ", " << since(begun_) << " s" << std::endl;
   }
 
   const ContactProblem& problem_;
@@ -67,6 +89,7 @@ class Progress final : public Observer {
   double start_ = cpu_seconds();
   Clock::time_point begun_ = Clock::now(), spoken_ = begun_;
   std::vector<std::array<double, 4>> rows_;
+  std::array<int, works> steps_{};  ///< so far
 };
 
 }  // namespace frictioncg

@@ -4,7 +4,6 @@
 #include <iostream>
 #include <string>
 
-#include "../core/assembly/mortar/validation.h"
 #include "options.h"
 #include "progress.h"
 #include "scene.h"
@@ -82,110 +81,6 @@ inline const char* name_of(Law law) {
   return "";
 }
 
-/// What a scene can do without.
-inline void report_left_out(const Arguments& args, const Scene& scene, const Plan& plan) {
-  std::cout << "; left out:";
-  const char* separator = " ";
-  const auto left_out = [&](bool absent, const char* what) {
-    if (!absent) return;
-    std::cout << separator << what;
-    separator = ", ";
-  };
-  left_out(!scene.system->rotated(), "rotation");
-  left_out(!plan.fixed_point, "fixed point");
-  left_out(plan.tangents == 0, "tangential laws");
-  left_out(!plan.regularization, "regularization");
-  left_out(!args.has(p_uold), "previous state");
-  left_out(!args.has(p_history), "history");
-}
-
-/// Mesh nodes with several normals.
-inline Index nodes_in_corners(const Scene& scene) {
-  Index count = 0;
-  for (Index k = 0; k < scene.system->nodes(); ++k)
-    count += scene.system->node(k).shared && scene.starts_node(k);
-  return count;
-}
-
-/// A warning for nodes with more normals than they can obey, such as the tip of a pyramid.
-inline void warn_of_averages(const Scene& scene) {
-  if (scene.given_normals) return;
-  for (const BoundaryNode& n : scene.nodes) {
-    if (!n.averaged) continue;
-    line() << "warning: the normals at " << place(n, scene.d)
-           << " cannot all be obeyed; their mean stands for them" << std::endl;
-    return;
-  }
-}
-
-/// Nodes that the given normal leaves out.
-inline void report_averted(const Scene& scene) {
-  const std::size_t count = scene.averted.size();
-  if (count == 0) return;
-  line() << count << (count == 1 ? " node faces" : " nodes face")
-         << " away from the normal given, as at " << place(scene.averted.front(), scene.d)
-         << ", and cannot touch: left out" << std::endl;
-}
-
-/// The largest coefficient of Coulomb friction; 0 where there is none.
-inline Real largest_friction(const ContactProblem& problem) {
-  const Vector& mu = problem.increment.mu;
-  return problem.increment.law == Law::coulomb && mu.size() > 0 ? mu.maxCoeff() : 0;
-}
-
-/// One answer is certain where friction is small alone.
-inline void report_large_friction(Real mu) {
-  constexpr Real small = 1;
-  if (mu > small)
-    line() << "mu = " << mu << " is above " << small
-           << ": such laws may have several answers, of which one is given" << std::endl;
-}
-
-/// What faces what, between two bodies; nodes that carry no law are named by place.
-inline void report_pair(const Scene& scene, Index number) {
-  const Interface& faces = scene.pairing->between();
-  const mortar::Pair& pair = faces.pairs[number];
-  const mortar::Statistics& s = scene.pairing->statistics(number);
-  line();
-  if (faces.pairs.size() > 1)
-    std::cout << mortar::labels_of(pair.slave) << " on " << mortar::labels_of(pair.master) << ": ";
-  else
-    std::cout << "two bodies: ";
-  std::cout << s.facing << " slave nodes on " << pair.slave.facets.size() << " facets face "
-            << pair.master.facets.size() << " master facets, gap " << s.least_gap << " to "
-            << s.largest_gap << "; " << s.partly_covered << " slave facets partly covered, ";
-  if (s.beyond_steps > 0) std::cout << s.beyond_steps << " left out beyond a step of the master, ";
-  std::cout << s.removed << " nodes removed";
-  if (s.held > 0)
-    std::cout << ", " << s.held << " of them since Dirichlet conditions hold the normal or a part "
-              << "of it, as at " << mortar::place(scene.d, faces.X[s.first_held])
-              << ": their neighbours take their share";
-  std::cout << std::endl;
-}
-
-/// What the scene needs, and what it does not.
-inline void report_plan(const Arguments& args, const Scene& scene, const ContactProblem& problem,
-                        const Settings& s) {
-  const Index pairs = scene.pairing ? static_cast<Index>(scene.pairing->between().pairs.size()) : 0;
-  for (Index k = 0; k < pairs; ++k) report_pair(scene, k);
-  const Plan plan = make_plan(problem, s);
-  line() << scene.d << "D, " << plan.dofs << " dofs, " << plan.nodes << " contact nodes, "
-         << name_of(plan.law);
-  if (problem.increment.bilateral) std::cout << ", bilateral";
-  if (scene.system->rotated() && !scene.pairing) std::cout << ", frames rotated";
-  if (const Index corners = nodes_in_corners(scene))
-    std::cout << ", " << corners << (corners == 1 ? " node" : " nodes") << " in a corner";
-  if (plan.nodes == 0)
-    std::cout << "; Dirichlet conditions hold every normal displacement: a plain linear solve";
-  std::cout << "; " << name_of(s.method, methods);
-  if (s.method == Method::automatic && plan.route == Route::multigrid)
-    std::cout << " by multigrid, a factorization being about "
-              << std::round(plan.costs.condensed / plan.costs.multigrid) << " times its cost";
-  if (plan.regularization) std::cout << ", " << name_of(s.reg, regularizations);
-  report_left_out(args, scene, plan);
-  std::cout << std::endl;
-}
-
 inline const char* name_of(Layer layer) {
   switch (layer) {
     case Layer::none:
@@ -217,12 +112,16 @@ inline std::string describe(const Scene& scene, const Vector& motion) {
 }
 
 /// The motions that a call leaves open: one that nothing holds, or some that nothing determines.
-inline void report_motions(const Scene& scene, const Solution& solution) {
+inline void report_motions(const Scene& scene, const Solution& solution, long verb) {
   if (solution.unheld_motion.size() > 0)
     line() << "nothing holds " << describe(scene, solution.unheld_motion) << std::endl;
-  for (Index k = 0; k < solution.undetermined.cols(); ++k)
+  const Index all = static_cast<Index>(solution.undetermined.cols());
+  const Index named = verb > 2 ? all : std::min<Index>(3, all);
+  for (Index k = 0; k < named; ++k)
     line() << "nothing determines " << describe(scene, solution.undetermined.col(k))
            << "; the field has the least of it" << std::endl;
+  if (named < all)
+    line() << "nothing determines " << all - named << " more motions; verb=3 has each" << std::endl;
 }
 
 /// Diagonal of the box around the contact nodes.

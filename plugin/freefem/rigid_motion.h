@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/Dense>
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <sstream>
@@ -168,20 +169,29 @@ inline Real largest_displacement(const std::vector<NodePlace>& nodes, int d, con
 }
 
 /// The motion in words; of several bodies that do not move as one, body by body, those at rest left
-/// out, each called by the mean of its nodes.
+/// out, each called by the mean of its nodes; of many the three that move most.
 inline std::string describe_motion(const std::vector<NodePlace>& nodes, int d, const Vector& u) {
   std::map<Index, std::vector<NodePlace>> bodies;
   for (const NodePlace& n : nodes) bodies[n.body].push_back(n);
   const RigidMotion all = nearest_rigid_motion(nodes, d, u);
   if (bodies.size() < 2 || all.misfit <= rigid_misfit) return describe_one(nodes, d, u);
   const Real most = largest_displacement(nodes, d, u);
+  std::vector<const std::vector<NodePlace>*> moving;
+  for (const auto& [number, body] : bodies)
+    if (largest_displacement(body, d, u) > still * most) moving.push_back(&body);
+  constexpr std::size_t named = 3;
+  if (moving.size() > named)
+    std::stable_sort(moving.begin(), moving.end(), [&](const auto* a, const auto* b) {
+      return largest_displacement(*a, d, u) > largest_displacement(*b, d, u);
+    });
   std::string text;
-  for (const auto& [number, body] : bodies) {
-    if (largest_displacement(body, d, u) <= still * most) continue;
-    const Eigen::Vector3d centre = nearest_rigid_motion(body, d, u).c;
-    text += (text.empty() ? "" : ", with ") + describe_one(body, d, u) + " of the body around " +
-            components_of(centre, d, 1e-6 + centre.norm());
+  for (std::size_t k = 0; k < std::min(named, moving.size()); ++k) {
+    const Eigen::Vector3d centre = nearest_rigid_motion(*moving[k], d, u).c;
+    text += (text.empty() ? "" : ", with ") + describe_one(*moving[k], d, u) +
+            " of the body around " + components_of(centre, d, 1e-6 + centre.norm());
   }
+  if (moving.size() > named)
+    text += ", and " + std::to_string(moving.size() - named) + " more bodies";
   return text;
 }
 

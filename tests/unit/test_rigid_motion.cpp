@@ -91,6 +91,28 @@ TEST(RigidMotion, OfSeveralBodiesThoseThatMoveAreNamedByTheirPlace) {
             "(1, 0) of the body around (3, 10.75)");
 }
 
+TEST(RigidMotion, OfManyBodiesTheThreeThatMoveMostAreNamed) {
+  const Body one(2, {1, 0, 0}, {0, 0, 0});
+  const Index dofs = static_cast<Index>(one.u.size());
+  std::vector<NodePlace> nodes;
+  Vector u(5 * dofs);
+  for (Index b = 0; b < 5; ++b) {
+    for (NodePlace n : one.nodes) {
+      n.body = b;
+      n.x[1] += 10 * b;
+      for (int c = 0; c < 2; ++c) n.dof[c] += b * dofs;
+      nodes.push_back(n);
+    }
+    u.segment(b * dofs, dofs) = (b % 2 ? -1 : 1) * (b + 1) * one.u;
+  }
+  EXPECT_EQ(describe_motion(nodes, 2, u),
+            "a translation along (1, 0) of the body around (3, 40.75), with a translation along "
+            "(-1, 0) of the body around (3, 30.75), with a translation along (1, 0) of the body "
+            "around (3, 20.75), and 2 more bodies");
+  u.head(2 * dofs).setZero();
+  EXPECT_EQ(describe_motion(nodes, 2, u).find("more bodies"), std::string::npos);
+}
+
 TEST(RigidMotion, NoNodesAndNoMotionAreNoMotion) {
   EXPECT_EQ(describe_motion({}, 2, Vector()), "no motion");
   EXPECT_EQ(Body(2, {0, 0, 0}, {0, 0, 0}).text(), "no motion");

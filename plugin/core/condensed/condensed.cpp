@@ -45,6 +45,7 @@ struct CondensedSolver::Run {
   bool undetermined = false;  ///< s.x is the least of several
   bool asked = false;         ///< whether the load can be held
   DenseMatrix rigid = {};     ///< n x k, found where it was asked for
+  Observer* observer = nullptr;
 
   Index left() const { return bound - s.iterations; }
 };
@@ -53,7 +54,7 @@ CondensedSolver::CondensedSolver(SystemPtr system)
     : system_(std::move(system)), elimination_(std::make_unique<CholmodElimination>()) {}
 
 Solution CondensedSolver::solve(const ContactProblem& problem, const Settings& settings,
-                                const Vector& x0) {
+                                const Vector& x0, Observer* observer) {
   Run run{problem,
           settings,
           settings.nbiter > 0 ? settings.nbiter : default_iterations(problem),
@@ -61,6 +62,7 @@ Solution CondensedSolver::solve(const ContactProblem& problem, const Settings& s
           problem.increment.F,
           Vector::Zero(problem.contact_dofs()),
           {}};
+  run.observer = observer;
   Solution& s = run.s;
   s.route = Route::condensed;
   if (unheld(run, balance(elimination_->floating(), problem)))
@@ -96,6 +98,7 @@ CondensedProblem CondensedSolver::condense(Run& run) {
   const Stopwatch watch(run.s.times.back_substitution);
   CondensedProblem condensed{elimination_->S(), elimination_->condense(run.r),
                              run.problem.system->weight.tail(run.x_C.size()), run.problem};
+  condensed.observer = run.observer;
   if (!run.x_C.isZero(0)) condensed.f.noalias() += elimination_->S() * run.x_C;
   return condensed;
 }

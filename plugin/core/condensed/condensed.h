@@ -21,7 +21,8 @@ class CondensedSolver {
   /// settings.newton: semismooth Newton on the unregularized laws, and what follows where it does
   /// not arrive; else the regularized conjugate gradient and the fixed point on S.
   /// x0: n, or empty to start from the last answer. problem.system is the one that was factored.
-  Solution solve(const ContactProblem& problem, const Settings& settings, const Vector& x0);
+  Solution solve(const ContactProblem& problem, const Settings& settings, const Vector& x0,
+                 Observer* observer = nullptr);
 
   const Elimination& elimination() const { return *elimination_; }
 

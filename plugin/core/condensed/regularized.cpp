@@ -2,6 +2,7 @@
 
 #include "gradient/fixed_point.h"
 #include "gradient/projected_cg.h"
+#include "model/certificate.h"
 
 namespace frictioncg {
 
@@ -24,6 +25,21 @@ ContactProblem on_contact_dofs(const CondensedProblem& condensed) {
   return p;
 }
 
+/// Iterations on S: their x is that of no caller.
+class OnContactDofs final : public Observer {
+ public:
+  OnContactDofs(const ContactProblem& problem, Observer* caller)
+      : problem_(problem), caller_(caller) {}
+  void iterate(Index, StepLabel, const Vector& x) override {
+    if (caller_)
+      caller_->step(Work::gradient, caller_->listens() ? certify(problem_, x).residual : 0);
+  }
+
+ private:
+  const ContactProblem& problem_;
+  Observer* const caller_;
+};
+
 }  // namespace
 
 Solution by_regularization(const CondensedProblem& problem, const Settings& settings,
@@ -33,7 +49,8 @@ Solution by_regularization(const CondensedProblem& problem, const Settings& sett
   // a body on one or two nodes leaves S without a diagonal to precondition with: then on A itself
   const bool on_S = (problem.S.diagonal().array() > least_stiffness * problem.D.array()).all();
   const ContactProblem p = on_S ? on_contact_dofs(problem) : problem.laws;
-  ProjectedCG cg(p, gc3, max_iterations, nullptr);
+  OnContactDofs observer(p, problem.observer);
+  ProjectedCG cg(p, gc3, max_iterations, &observer);
   Solution s = FixedPoint(p, gc3, cg).solve(on_S ? start : Vector());
   s.x = Vector(s.x.tail(problem.f.size()));
   return s;

@@ -66,6 +66,8 @@ SemismoothNewton::Outcome SemismoothNewton::solve(Index max_steps) {
     if (!step()) return Outcome::singular;
     r_ = problem_.residual(x_);
     residual_ = law_residual(r_);
+    if (problem_.observer)
+      problem_.observer->step(problem_.springs > 0 ? Work::proximal : Work::newton, residual_);
     const std::size_t before = fingerprint();
     choose_branches(x_, r_);
     const std::size_t after = fingerprint();

@@ -1,0 +1,146 @@
+#pragma once
+#include "freefem.h"
+
+#include <iostream>
+
+#include "../core/assembly/mortar/validation.h"
+#include "report.h"
+
+namespace frictioncg {
+
+/// What a scene can do without.
+inline void report_left_out(const Arguments& args, const Scene& scene, const Plan& plan) {
+  std::cout << "; left out:";
+  const char* separator = " ";
+  const auto left_out = [&](bool absent, const char* what) {
+    if (!absent) return;
+    std::cout << separator << what;
+    separator = ", ";
+  };
+  left_out(!scene.system->rotated(), "rotation");
+  left_out(!plan.fixed_point, "fixed point");
+  left_out(plan.tangents == 0, "tangential laws");
+  left_out(!plan.regularization, "regularization");
+  left_out(!args.has(p_uold), "previous state");
+  left_out(!args.has(p_history), "history");
+}
+
+/// Mesh nodes with several normals.
+inline Index nodes_in_corners(const Scene& scene) {
+  Index count = 0;
+  for (Index k = 0; k < scene.system->nodes(); ++k)
+    count += scene.system->node(k).shared && scene.starts_node(k);
+  return count;
+}
+
+/// A warning for nodes with more normals than they can obey, such as the tip of a pyramid.
+inline void warn_of_averages(const Scene& scene) {
+  if (scene.given_normals) return;
+  for (const BoundaryNode& n : scene.nodes) {
+    if (!n.averaged) continue;
+    line() << "warning: the normals at " << place(n, scene.d)
+           << " cannot all be obeyed; their mean stands for them" << std::endl;
+    return;
+  }
+}
+
+/// Nodes that the given normal leaves out.
+inline void report_averted(const Scene& scene) {
+  const std::size_t count = scene.averted.size();
+  if (count == 0) return;
+  line() << count << (count == 1 ? " node faces" : " nodes face")
+         << " away from the normal given, as at " << place(scene.averted.front(), scene.d)
+         << ", and cannot touch: left out" << std::endl;
+}
+
+/// The largest coefficient of Coulomb friction; 0 where there is none.
+inline Real largest_friction(const ContactProblem& problem) {
+  const Vector& mu = problem.increment.mu;
+  return problem.increment.law == Law::coulomb && mu.size() > 0 ? mu.maxCoeff() : 0;
+}
+
+/// One answer is certain where friction is small alone.
+inline void report_large_friction(Real mu) {
+  constexpr Real small = 1;
+  if (mu > small)
+    line() << "mu = " << mu << " is above " << small
+           << ": such laws may have several answers, of which one is given" << std::endl;
+}
+
+/// What faces what, between two bodies; nodes that carry no law are named by place.
+inline void report_pair(const Scene& scene, Index number) {
+  const Interface& faces = scene.pairing->between();
+  const mortar::Pair& pair = faces.pairs[number];
+  const mortar::Statistics& s = scene.pairing->statistics(number);
+  line();
+  if (faces.pairs.size() > 1)
+    std::cout << mortar::labels_of(pair.slave) << " on " << mortar::labels_of(pair.master) << ": ";
+  else
+    std::cout << "two bodies: ";
+  std::cout << s.facing << " slave nodes on " << pair.slave.facets.size() << " facets face "
+            << pair.master.facets.size() << " master facets, gap " << s.least_gap << " to "
+            << s.largest_gap << "; " << s.partly_covered << " slave facets partly covered, ";
+  if (s.beyond_steps > 0) std::cout << s.beyond_steps << " left out beyond a step of the master, ";
+  std::cout << s.removed << " nodes removed";
+  if (s.held > 0)
+    std::cout << ", " << s.held << " of them since Dirichlet conditions hold the normal or a part "
+              << "of it, as at " << mortar::place(scene.d, faces.X[s.first_held])
+              << ": their neighbours take their share";
+  std::cout << std::endl;
+}
+
+/// Pair by pair where they are few, or verb is 3; else all of them in one line.
+inline void report_pairs(const Scene& scene, long verb) {
+  constexpr Index few = 3;
+  if (!scene.pairing) return;
+  const std::vector<mortar::Pair>& pairs = scene.pairing->between().pairs;
+  const Index count = static_cast<Index>(pairs.size());
+  if (count <= few || verb > 2) {
+    for (Index k = 0; k < count; ++k) report_pair(scene, k);
+    return;
+  }
+  mortar::Statistics all = scene.pairing->statistics(0);
+  std::size_t slaves = 0, masters = 0;
+  all.facing = all.removed = all.partly_covered = all.beyond_steps = 0;
+  for (Index k = 0; k < count; ++k) {
+    const mortar::Statistics& s = scene.pairing->statistics(k);
+    slaves += pairs[k].slave.facets.size();
+    masters += pairs[k].master.facets.size();
+    all.facing += s.facing;
+    all.removed += s.removed;
+    all.partly_covered += s.partly_covered;
+    all.beyond_steps += s.beyond_steps;
+    all.least_gap = std::min(all.least_gap, s.least_gap);
+    all.largest_gap = std::max(all.largest_gap, s.largest_gap);
+  }
+  line() << count << " pairs: " << all.facing << " slave nodes on " << slaves << " facets face "
+         << masters << " master facets, gap " << all.least_gap << " to " << all.largest_gap << "; "
+         << all.partly_covered << " slave facets partly covered, ";
+  if (all.beyond_steps > 0)
+    std::cout << all.beyond_steps << " left out beyond a step of the master, ";
+  std::cout << all.removed << " nodes removed; verb=3 has each" << std::endl;
+}
+
+/// What the scene needs, and what it does not.
+inline void report_plan(const Arguments& args, const Scene& scene, const ContactProblem& problem,
+                        const Settings& s, long verb) {
+  report_pairs(scene, verb);
+  const Plan plan = make_plan(problem, s);
+  line() << scene.d << "D, " << plan.dofs << " dofs, " << plan.nodes << " contact nodes, "
+         << name_of(plan.law);
+  if (problem.increment.bilateral) std::cout << ", bilateral";
+  if (scene.system->rotated() && !scene.pairing) std::cout << ", frames rotated";
+  if (const Index corners = nodes_in_corners(scene))
+    std::cout << ", " << corners << (corners == 1 ? " node" : " nodes") << " in a corner";
+  if (plan.nodes == 0)
+    std::cout << "; Dirichlet conditions hold every normal displacement: a plain linear solve";
+  std::cout << "; " << name_of(s.method, methods);
+  if (s.method == Method::automatic && plan.route == Route::multigrid)
+    std::cout << " by multigrid, a factorization being about "
+              << std::round(plan.costs.condensed / plan.costs.multigrid) << " times its cost";
+  if (plan.regularization) std::cout << ", " << name_of(s.reg, regularizations);
+  report_left_out(args, scene, plan);
+  std::cout << std::endl;
+}
+
+}  // namespace frictioncg
