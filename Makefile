@@ -234,7 +234,7 @@ sanitize: ## unit and scripted tests under ASan and UBSan
 	LD_PRELOAD="$$($(CXX) -print-file-name=libasan.so) $$($(CXX) -print-file-name=libubsan.so)" \
 	ASAN_OPTIONS=detect_leaks=0:alloc_dealloc_mismatch=0 bash tests/run $(SCRIPTS)
 
-mutants: ## one-line faults in plugin/core and plugin/mpi, each noticed by a test; ONLY="word ..." names files
+mutants: ## one-line faults in plugin and edp, each noticed by a test; ONLY="word ..." names files
 	@$(MAKE) --no-print-directory setup PACKAGES="$(PACKAGES) python3" >/dev/null
 	@$(MAKE) --no-print-directory -j$$(nproc) BUILD=$(BUILD)/mutants CXXFLAGS=-O1 all \
 	  $(BUILD)/mutants/unit_tests $(WITH_MPI:$(BUILD)/%=$(BUILD)/mutants/%) >/dev/null

@@ -1,18 +1,20 @@
 #!/usr/bin/env python3
-"""One-line faults put into plugin/core and plugin/mpi, one at a time: each must be noticed by a test.
+"""One-line faults put into plugin/ and edp/, one at a time: each must be noticed by a test.
 
   run.py BUILD JOBS [word ...]     only the mutants of files whose path has one of the words
 
 list.txt holds them:
 
-  @ core/gradient/line_search.cpp      the file, below plugin/
+  @ core/gradient/line_search.cpp      the file, below plugin/; or edp/frictionCGmap.idp
+  ! laws.edp errors.edp                scripts that are tried first: of plugin/freefem and edp/, which have no unit tests
   - text                               stands once in the file
   + text                               what stands there instead
   ? reason                             only where no test can notice: the same answers, other costs
 
 The unit tests are tried first, those of the file's own folder, the other quick ones, the long ones, and then the
 scripts; without a fault all of them must pass. Faults in plugin/mpi are tried by the scripts of several processes, where
-BUILD has frictionCG-mpi.so; elsewhere they are passed over. Faults with a reason are tried only with EXPLAINED=1. BUILD holds the objects and the plugin of a build at -O1, and unit_tests. Prints a line each, and those
+BUILD has frictionCG-mpi.so; elsewhere they are passed over. Faults in plugin/freefem and edp/ are tried by the scripts
+named, one by one, and then by all others. Faults with a reason are tried only with EXPLAINED=1. BUILD holds the objects and the plugin of a build at -O1, and unit_tests. Prints a line each, and those
 that nothing noticed again at the end.
 """
 import functools
@@ -35,25 +37,30 @@ SECONDS = 300  # a fault that makes a test run for ever is noticed, too
 
 
 class Mutant:
-    def __init__(self, path, old, new, line):
-        self.path, self.old, self.new, self.line = path, old, new, line
+    def __init__(self, path, old, new, line, judges):
+        self.path, self.old, self.new, self.line, self.judges = path, old, new, line, judges
         self.reason = None
+
+    def source(self):
+        return self.path if self.path.startswith("edp/") else f"plugin/{self.path}"
 
     def __str__(self):
         return f"{self.path}: {self.old.strip()}  ->  {self.new.strip()}"
 
 
 def read_list():
-    mutants, path, old = [], None, None
+    mutants, path, old, judges = [], None, None, []
     with open(os.path.join(HERE, "list.txt")) as f:
         for number, line in enumerate(f, 1):
             mark, text = line[:2], line[2:].rstrip("\n")
             if mark == "@ ":
-                path = text.strip()
+                path, judges = text.strip(), []
+            elif mark == "! ":
+                judges = text.split()
             elif mark == "- ":
                 old = text
             elif mark in ("+ ", "+\n"):
-                mutants.append(Mutant(path, old, text, number))
+                mutants.append(Mutant(path, old, text, number, judges))
             elif mark == "? ":
                 mutants[-1].reason = text
     return mutants
@@ -130,21 +137,24 @@ def unit_tests_notice(folder, log, path=""):
     return next(filter(None, faults), "")
 
 
-def scripts_notice(folder, log, room="edp"):
+def scripts_notice(folder, log, room="edp", judges=()):
     env = dict(os.environ, BUILD=os.path.relpath(folder, ROOT))
     plugins = os.environ.get("FF_PLUGINS", "/usr/lib/freefem++")
     idp = os.environ.get("FF_IDP", "/usr/include/freefem++/idp")
     env["FF_LOADPATH"] = f"{folder};{plugins}"
     env["FF_INCLUDEPATH"] = f"{folder};{os.path.join(ROOT, 'tests')};{idp}"  # scripts include ../tests/edp
     scripts = sorted(s for s in os.listdir(os.path.join(ROOT, "tests", room)) if s.endswith(".edp"))
-    return fault(["bash", "tests/run"] + [f"tests/{room}/{s}" for s in scripts], log, 2 * SECONDS, cwd=ROOT, env=env)
+    others = [s for s in scripts if s not in judges]
+    faults = (fault(["bash", "tests/run"] + [f"tests/{room}/{s}" for s in some], log, 2 * SECONDS, cwd=ROOT, env=env)
+              for some in [[judge] for judge in judges] + [others])
+    return next(filter(None, faults), "")
 
 
 def noticed(mutant, build):
     """Who notices the fault, or None."""
     if mutant.reason and not os.environ.get("EXPLAINED"):
         return None
-    source = os.path.join(ROOT, "plugin", mutant.path)
+    source = os.path.join(ROOT, mutant.source())
     with open(source) as f:
         text = f.read()
     if text.count(mutant.old) != 1:
@@ -158,12 +168,16 @@ def noticed(mutant, build):
             # the fault in a copy of the core, found before the true one
             copy = os.path.join(folder, "plugin")
             shutil.copytree(os.path.join(ROOT, "plugin"), copy)
-            with open(os.path.join(copy, mutant.path), "w") as f:
-                f.write(text.replace(mutant.old, mutant.new))
+            if not mutant.path.startswith("edp/"):
+                with open(os.path.join(copy, mutant.path), "w") as f:
+                    f.write(text.replace(mutant.old, mutant.new))
             exchange = {}
 
             def compiled(room, sources):
-                for made in build.objects(mutant.path, room, sources):
+                return all_made(build.objects(mutant.path, room, sources))
+
+            def all_made(objects):
+                for made in objects:
                     name = os.path.join(folder, f"{len(exchange)}.o")
                     command = build.command(made, {made: name})
                     command = re.sub(r"(?<=[ I])plugin(?=[/ ])", copy, command)
@@ -178,6 +192,21 @@ def noticed(mutant, build):
                 made = {f"{build.build}/{target}": os.path.join(folder, target), **exchange}
                 return not fault(build.command(target, made), log, shell=True, cwd=ROOT)
 
+            if mutant.path.startswith("edp/"):
+                shutil.copy(os.path.join(ROOT, build.build, "frictionCG.so"), folder)
+                for idp in glob.glob(os.path.join(ROOT, "edp", "*.idp")):
+                    shutil.copy(idp, folder)
+                with open(os.path.join(folder, os.path.basename(mutant.path)), "w") as f:
+                    f.write(text.replace(mutant.old, mutant.new))
+                seen = scripts_notice(folder, log, judges=mutant.judges)
+                return seen and f"scripts {seen}"
+            if mutant.path.startswith("freefem/"):
+                if not all_made([f"{build.build}/frictionCG.o"]):
+                    return "compiler"
+                if not linked("frictionCG.so"):
+                    return "linker"
+                seen = scripts_notice(folder, log, judges=mutant.judges)
+                return seen and f"scripts {seen}"
             if mutant.path.startswith("mpi/"):
                 if not compiled("distributed", "plugin/mpi"):
                     return "compiler"
