@@ -113,9 +113,9 @@ inline long largest_data(const Scene& scene, const Vector& b, const Vector& u0) 
 
 /// b = tgv u_D against tgv in A: another tgv makes u_D huge (A with -1, b with 1e30) or next to
 /// nothing (the other way round), less than the rounding of an expression that should be 0.
-constexpr Real apart = 1e20;
-inline bool is_huge(Real u, const Scales& s) { return u > apart * std::max(s.extent, s.moved); }
-inline bool is_tiny(Real u, const Scales& s) { return u > 0 && u * apart < s.extent; }
+constexpr Real tgv_ratio = 1e20;
+inline bool is_huge(Real u, const Scales& s) { return u > tgv_ratio * std::max(s.extent, s.moved); }
+inline bool is_tiny(Real u, const Scales& s) { return u > 0 && u * tgv_ratio < s.extent; }
 
 [[noreturn]] inline void refuse_data(const Vector& b, const Vector& u0, long i,
                                      const std::string& why) {
