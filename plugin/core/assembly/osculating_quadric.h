@@ -1,0 +1,37 @@
+#pragma once
+#include <Eigen/Geometry>
+
+#include <optional>
+#include <vector>
+
+#include "types.h"
+
+namespace frictioncg {
+
+/// The smooth surface near the origin, in axes s1, s2, n:
+///   z = (c x^2 + 2 d x y + f y^2 + k z^2)/2,   k = (k1|k1| + k2|k2|)/(|k1| + |k2|),
+/// k1, k2 the principal curvatures: circles, spheres and cylinders are among them.
+struct Quadric {
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< unit, at the origin
+  Eigen::Matrix3d curvature =
+      Eigen::Matrix3d::Zero();  ///< c s1 s1' + d (s1 s2' + s2 s1') + f s2 s2'
+  Real k = 0;
+
+  /// The unit normal at a point of the surface.
+  Eigen::Vector3d normal_at(const Eigen::Vector3d& x) const {
+    return (normal - curvature * x - k * normal.dot(x) * normal).normalized();
+  }
+};
+
+/// The quadric through the origin that fits the vertices around it best. Its normal is exact on
+/// circles, spheres and cylinders, whatever the facets, and of second order in their size on other
+/// smooth surfaces; a mean of the facets' normals is of first order, a wedge at each vertex.
+///
+/// ring: vertices of the facets there; second: those of the next facets, taken where `ring` leaves
+/// the quadric open, as at a rim. Where they do so, too (one layer of facets), the curvature is
+/// what it need be. Nothing where no quadric fits within 45 degrees of `mean`.
+std::optional<Quadric> osculating_quadric(int d, const std::vector<Eigen::Vector3d>& ring,
+                                          const std::vector<Eigen::Vector3d>& second, bool rim,
+                                          const Eigen::Vector3d& mean);
+
+}  // namespace frictioncg

@@ -1,0 +1,218 @@
+#include "assembly/smooth_normals.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "assembly/osculating_quadric.h"
+
+namespace frictioncg {
+
+namespace {
+
+using Vec3 = Eigen::Vector3d;
+
+constexpr Real parallel = 1 - 1e-14;  ///< cosine of angles that rounding makes
+constexpr Real leaning = M_SQRT1_2;   ///< cosine from the mean normal beyond which it is no surface
+/// Of the curvature, what its jump is at least. Vertices that lie off an arc by a hundredth of its
+/// sagitta, as buildmesh moves them, make a tenth.
+constexpr Real jump = 0.3;
+constexpr Real smooth = 0.25;  ///< of the jump, what a side's own curvature changes by at most
+
+constexpr Real rounding =
+    1e-6;  ///< of the jump: sides of one curvature, as they come out of their fits
+constexpr Real infinite = std::numeric_limits<Real>::infinity();
+
+bool same_direction(const Vec3& m, const Vec3& n) { return m.dot(n) > parallel; }
+
+class Estimator {
+ public:
+  explicit Estimator(const Faceted& surface) : s_(surface), fan_at_(surface.facets.size()) {
+    for (auto& at : fan_at_) at = {-1, -1, -1};
+    for (std::size_t p = 0; p < s_.fans.size(); ++p)
+      for (Index f : s_.fans[p].facets)
+        for (int v = 0; v < s_.d; ++v)
+          if (s_.facets[f].vertex[v] == s_.fans[p].vertex) fan_at_[f][v] = static_cast<Index>(p);
+    for (std::size_t p = 0; p < s_.fans.size(); ++p) {
+      next_.push_back(neighbours(s_.fans[p]));
+      rim_.push_back(at_rim(s_.fans[p]));
+      plane_.push_back(is_plane(s_.fans[p], s_.fans[p].mean));
+    }
+    for (std::size_t p = 0; p < s_.fans.size(); ++p) flat_.push_back(is_flat(p));
+    for (std::size_t p = 0; p < s_.fans.size(); ++p) quadric_.push_back(fit(p));
+  }
+  FanNormal operator()(std::size_t p) const {
+    FanNormal found;
+    const Vec3& mean = s_.fans[p].mean;
+    found.normal = flat_[p] ? mean : with_sides(p);
+    if (found.normal.dot(mean) < least_cosine(p)) found.normal = mean;
+    for (std::size_t k = 0; k < s_.fans[p].facets.size() && !flat_[p]; ++k) {
+      const Vec3& n = s_.facets[s_.fans[p].facets[k]].normal;
+      found.turn =
+          std::max(found.turn, std::atan2(n.cross(found.normal).norm(), n.dot(found.normal)));
+    }
+    return found;
+  }
+
+ private:
+  const Vec3& at(Index fan) const { return s_.X[s_.fans[fan].vertex]; }
+
+  /// The fans at the other vertices of its facets, of which a facet is in the fan.
+  std::vector<Index> neighbours(const Fan& fan) const {
+    std::vector<Index> next;
+    for (Index f : fan.facets)
+      for (int v = 0; v < s_.d; ++v)
+        if (s_.facets[f].vertex[v] != fan.vertex && fan_at_[f][v] >= 0)
+          next.push_back(fan_at_[f][v]);
+    std::sort(next.begin(), next.end());
+    next.erase(std::unique(next.begin(), next.end()), next.end());
+    return next;
+  }
+  /// Of the angles from the mean normal to the facets around: the surface turns by no more.
+  Real least_cosine(std::size_t p) const {
+    Real least = 1;
+    for (Index q : next_[p])
+      for (Index f : s_.fans[q].facets)
+        least = std::min(least, s_.facets[f].normal.dot(s_.fans[p].mean));
+    return std::max(least, leaning);
+  }
+  /// Ridges of a fan with one facet of it.
+  bool at_rim(const Fan& fan) const {
+    if (s_.d == 2) return fan.facets.size() < 2;
+    std::vector<Index> ends;
+    for (Index f : fan.facets)
+      for (Index i : s_.facets[f].vertex)
+        if (i != fan.vertex) ends.push_back(i);
+    std::sort(ends.begin(), ends.end());
+    for (std::size_t k = 0, q; k < ends.size(); k = q) {
+      for (q = k + 1; q < ends.size() && ends[q] == ends[k];) ++q;
+      if (q == k + 1) return true;
+    }
+    return false;
+  }
+  bool is_plane(const Fan& fan, const Vec3& n) const {
+    return std::all_of(fan.facets.begin(), fan.facets.end(),
+                       [&](Index f) { return same_direction(s_.facets[f].normal, n); });
+  }
+  /// Inside of a surface the facets there decide. At a rim those of a strip on a cylinder are
+  /// parallel, too; it is flat if a vertex inside of the plane says so, or all facets around it do.
+  bool is_flat(std::size_t p) const {
+    const Vec3& n = s_.fans[p].mean;
+    if (!plane_[p]) return n.squaredNorm() == 0;
+    if (!rim_[p]) return true;
+    bool all = true;
+    for (Index q : next_[p]) {
+      const bool same = plane_[q] && same_direction(s_.fans[q].mean, n);
+      if (same && !rim_[q]) return true;
+      all = all && is_plane(s_.fans[q], n);
+    }
+    return all;
+  }
+  std::optional<Quadric> fit(std::size_t p) const {
+    const Vec3& mean = s_.fans[p].mean;
+    if (mean.squaredNorm() == 0) return {};
+    Quadric plane;
+    plane.normal = mean;
+    if (flat_[p]) return plane;
+    const Index i = s_.fans[p].vertex;
+    std::vector<Index> ring, second;
+    for (Index q : next_[p]) {
+      ring.push_back(s_.fans[q].vertex);
+      for (Index r : next_[q]) second.push_back(s_.fans[r].vertex);
+    }
+    const auto unite = [](std::vector<Index>& v) {
+      std::sort(v.begin(), v.end());
+      v.erase(std::unique(v.begin(), v.end()), v.end());
+    };
+    unite(ring);
+    unite(second);
+    std::vector<Vec3> first, next;
+    for (Index j : ring) first.push_back(s_.X[j] - s_.X[i]);
+    for (Index j : second)
+      if (j != i && !std::binary_search(ring.begin(), ring.end(), j))
+        next.push_back(s_.X[j] - s_.X[i]);
+    return osculating_quadric(s_.d, first, next, rim_[p], mean);
+  }
+
+  /// Of the curvatures, the normal of q turned to that of p.
+  Real difference(Index p, Index q) const {
+    const Quadric &a = *quadric_[p], &b = *quadric_[q];
+    if (a.normal == b.normal) return (a.curvature - b.curvature).norm();
+    const Eigen::Matrix3d turn =
+        Eigen::Quaterniond::FromTwoVectors(b.normal, a.normal).toRotationMatrix();
+    return (a.curvature - turn * b.curvature * turn.transpose()).norm();
+  }
+  /// The largest jump of curvature at a fan; 0 where it is none.
+  Real jump_at(std::size_t p) const {
+    std::vector<Index> here = next_[p];
+    here.push_back(static_cast<Index>(p));
+    Real most = 0, curvature = 0;
+    for (std::size_t k = 0; k < here.size(); ++k) {
+      if (!quadric_[here[k]]) continue;
+      curvature = std::max(curvature, quadric_[here[k]]->curvature.norm());
+      for (std::size_t l = 0; l < k; ++l)
+        if (quadric_[here[l]]) most = std::max(most, difference(here[k], here[l]));
+    }
+    return most > jump * curvature ? most : 0;
+  }
+  /// By how much the curvature at q, seen from p, changes beyond it: the median of the vertices
+  /// there, of which some may lie at the joint again. Infinite where there are none.
+  Real change_beyond(std::size_t p, Index q) const {
+    std::vector<Real> changes;
+    for (Index r : next_[q]) {
+      const auto& near = next_[p];
+      if (r == static_cast<Index>(p) || std::binary_search(near.begin(), near.end(), r)) continue;
+      changes.push_back(quadric_[q] && quadric_[r] ? difference(q, r) : infinite);
+    }
+    if (changes.empty()) return infinite;
+    const auto middle = changes.begin() + static_cast<long>(changes.size() / 2);
+    std::nth_element(changes.begin(), middle, changes.end());
+    return *middle;
+  }
+  /// The normal of its own quadric, but next to a jump of curvature that of the smoothest side; of
+  /// sides that are as smooth, the middle of the two that differ most.
+  Vec3 with_sides(std::size_t p) const {
+    const Vec3 own = quadric_[p] ? quadric_[p]->normal : s_.fans[p].mean;
+    const Real most = jump_at(p);
+    if (most == 0) return own;
+    std::vector<Real> change;
+    Real least = infinite;
+    for (Index q : next_[p]) least = std::min(least, change.emplace_back(change_beyond(p, q)));
+    if (!(least < smooth * most)) return own;
+    std::vector<Vec3> sides;
+    for (std::size_t k = 0; k < change.size(); ++k)
+      if (change[k] <= least + rounding * most) {
+        const Index q = next_[p][k];
+        sides.push_back(quadric_[q]->normal_at(at(static_cast<Index>(p)) - at(q)));
+      }
+    Vec3 middle = sides[0] + sides[0];
+    for (std::size_t k = 0; k < sides.size(); ++k)
+      for (std::size_t l = 0; l < k; ++l)
+        if ((sides[k] + sides[l]).squaredNorm() < middle.squaredNorm())
+          middle = sides[k] + sides[l];
+    return middle.normalized();
+  }
+
+  const Faceted& s_;
+  std::vector<std::array<Index, 3>> fan_at_;  ///< of each facet, at its vertices
+  std::vector<std::vector<Index>> next_;      ///< of each fan, as numbers of fans
+  std::vector<char> rim_, plane_, flat_;
+  std::vector<std::optional<Quadric>> quadric_;
+};
+
+}  // namespace
+
+std::vector<FanNormal> smooth_normals(const Faceted& surface) {
+  const Estimator estimate(surface);
+  std::vector<FanNormal> normals;
+  for (std::size_t p = 0; p < surface.fans.size(); ++p) normals.push_back(estimate(p));
+  return normals;
+}
+
+Vec3 arc_normal(const Vec3& n_a, const Vec3& n_b, const Vec3& edge, const Vec3& mean) {
+  if (same_direction(n_a, mean) && same_direction(n_b, mean)) return mean;
+  const Vec3 sum = n_a + n_b, n = sum - sum.dot(edge) / edge.squaredNorm() * edge;
+  return n.dot(mean) > leaning * n.norm() ? n.normalized() : mean;
+}
+
+}  // namespace frictioncg

@@ -1,0 +1,46 @@
+#pragma once
+#include <Eigen/Geometry>
+
+#include <array>
+#include <vector>
+
+#include "types.h"
+
+namespace frictioncg {
+
+/// The facets at a vertex that count as one smooth surface there: one fan, or on a ridge several.
+struct Fan {
+  Index vertex = 0;
+  std::vector<Index> facets;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();  ///< of their normals, unit; 0 where they cancel
+};
+
+/// A boundary of flat facets: segments in 2D, triangles in 3D.
+struct Faceted {
+  struct Facet {
+    std::array<Index, 3> vertex{{-1, -1, -1}};
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< unit, outward
+  };
+  int d = 2;
+  std::vector<Eigen::Vector3d> X;  ///< 2D: third component 0
+  std::vector<Facet> facets;
+  std::vector<Fan> fans;  ///< each facet is in one fan at each of its vertices, or in none
+};
+
+struct FanNormal {
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< unit; 0 where the mean is
+  Real turn = 0;  ///< largest angle to the facets of the fan; exactly 0 where the surface is flat
+};
+
+/// The normal of each fan: that of the smooth surface through the vertices around it. Stencils do
+/// not leave what the fans say to be smooth. Where the surface is flat it is the mean, bit by bit.
+/// Where the curvature jumps (a flat face meets a fillet) it is that of a side, whose curvature
+/// does not: exact if a vertex lies on the joint. A lone kink has the bisector of its sides.
+std::vector<FanNormal> smooth_normals(const Faceted& surface);
+
+/// The normal in the middle of edge ab, a chord: of an arc between the normals of its ends. mean:
+/// what it is where both ends have it, too.
+Eigen::Vector3d arc_normal(const Eigen::Vector3d& n_a, const Eigen::Vector3d& n_b,
+                           const Eigen::Vector3d& edge, const Eigen::Vector3d& mean);
+
+}  // namespace frictioncg
