@@ -14,9 +14,10 @@ namespace frictioncg {
 struct AdjacentFacet {
   long label = 0;
   int element = 0, facet = 0;
-  Fem2D::R3 hat;     ///< the node's place in the element
-  Fem2D::R3 normal;  ///< outward, of the measure of the facet [length^(d-1)]
-  double share = 0;  ///< integral of the node's shape function over the facet
+  Fem2D::R3 hat;          ///< the node's place in the element
+  Fem2D::R3 normal;       ///< outward, of the measure of the facet [length^(d-1)]
+  double share = 0;       ///< integral of the node's shape function over the facet
+  std::size_t place = 0;  ///< among the facets of the boundary
 };
 
 /// A node of the mesh on the contact boundary.
@@ -24,6 +25,14 @@ struct SharedNode {
   std::array<Index, 3> dof{{-1, -1, -1}};  ///< of each component of the displacement
   Fem2D::R3 x;
   std::vector<AdjacentFacet> facets;  ///< in the order in which the labels were given
+};
+
+/// A facet of the contact boundary by its nodes, as places among those of the boundary: the
+/// vertices, then the middle of the edge opposite each of them, in 2D of the only edge.
+struct BoundaryFacet {
+  long label = 0;
+  Fem2D::R3 normal;  ///< outward, of the measure of the facet [length^(d-1)]
+  std::vector<std::size_t> node;
 };
 
 /// A contact point as FreeFEM sees it: one normal of a node, where to evaluate expressions, and its
@@ -36,6 +45,7 @@ struct BoundaryNode {
   int element = 0, facet = 0;
   Fem2D::R3 hat;          ///< its place in the element
   Fem2D::R3 mean;         ///< mean outward normal of all facets at the node; 0 where they cancel
+  double turn = 0;        ///< angle to its facets, of a curved surface; 0 where that is flat
   bool averaged = false;  ///< it stands for more normals than the node can obey
 };
 

@@ -10,7 +10,7 @@
 #include "../core/assembly/mortar/surface.h"
 #include "boundary_node.h"
 #include "dimension.h"
-#include "normals.h"
+#include "surface_normals.h"
 
 namespace frictioncg {
 
@@ -67,14 +67,6 @@ struct FacetNodes {
     node.emplace_back().hat = hat;
     return node.back();
   }
-};
-
-/// A facet of the contact boundary by its nodes, as places in BoundaryNodes::nodes(): the vertices,
-/// then the middle of the edge opposite each of them, in 2D of the only edge.
-struct BoundaryFacet {
-  long label = 0;
-  Fem2D::R3 normal;  ///< outward, of the measure of the facet [length^(d-1)]
-  std::vector<std::size_t> node;
 };
 
 /// The nodes of a facet in the order of BoundaryFacet::node.
@@ -181,7 +173,8 @@ class BoundaryNodes {
       const auto [entry, is_new] = node_of_dof_.emplace(n.dof[0], nodes_.size());
       if (is_new) nodes_.push_back({n.dof, n.x, {}});
       const double share = Norme2(normal) * D::share(nodes.node.size(), n.corner);
-      nodes_[entry->second].facets.push_back({label, k, facet, n.hat, normal, share});
+      nodes_[entry->second].facets.push_back(
+          {label, k, facet, n.hat, normal, share, facets_.size()});
       place.push_back(entry->second);
     }
     facets_.push_back({label, normal, {}});
@@ -213,9 +206,7 @@ class BoundaryNodes {
 template <class FESpaceType>
 std::vector<BoundaryNode> contact_points(const FESpaceType& Vh, const std::vector<long>& labels) {
   const BoundaryNodes<FESpaceType> all({Vh, "Vh", "the mesh", obstacle_inside}, labels);
-  std::vector<BoundaryNode> points;
-  for (const SharedNode& n : all.nodes()) add_points(n, Dimension<FESpaceType>::d, points);
-  return points;
+  return points_of_nodes(Dimension<FESpaceType>::d, all.nodes(), all.facets(), all.nodes().size());
 }
 
 }  // namespace frictioncg

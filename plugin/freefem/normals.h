@@ -67,8 +67,10 @@ inline bool independent(const std::vector<FacetGroup>& groups, int d) {
 }
 
 /// The contact points of a node: one per normal. Where there are more normals than the node can
-/// obey (the tip of a pyramid), one mean normal stands for all.
-inline void add_points(const SharedNode& node, int d, std::vector<BoundaryNode>& points) {
+/// obey (the tip of a pyramid), one mean normal stands for all.   normal_of: group -> FanNormal
+template <class NormalOf>
+void add_points(const SharedNode& node, int d, std::vector<BoundaryNode>& points,
+                const NormalOf& normal_of) {
   std::vector<FacetGroup> groups = groups_by_normal(node.facets);
   const bool averaged = !independent(groups, d);
   if (averaged) groups = {node.facets};
@@ -77,8 +79,13 @@ inline void add_points(const SharedNode& node, int d, std::vector<BoundaryNode>&
     const AdjacentFacet& first = group.front();
     BoundaryNode p;
     p.point.dof = node.dof;
-    const Fem2D::R3 n = mean_normal(group);
-    p.point.normal = {n.x, n.y, n.z};
+    if (averaged) {
+      p.point.normal = {mean.x, mean.y, mean.z};
+    } else {
+      const auto found = normal_of(group);
+      p.point.normal = {found.normal[0], found.normal[1], found.normal[2]};
+      p.turn = found.turn;
+    }
     p.x = node.x;
     p.label = first.label;
     p.element = first.element;

@@ -168,6 +168,17 @@ void observe(const FESpaceType& Vh, Scene& scene) {
   };
 }
 
+/// Normals that motions of a body leave tangential, as far as the mesh can tell, do so exactly.
+template <class FESpaceType>
+void follow_motions(const FESpaceType& Vh, std::vector<BoundaryNode>& points) {
+  if (!any_curved(points)) return;
+  const std::vector<Index> of_element = body_of_element(Vh.Th, Dimension<FESpaceType>::d);
+  std::vector<Index> body;
+  for (const BoundaryNode& p : points) body.push_back(of_element[p.element]);
+  follow_motions(Dimension<FESpaceType>::d, body, *std::max_element(body.begin(), body.end()) + 1,
+                 points);
+}
+
 /// One body and an obstacle: the contact nodes of the labels.
 template <class FESpaceType>
 std::shared_ptr<Scene> obstacle_scene(const FESpaceType& Vh, const std::vector<long>& labels) {
@@ -175,6 +186,7 @@ std::shared_ptr<Scene> obstacle_scene(const FESpaceType& Vh, const std::vector<l
   scene->d = Dimension<FESpaceType>::d;
   scene->dofs = dofs_of(Vh.NbOfDF);
   scene->nodes = contact_points(Vh, labels);
+  follow_motions(Vh, scene->nodes);
   observe(Vh, *scene);
   return scene;
 }

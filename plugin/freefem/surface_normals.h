@@ -1,0 +1,118 @@
+#pragma once
+#include "freefem.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "../core/assembly/mortar/surface.h"
+#include "../core/assembly/slippable.h"
+#include "../core/assembly/smooth_normals.h"
+#include "boundary_node.h"
+#include "normals.h"
+
+namespace frictioncg {
+
+inline Eigen::Vector3d as_vector(const Fem2D::R3& x) { return Eigen::Vector3d(x.x, x.y, x.z); }
+
+/// The normals of the smooth surface that the facets of a contact boundary stand for.
+class SurfaceNormals {
+ public:
+  SurfaceNormals(int d, const std::vector<SharedNode>& nodes,
+                 const std::vector<BoundaryFacet>& facets)
+      : d_(d), nodes_(nodes), facets_(facets), fan_at_(facets.size()) {
+    Faceted surface;
+    surface.d = d;
+    for (const SharedNode& n : nodes) surface.X.push_back(as_vector(n.x));
+    for (const BoundaryFacet& f : facets) {
+      Faceted::Facet& facet = surface.facets.emplace_back();
+      facet.normal = as_vector(f.normal).normalized();
+      for (int v = 0; v < d; ++v) facet.vertex[v] = static_cast<Index>(f.node[v]);
+    }
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      if (!nodes[i].facets.empty() && edge_of(i, nodes[i].facets.front().place) < 0)
+        add_fans(i, surface);
+    normal_ = smooth_normals(surface);
+  }
+
+  /// That of a node's facets; in the middle of a P2 edge, that of the chord or of the arc.
+  FanNormal operator()(std::size_t i, const FacetGroup& group) const {
+    const std::size_t f = group.front().place;
+    const int edge = edge_of(i, f);
+    if (edge < 0) return at(f, vertex_of(i, f));
+    const auto [a, b] = mortar::edge_ends(d_, edge);
+    const FanNormal &at_a = at(f, a), &at_b = at(f, b);
+    FanNormal found;
+    found.normal = as_vector(mean_normal(group));
+    found.turn = std::min(at_a.turn, at_b.turn);
+    if (d_ == 3 && found.turn > 0)
+      found.normal = arc_normal(
+          at_a.normal, at_b.normal,
+          as_vector(nodes_[facets_[f].node[b]].x - nodes_[facets_[f].node[a]].x), found.normal);
+    return found;
+  }
+
+ private:
+  void add_fans(std::size_t i, Faceted& surface) {
+    for (const FacetGroup& group : groups_by_normal(nodes_[i].facets)) {
+      Fan fan;
+      fan.vertex = static_cast<Index>(i);
+      fan.mean = as_vector(mean_normal(group));
+      for (const AdjacentFacet& f : group) {
+        fan.facets.push_back(static_cast<Index>(f.place));
+        fan_at_[f.place][vertex_of(i, f.place)] = surface.fans.size();
+      }
+      surface.fans.push_back(std::move(fan));
+    }
+  }
+  const FanNormal& at(std::size_t facet, int vertex) const {
+    return normal_[fan_at_[facet][vertex]];
+  }
+  int vertex_of(std::size_t i, std::size_t facet) const {
+    const auto& node = facets_[facet].node;
+    return static_cast<int>(std::find(node.begin(), node.end(), i) - node.begin());
+  }
+  /// The edge of the facet in whose middle a node lies, or -1.
+  int edge_of(std::size_t i, std::size_t facet) const {
+    return std::max(vertex_of(i, facet) - d_, -1);
+  }
+
+  const int d_;
+  const std::vector<SharedNode>& nodes_;
+  const std::vector<BoundaryFacet>& facets_;
+  std::vector<std::array<std::size_t, 3>> fan_at_;  ///< of each facet, at its vertices
+  std::vector<FanNormal> normal_;                   ///< of each fan
+};
+
+/// The contact points of the first `count` nodes: one per node and normal (normals.h).
+inline std::vector<BoundaryNode> points_of_nodes(int d, const std::vector<SharedNode>& nodes,
+                                                 const std::vector<BoundaryFacet>& facets,
+                                                 std::size_t count) {
+  const SurfaceNormals normal(d, nodes, facets);
+  std::vector<BoundaryNode> points;
+  for (std::size_t i = 0; i < count; ++i)
+    add_points(nodes[i], d, points, [&](const FacetGroup& group) { return normal(i, group); });
+  return points;
+}
+
+inline bool any_curved(const std::vector<BoundaryNode>& points) {
+  return std::any_of(points.begin(), points.end(), [](const auto& p) { return p.turn > 0; });
+}
+
+/// Makes motions that each body's points do not resist, as far as the mesh can tell, tangential
+/// exactly (slippable.h).   body: of each point, 0 .. bodies - 1
+inline void follow_motions(int d, const std::vector<Index>& body, Index bodies,
+                           std::vector<BoundaryNode>& points, const SumOverProcesses& sum = {}) {
+  std::vector<std::vector<std::size_t>> of_body(bodies);
+  for (std::size_t k = 0; k < points.size(); ++k) of_body[body[k]].push_back(k);
+  for (const std::vector<std::size_t>& own : of_body) {
+    std::vector<PointNormal> normals;
+    for (std::size_t k : own)
+      normals.push_back({as_vector(points[k].x), as_vector(as_R3(points[k].point.normal)),
+                         points[k].weight, points[k].turn});
+    if (follow_slippable_motions(d, normals, sum) == 0) continue;
+    for (std::size_t k = 0; k < own.size(); ++k)
+      for (int c = 0; c < d; ++c) points[own[k]].point.normal[c] = normals[k].normal[c];
+  }
+}
+
+}  // namespace frictioncg
