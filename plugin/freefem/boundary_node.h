@@ -35,6 +35,11 @@ struct BoundaryFacet {
   std::vector<std::size_t> node;
 };
 
+struct Boundary {
+  std::vector<SharedNode> nodes;
+  std::vector<BoundaryFacet> facets;
+};
+
 /// A contact point as FreeFEM sees it: one normal of a node, where to evaluate expressions, and its
 /// share of the boundary. A node in a corner has several.
 struct BoundaryNode {

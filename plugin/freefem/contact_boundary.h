@@ -202,11 +202,11 @@ class BoundaryNodes {
   std::vector<BoundaryFacet> facets_;
 };
 
-/// The contact points of the given labels: one per node and normal (normals.h).
+/// The contact boundary of the given labels.
 template <class FESpaceType>
-std::vector<BoundaryNode> contact_points(const FESpaceType& Vh, const std::vector<long>& labels) {
+Boundary boundary_of(const FESpaceType& Vh, const std::vector<long>& labels) {
   const BoundaryNodes<FESpaceType> all({Vh, "Vh", "the mesh", obstacle_inside}, labels);
-  return points_of_nodes(Dimension<FESpaceType>::d, all.nodes(), all.facets(), all.nodes().size());
+  return {all.nodes(), all.facets()};
 }
 
 }  // namespace frictioncg

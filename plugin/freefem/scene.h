@@ -179,16 +179,25 @@ void follow_motions(const FESpaceType& Vh, std::vector<BoundaryNode>& points) {
                  points);
 }
 
-/// One body and an obstacle: the contact nodes of the labels.
+/// One body and an obstacle, at the contact points.
 template <class FESpaceType>
-std::shared_ptr<Scene> obstacle_scene(const FESpaceType& Vh, const std::vector<long>& labels) {
+std::shared_ptr<Scene> obstacle_scene(const FESpaceType& Vh, std::vector<BoundaryNode> points) {
   auto scene = std::make_shared<Scene>();
   scene->d = Dimension<FESpaceType>::d;
   scene->dofs = dofs_of(Vh.NbOfDF);
-  scene->nodes = contact_points(Vh, labels);
-  follow_motions(Vh, scene->nodes);
+  scene->nodes = std::move(points);
   observe(Vh, *scene);
   return scene;
+}
+
+/// The contact points of the labels, in one process.
+template <class FESpaceType>
+std::shared_ptr<Scene> obstacle_scene(const FESpaceType& Vh, const std::vector<long>& labels) {
+  const Boundary boundary = boundary_of(Vh, labels);
+  std::vector<BoundaryNode> points =
+      contact_points(Dimension<FESpaceType>::d, boundary, boundary.nodes.size());
+  follow_motions(Vh, points);
+  return obstacle_scene(Vh, std::move(points));
 }
 
 /// Two bodies in one space: two parts of a mesh, or the faces of a crack.

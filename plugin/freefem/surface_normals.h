@@ -17,20 +17,18 @@ inline Eigen::Vector3d as_vector(const Fem2D::R3& x) { return Eigen::Vector3d(x.
 /// The normals of the smooth surface that the facets of a contact boundary stand for.
 class SurfaceNormals {
  public:
-  SurfaceNormals(int d, const std::vector<SharedNode>& nodes,
-                 const std::vector<BoundaryFacet>& facets)
-      : d_(d), nodes_(nodes), facets_(facets), fan_at_(facets.size()) {
+  SurfaceNormals(int d, const Boundary& boundary)
+      : d_(d), nodes_(boundary.nodes), facets_(boundary.facets), fan_at_(facets_.size()) {
     Faceted surface;
     surface.d = d;
-    for (const SharedNode& n : nodes) surface.X.push_back(as_vector(n.x));
-    for (const BoundaryFacet& f : facets) {
+    for (const SharedNode& n : nodes_) surface.X.push_back(as_vector(n.x));
+    for (const BoundaryFacet& f : facets_) {
       Faceted::Facet& facet = surface.facets.emplace_back();
       facet.normal = as_vector(f.normal).normalized();
       for (int v = 0; v < d; ++v) facet.vertex[v] = static_cast<Index>(f.node[v]);
     }
-    for (std::size_t i = 0; i < nodes.size(); ++i)
-      if (!nodes[i].facets.empty() && edge_of(i, nodes[i].facets.front().place) < 0)
-        add_fans(i, surface);
+    for (std::size_t i = 0; i < nodes_.size(); ++i)
+      if (edge_of(i, nodes_[i].facets.front().place) < 0) add_fans(i, surface);
     normal_ = smooth_normals(surface);
   }
 
@@ -84,13 +82,13 @@ class SurfaceNormals {
 };
 
 /// The contact points of the first `count` nodes: one per node and normal (normals.h).
-inline std::vector<BoundaryNode> points_of_nodes(int d, const std::vector<SharedNode>& nodes,
-                                                 const std::vector<BoundaryFacet>& facets,
-                                                 std::size_t count) {
-  const SurfaceNormals normal(d, nodes, facets);
+inline std::vector<BoundaryNode> contact_points(int d, const Boundary& boundary,
+                                                std::size_t count) {
+  const SurfaceNormals normal(d, boundary);
   std::vector<BoundaryNode> points;
   for (std::size_t i = 0; i < count; ++i)
-    add_points(nodes[i], d, points, [&](const FacetGroup& group) { return normal(i, group); });
+    add_points(boundary.nodes[i], d, points,
+               [&](const FacetGroup& group) { return normal(i, group); });
   return points;
 }
 

@@ -4,6 +4,8 @@
 #include "../freefem/operators.h"
 #include "opening.h"
 #include "shared_call.h"
+#include "shared_surface.h"
+#include "together.h"
 
 namespace frictioncg {
 
@@ -48,10 +50,19 @@ class SharedObstacleSite final : public SharedSite {
         throw IllegalInput("label " + std::to_string(label) +
                            " is not on the boundary of any part of the mesh");
     }
+    Boundary surface;
+    std::vector<NodePlace> places;
+    domain.agree([&] {
+      surface = boundary_of(*Vh, present);
+      places = node_places(*Vh);
+    });
+    refuse_other_domain(domain, places);
+    const std::size_t own = surface.nodes.size();
+    add_facets_of_others(domain, dimension(), surface);
     std::shared_ptr<Scene> scene;
-    domain.agree([&] { scene = obstacle_scene(*Vh, present); });
-    refuse_other_domain(domain, scene->places());
+    domain.agree([&] { scene = obstacle_scene(*Vh, contact_points(dimension(), surface, own)); });
     keep_own_points(domain, *scene);
+    follow_motions_of_all(domain, places, *scene);
     return scene;
   }
 
