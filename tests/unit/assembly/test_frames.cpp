@@ -286,6 +286,14 @@ TEST(Frames, DependentNormalsAtANodeAreRefused) {
   EXPECT_THROW(LocalSystem(s.triplets(), 2, s.points), IllegalInput);
 }
 
+TEST(Frames, NormalsThreeDegreesApartAreBothObeyed) {
+  Scene s = block(BlockOptions());
+  s.points.push_back(s.points.front());
+  s.points.back().normal = {std::sin(0.05), -std::cos(0.05), 0};
+  const LocalSystem local(s.triplets(), 2, s.points);
+  EXPECT_TRUE(local.node(0).shared);
+}
+
 TEST(Frames, TheObstaclesForceStaysOnItsNormalWhereASupportHoldsAComponent) {
   BlockOptions o;
   o.law = Law::frictionless;
