@@ -1,5 +1,7 @@
 #include "assembly/osculating_quadric.h"
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/Householder>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -10,12 +12,9 @@ namespace {
 
 using Vec3 = Eigen::Vector3d;
 
-/// Least over largest diagonal of R below which the first ring says too little: half and twice of
-/// it do as well on random triangulations.
-constexpr Real well_posed = 0.02;
-/// The same, below which the vertices of both rings leave it open; 5e-3 does as well, 1e-4 does
-/// not.
-constexpr Real open = 1e-3;
+/// Least over largest diagonal of R below which the vertices leave some of the curvature open; a
+/// third and twice of it do as well on random triangulations and on single layers.
+constexpr Real open = 1e-2;
 constexpr Real arrived = 1e-14;      ///< slope: rounding
 constexpr Real same = 1e-12;         ///< curvature
 constexpr int most_steps = 30;       ///< 4 to 6 are usual, 30 where the curvature is open
@@ -30,13 +29,17 @@ Real along_normal(Real c, Real d, Real f) {
 
 /// Fits   z = a x + b y + (c x^2 + 2 d x y + f y^2 + k z^2)/2   with weights |e|^-2, turns the axes
 /// until a = b = 0, and takes k from the step before. Lengths are over that of the farthest point.
-/// Of what the points leave open it takes the least.
+/// Of curvature that the points leave open, beside a and b, it takes the least, or what develops.
 class Fit {
  public:
-  Fit(int d, const std::vector<Vec3>& points, Real threshold)
-      : d_(d), points_(points), M_(points.size(), d == 2 ? 2 : 5), right_(points.size()) {
+  Fit(int d, const std::vector<Vec3>& points)
+      : d_(d),
+        points_(points),
+        slopes_(points.size(), d - 1),
+        bends_(points.size(), d == 2 ? 1 : 3),
+        right_(points.size()) {
     for (const Vec3& e : points) size_ = std::max(size_, e.norm());
-    solver_.setThreshold(threshold);
+    solver_.setThreshold(open);
   }
   std::optional<Quadric> from(const Vec3& mean, bool may_be_open) {
     n_ = mean;
@@ -44,12 +47,13 @@ class Fit {
     for (int step = 0; step < most_steps; ++step) {
       set_axes();
       const Real before = k_;
-      solve();
-      if (!may_be_open && solver_.rank() < M_.cols()) return {};
-      const Real a = q_[0], b = d_ == 2 ? 0 : q_[1];
-      n_ = (n_ - a * s1_ - b * s2_).normalized();
+      const Vector slope = solve();
+      if (!may_be_open && open_) return {};
+      n_ -= slope[0] * s1_;
+      if (d_ == 3) n_ -= slope[1] * s2_;
+      n_.normalize();
       if (!(n_.dot(mean) > leaning)) return {};
-      if (std::abs(a) + std::abs(b) < arrived && std::abs(k_ - before) < same) break;
+      if (slope.lpNorm<1>() < arrived && std::abs(k_ - before) < same) break;
     }
     return quadric();
   }
@@ -61,28 +65,54 @@ class Fit {
     if (d_ == 3) s1_ = (s1_ - s1_.dot(n_) * n_).normalized();
     s2_ = n_.cross(s1_);
   }
-  void solve() {
-    for (Index j = 0; j < M_.rows(); ++j) {
+  void set_rows() {
+    for (Index j = 0; j < right_.size(); ++j) {
       const Vec3 e = points_[j] / size_;
       const Real x = e.dot(s1_), y = e.dot(s2_), z = e.dot(n_), weight = 1 / e.squaredNorm();
-      if (d_ == 2)
-        M_.row(j) << x, x * x / 2;
-      else
-        M_.row(j) << x, y, x * x / 2, x * y / M_SQRT2, y * y / 2;
-      M_.row(j) *= weight;
+      if (d_ == 2) {
+        slopes_(j, 0) = weight * x;
+        bends_(j, 0) = weight * x * x / 2;
+      } else {
+        slopes_.row(j) << weight * x, weight * y;
+        bends_.row(j) << weight * x * x / 2, weight * x * y / M_SQRT2, weight * y * y / 2;
+      }
       right_[j] = weight * (z - k_ * z * z / 2);
     }
-    q_ = solver_.compute(M_).solve(right_);
-    k_ = d_ == 2 ? q_[1] : along_normal(q_[2], q_[3] / M_SQRT2, q_[4]);
+  }
+  /// Finds the curvature by what is orthogonal to the slopes; returns these.
+  Vector solve() {
+    set_rows();
+    const Index s = slopes_.cols(), rest = std::max<Index>(right_.size() - s, 0);
+    qr_.compute(slopes_);
+    bends_.applyOnTheLeft(qr_.householderQ().adjoint());
+    right_.applyOnTheLeft(qr_.householderQ().adjoint());
+    q_.setZero(bends_.cols());
+    if (rest > 0) q_ = solver_.compute(bends_.bottomRows(rest)).solve(right_.tail(rest));
+    open_ = rest == 0 || solver_.rank() < bends_.cols();
+    if (d_ == 3 && rest > 0 && solver_.rank() == 2) develop(bends_.bottomRows(rest));
+    k_ = d_ == 2 ? q_[0] : along_normal(q_[0], q_[1] / M_SQRT2, q_[2]);
+    return qr_.matrixQR().topRows(s).triangularView<Eigen::Upper>().solve(
+        Vector(right_.head(s) - bends_.topRows(s) * q_));
+  }
+  /// Two rows of vertices leave one curvature open: that which makes c f = d^2, as on a cylinder or
+  /// a cone. q + t v, v what is open.
+  void develop(const Eigen::MatrixXd& rows) {
+    const Eigen::Matrix3d normal_equations = rows.transpose() * rows;
+    const Vec3 v =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(normal_equations).eigenvectors().col(0);
+    const Real two = v[0] * v[2] - v[1] * v[1] / 2, zero = q_[0] * q_[2] - q_[1] * q_[1] / 2;
+    const Real one = q_[0] * v[2] + q_[2] * v[0] - q_[1] * v[1], root = one * one - 4 * two * zero;
+    if (!(root >= 0) || one == 0) return;
+    q_ -= 2 * zero / (one + std::copysign(std::sqrt(root), one)) * v;
   }
   Quadric quadric() const {
     Quadric found;
     found.normal = n_;
     found.k = k_ / size_;
-    found.curvature = (d_ == 2 ? q_[1] : q_[2]) * s1_ * s1_.transpose();
+    found.curvature = q_[0] * s1_ * s1_.transpose();
     if (d_ == 3)
-      found.curvature += q_[3] / M_SQRT2 * (s1_ * s2_.transpose() + s2_ * s1_.transpose()) +
-                         q_[4] * s2_ * s2_.transpose();
+      found.curvature += q_[1] / M_SQRT2 * (s1_ * s2_.transpose() + s2_ * s1_.transpose()) +
+                         q_[2] * s2_ * s2_.transpose();
     found.curvature /= size_;
     return found;
   }
@@ -91,8 +121,10 @@ class Fit {
   const std::vector<Vec3>& points_;
   Real size_ = 0, k_ = 0;
   Vec3 n_, s1_, s2_;
-  Eigen::MatrixXd M_;
-  Vector right_, q_;  ///< q: a, b, c, sqrt(2) d, f; 2D: a, c
+  Eigen::MatrixXd slopes_, bends_;
+  Vector right_, q_;  ///< q: c, sqrt(2) d, f; 2D: c
+  bool open_ = false;
+  Eigen::HouseholderQR<Eigen::MatrixXd> qr_;
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver_;
 };
 
@@ -102,11 +134,11 @@ std::optional<Quadric> osculating_quadric(int d, const std::vector<Vec3>& ring,
                                           const std::vector<Vec3>& second, bool rim,
                                           const Vec3& mean) {
   std::optional<Quadric> found;
-  if (!rim) found = Fit(d, ring, well_posed).from(mean, false);
+  if (!rim) found = Fit(d, ring).from(mean, false);
   if (found) return found;
   std::vector<Vec3> both = ring;
   both.insert(both.end(), second.begin(), second.end());
-  return Fit(d, both, open).from(mean, true);
+  return Fit(d, both).from(mean, true);
 }
 
 }  // namespace frictioncg

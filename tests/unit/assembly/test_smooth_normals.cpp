@@ -163,7 +163,7 @@ TEST(SmoothNormals, AreExactOnCylindersAndSpheresWhateverTheTriangulationAndAtRi
 
 TEST(SmoothNormals, AreExactOnACylinderOfOneLayerOfElements) {
   for (unsigned seed = 1; seed <= 5; ++seed)
-    for (Real length : {0.05, 0.2, 1.0})
+    for (Real length : {0.05, 0.2, 1.0, 3.0, 6.0})
       EXPECT_LT(largest_error(cylinder(8, 1, seed, true, 1.5, length)), 1e-12) << seed << length;
 }
 
