@@ -5,7 +5,6 @@
 #include "opening.h"
 #include "shared_call.h"
 #include "shared_surface.h"
-#include "together.h"
 
 namespace frictioncg {
 
