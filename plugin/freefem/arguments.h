@@ -17,8 +17,6 @@ class Arguments {
 
   /// Of a call that poses a problem of dimension d, normals and directions included.
   Arguments(const basicAC_F0& args, int d, bool two_bodies) : Arguments(args) {
-    if (two_bodies && has(p_normal))
-      refuse(p_normal, "has no meaning between two bodies, whose slave has its own; leave it out");
     for (Parameter p : {p_maxgap, p_smooth, p_distance})
       if (!two_bodies && has(p))
         refuse(p,

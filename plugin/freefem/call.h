@@ -51,6 +51,7 @@ inline void face_bodies(Stack stack, const Arguments& args, const Expression A, 
   mortar::Options options;
   options.maxgap = args.value(stack, p_maxgap, options.maxgap);
   options.smooth = args.value(stack, p_smooth, options.smooth);
+  if (args.has(p_normal)) options.normals = slave_normals(stack, args, scene);
   const Triplets matrix = read_matrix(stack, A, scene);
   refuse_exchanged_blocks(scene, matrix);
   scene.face(matrix, options);

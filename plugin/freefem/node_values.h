@@ -113,6 +113,20 @@ inline void refuse_inward(const Scene& scene) {
                      coordinates(node.mean, scene.d) + "; give the normal that leaves the body");
 }
 
+/// The normals of the call at the slave's nodes; 0 where they have no direction.
+inline std::vector<mortar::Vec3> slave_normals(Stack stack, const Arguments& args,
+                                               const Scene& scene) {
+  std::vector<mortar::Vec3> normals;
+  PointGuard guard(stack);
+  for (const BoundaryNode& node : scene.pairing->slave_nodes()) {
+    scene.go_to(guard.point(), node);
+    std::array<Real, 3> n{};
+    if (!unit_vector(stack, p_normal, args.normal(), scene.d, n)) n = {};
+    normals.emplace_back(n[0], n[1], n[2]);
+  }
+  return normals;
+}
+
 /// Orthotropic friction: the ratio of the coefficients, and the direction of the first. The frames
 /// keep the ratio: a later call changes mu, and mu2 with it.
 inline void set_orthotropy(Stack stack, const Arguments& args, const Vector& mu, Scene& scene) {

@@ -115,6 +115,27 @@ TEST(MortarRefuses, FacetsWithoutExtent) {
   EXPECT_TRUE(names(refusal(s), "a facet of label 1 at (0, 0, 0) has no extent")) << refusal(s);
 }
 
+TEST(MortarRefuses, GivenNormalsWithoutDirectionOrIntoTheSlaveWhereSomethingFacesIt) {
+  for (int d : {2, 3}) {
+    Surfaces s = above(d, 0.5);
+    const Index first = s.pairs[0].slave.facets[0].node[0];
+    s.options.normals.assign(s.nodes.X.size(), -5 * Vec3::Unit(d - 1));
+    EXPECT_EQ(refusal(s), "");
+    s.options.normals[first] = Vec3::Zero();
+    EXPECT_TRUE(names(refusal(s), "normal has no direction at (0, ")) << refusal(s);
+    EXPECT_TRUE(names(refusal(s), "on label 2; give the outward normal of the slave"));
+    s.options.normals[first] = Vec3::Unit(d - 1);
+    EXPECT_TRUE(names(refusal(s), "on label 2 points into the slave, whose boundary has"))
+        << refusal(s);
+    s.options.maxgap = 0.4;  // nothing faces the slave: another refusal
+    EXPECT_TRUE(names(refusal(s), "within maxgap")) << refusal(s);
+    s.options.normals[first] = -Vec3::Unit(d - 1) + 0.3 * Vec3::Unit(0);
+    s.options.maxgap = 1;
+    const Mortar mortar = s.mortar();
+    EXPECT_LT((mortar.nodes()[0].normal - s.options.normals[first].normalized()).norm(), 1e-15);
+  }
+}
+
 TEST(MortarTraps, TheFarSideOfAPlateIsNoOverlap) {
   // the whole boundary of a thick plate is master: its bottom faces what looks up above it
   Surfaces s = above(2, 0.1);

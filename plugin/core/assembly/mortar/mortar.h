@@ -21,6 +21,8 @@ struct Nodes {
 struct Options {
   Real maxgap = std::numeric_limits<Real>::infinity();  ///< partners are no further apart [length]
   bool smooth = true;  ///< the gap is that of the curved surfaces through the vertices
+  /// Outward from the slave, of any length > 0, at its nodes, which come first; empty: the mesh's.
+  std::vector<Vec3> normals;
   /// How many facet-connected groups the elements around a node form; asked for nodes that are both
   /// slave and master: one at the tip of a crack, more where meshes were merged.
   std::function<Index(Index node)> element_groups;

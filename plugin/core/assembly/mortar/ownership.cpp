@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "assembly/mortar/curvature.h"
+#include "assembly/mortar/validation.h"
 
 namespace frictioncg::mortar {
 
@@ -32,7 +33,8 @@ struct Ownership::Patch {
 };
 
 Ownership::Ownership(const Nodes& nodes, const std::vector<Side>& slaves,
-                     const std::vector<Side>& masters, const std::vector<Cover>& covers)
+                     const std::vector<Side>& masters, const std::vector<Cover>& covers,
+                     const std::vector<Vec3>& normals)
     : state(nodes.X.size(), State::uncovered),
       pair(nodes.X.size(), -1),
       label(nodes.X.size(), 0),
@@ -42,6 +44,7 @@ Ownership::Ownership(const Nodes& nodes, const std::vector<Side>& slaves,
   rank_patches(slaves, covers);
   own(slaves, covers);
   set_normals(slaves);
+  if (!normals.empty()) take_normals(nodes, normals);
   remove_shared(masters, covers);
   if (!nodes.held.empty()) remove_held(nodes, slaves);
   for (std::size_t p = 0; p < slaves.size(); ++p)
@@ -118,6 +121,24 @@ void Ownership::set_normals(const std::vector<Side>& slaves) {
       }
     }
   for (Vec3& n : normal) n.normalize();
+}
+
+/// Given normals are asked for where something faces the slave, and leave it there.
+void Ownership::take_normals(const Nodes& nodes, const std::vector<Vec3>& normals) {
+  const int d = nodes.dimension;
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    if (owner_[i] < 0) continue;
+    const Vec3 given = normals[i].normalized(), outward = normal[i];
+    const std::string at = place(d, nodes.X[i]) + " on label " + std::to_string(label[i]);
+    if (!(given.norm() > 0))
+      throw IllegalInput("normal has no direction at " + at +
+                         "; give the outward normal of the slave, of any length > 0");
+    if (!(given.dot(outward) > 0))
+      throw IllegalInput("normal = " + place(d, given) + " at " + at +
+                         " points into the slave, whose boundary has the outward normal " +
+                         place(d, outward) + "; give the normal that leaves the slave");
+    normal[i] = given;
+  }
 }
 
 /// Of another pair only what something faces: the rest of a label is none of its master.
