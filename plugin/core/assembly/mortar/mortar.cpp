@@ -5,6 +5,7 @@
 
 #include "assembly/mortar/dual_basis.h"
 #include "assembly/mortar/integration.h"
+#include "assembly/mortar/moments.h"
 #include "assembly/mortar/validation.h"
 
 namespace frictioncg::mortar {
@@ -209,8 +210,10 @@ void Assembly::finish(Mortar& mortar) {
   const Matrix K = sparse(static_cast<Index>(mortar.nodes_.size()), n, rows);
   mortar.S_ = K * Matrix(identity(n) + mortar.N_) * mortar.halving({}, false, -0.5);
   mortar.G_ = mortar.S_ - Matrix(K * mortar.P_);
-  set_gaps(mortar);
+  set_gaps(mortar);  // from the integrals as they are
   set_distances_of_edges(mortar);
+  mortar.P_ = balanced(mortar.P_, mortar.G_, mortar.nodes_, nodes_.X);
+  mortar.G_ = mortar.S_ - Matrix(K * mortar.P_);
   set_statistics(mortar);
 }
 

@@ -1,0 +1,170 @@
+#include <gtest/gtest.h>
+
+#include "core/assembly/mortar/moments.h"
+#include "surfaces.h"
+
+using namespace frictioncg;
+using namespace frictioncg::mortar;
+using namespace frictioncg::mortar::test;
+
+namespace {
+
+using Shape = std::function<Vec3(const Vec3&)>;
+
+Vec3 turned(int d, const Vec3& x) {
+  const Vec3 axis = d == 2 ? Vec3::UnitZ() : Vec3(1, 2, 3).normalized();
+  return Eigen::AngleAxisd(0.7, axis) * x;
+}
+
+/// Two meshes of n and m cells of one uneven, turned surface: an arc, in 3D a part of a sphere
+/// (curved = 1) or a saddle that bends ever more (curved = 2); flat where curved = 0.
+Surfaces pair_on(int d, bool quadratic, int curved, int n, int m, Real reach = 1) {
+  Surfaces s(d, quadratic);
+  const auto shape = [=](int mesh) -> Shape {
+    return [=](const Vec3& o) {
+      Vec3 x = o;  // uneven, another way on each mesh
+      if (mesh == 1) x[0] = reach * (x[0] + 0.12 * std::sin(5 * x[0]) * (1 - x[0]));
+      if (mesh == 0) x[0] += 0.08 * std::sin(9 * x[0]) * (1 - x[0]);
+      if (d == 3) x[1] += 0.1 * x[0] * x[1] * (1 - x[1]) * (mesh == 0 ? 1 : -1);
+      const Real a = x[0] - 0.5, b = d == 3 ? x[1] - 0.5 : 0;
+      Real lift = 0;
+      if (curved == 1) lift = std::sqrt(1 - a * a - b * b);
+      if (curved == 2) lift = 0.3 * a * a - 0.2 * b * b + 0.1 * a * a * a;
+      Vec3 y = x;
+      y[d - 1] = lift;
+      return turned(d, y);
+    };
+  };
+  s.pairs[0].slave = s.sheet(n, -1, shape(0), 2);
+  s.pairs[0].master = s.sheet(m, 1, shape(1), 1);
+  for (auto* side : {&s.pairs[0].slave, &s.pairs[0].master})
+    for (Facet& f : side->facets) f.outward = turned(d, f.outward);
+  return s;
+}
+
+/// sum_l G_kl (X_l - X_i)
+Vec3 arm(const Surfaces& s, const Mortar& mortar, Index k) {
+  Vec3 sum = Vec3::Zero();
+  for (Matrix::InnerIterator it(mortar.relative(), k); it; ++it)
+    sum += it.value() * (s.nodes.X[it.col()] - s.nodes.X[mortar.nodes()[k].node]);
+  return sum;
+}
+
+/// Of forces on both bodies, along the normals or in any direction: their sum and their moment,
+/// without the couples of the tangential ones with what lies between the bodies, over their size.
+std::pair<Real, Real> imbalance(const Surfaces& s, const Mortar& mortar, bool friction) {
+  const Matrix& G = mortar.relative();
+  Vec3 sum = Vec3::Zero(), moment = Vec3::Zero(), couples = Vec3::Zero();
+  Real size = 0;
+  for (Index k = 0; k < G.rows(); ++k) {
+    Vec3 y = mortar.nodes()[k].normal * (1 + std::sin(7. * k));
+    if (friction) y += Vec3(std::sin(3. * k), std::cos(2. * k), s.nodes.dimension == 3);
+    couples += mortar.nodes()[k].normal.dot(arm(s, mortar, k)) * mortar.nodes()[k].normal.cross(y);
+    size += y.norm();
+    for (Matrix::InnerIterator it(G, k); it; ++it) {
+      sum += it.value() * y;
+      moment += s.nodes.X[it.col()].cross(it.value() * y);
+    }
+  }
+  return {sum.norm() / size, (moment - couples).norm() / size};
+}
+
+}  // namespace
+
+TEST(MortarMoments, TheMeanPointOfTheMasterLiesOnTheNormalOfTheSlave) {
+  for (int d : {2, 3})
+    for (bool quadratic : {false, true})
+      for (int curved : {1, 2})
+        for (int m : {5, 8, 12}) {
+          const Surfaces s = pair_on(d, quadratic, curved, 8, m);
+          const Mortar mortar = s.mortar();
+          for (Index k = 0; k < mortar.relative().rows(); ++k) {
+            const Vec3 e = arm(s, mortar, k), n = mortar.nodes()[k].normal;
+            EXPECT_LT((e - e.dot(n) * n).norm(), 1e-13) << d << "D P" << 1 + quadratic << " " << m;
+          }
+        }
+}
+
+TEST(MortarMoments, ForcesAndMomentsBalanceOnCurvedUnevenTurnedSurfaces) {
+  for (int d : {2, 3})
+    for (bool quadratic : {false, true})
+      for (int curved : {0, 1, 2})
+        for (bool friction : {false, true}) {
+          const Surfaces s = pair_on(d, quadratic, curved, 7, 9);
+          const auto [force, moment] = imbalance(s, s.mortar(), friction);
+          EXPECT_LT(force, 1e-14);
+          EXPECT_LT(moment, 1e-13) << d << "D P" << 1 + quadratic << " " << curved << friction;
+        }
+}
+
+TEST(MortarMoments, GivenNormalsAreThoseThatTheMasterIsBalancedAbout) {
+  Surfaces s = pair_on(3, false, 1, 6, 7);
+  const Vec3 centre = turned(3, Vec3(0.5, 0.5, 0));
+  for (const Vec3& x : s.nodes.X) s.options.normals.push_back(3 * (centre - x));
+  const Mortar mortar = s.mortar();
+  for (Index k = 0; k < mortar.relative().rows(); ++k) {
+    const ContactNode& node = mortar.nodes()[k];
+    EXPECT_LT((node.normal - s.options.normals[node.node].normalized()).norm(), 1e-15);
+    const Vec3 e = arm(s, mortar, k);
+    EXPECT_LT((e - e.dot(node.normal) * node.normal).norm(), 1e-13);
+  }
+}
+
+TEST(MortarMoments, TranslationsOfBothBodiesStayWithoutRelativeDisplacement) {
+  for (int d : {2, 3})
+    for (bool quadratic : {false, true}) {
+      const Surfaces s = pair_on(d, quadratic, 1, 8, 6);
+      const Mortar mortar = s.mortar();
+      const Matrix& G = mortar.relative();
+      EXPECT_LT((G * Vector::Ones(G.cols())).lpNorm<Eigen::Infinity>(), 1e-14);
+    }
+}
+
+TEST(MortarMoments, OnFlatFacesWhollyOrPartlyCoveredWithStepsAndRimsNothingChanges) {
+  for (int d : {2, 3})
+    for (bool quadratic : {false, true})
+      for (Real reach : {1.0, 0.57}) {
+        Surfaces s = pair_on(d, quadratic, 0, 6, 5, reach);
+        const auto step_down = [&](const Vec3& x) {
+          Vec3 y = x - 0.3 * Vec3::Unit(d - 1);
+          y[0] = reach + 0.3 * x[0];  // past it a rim
+          return turned(d, y);
+        };
+        for (Facet f : s.sheet(4, 1, step_down, 1).facets) {
+          f.outward = turned(d, f.outward);
+          if (reach < 1) s.pairs[0].master.facets.push_back(f);
+        }
+        const Mortar mortar = s.mortar();
+        for (Index k = 0; k < mortar.relative().rows(); ++k) {
+          const Vec3 e = arm(s, mortar, k), n = mortar.nodes()[k].normal;
+          EXPECT_LT((e - e.dot(n) * n).norm(), 2e-15) << "nothing to balance";
+        }
+      }
+}
+
+TEST(MortarMoments, ARowThatIsBalancedIsGivenBackAsItIs) {
+  const std::vector<Vec3> X = {Vec3(0.3, 0, 0), Vec3(0, -1, 0), Vec3(1, -1, 0)};
+  Matrix P(3, 3), G(1, 3);
+  P.insert(0, 1) = 0.7, P.insert(0, 2) = 0.3;
+  G.insert(0, 0) = 1, G.insert(0, 1) = -0.7, G.insert(0, 2) = -0.3;
+  ContactNode node;
+  node.normal = Vec3(0, -1, 0);
+  const Matrix same = balanced(P, G, {node}, X);
+  for (Index l : {1, 2}) EXPECT_EQ(same.coeff(0, l), P.coeff(0, l));
+}
+
+TEST(MortarMoments, WeightsChangeByAThirdAtMost) {
+  // the normal through the slave's node passes the master at 0.3, 0.4, ...: less and less of the
+  // way is made, and no weight changes its sign
+  for (Real x : {0.3, 0.4, 0.6, 0.9, 3.0}) {
+    const std::vector<Vec3> X = {Vec3(x, 0, 0), Vec3(0, -1, 0), Vec3(1, -1, 0)};
+    Matrix P(3, 3), G(1, 3);
+    P.insert(0, 1) = 0.7, P.insert(0, 2) = 0.3;
+    G.insert(0, 0) = 1, G.insert(0, 1) = -0.7, G.insert(0, 2) = -0.3;
+    ContactNode node;
+    node.normal = Vec3(0, -1, 0);
+    const Matrix moved = balanced(P, G, {node}, X);
+    EXPECT_NEAR(moved.coeff(0, 2), std::min(x, 0.3 * 1.3), 1e-15) << x;
+    EXPECT_NEAR(moved.coeff(0, 1) + moved.coeff(0, 2), 1, 1e-15);
+  }
+}
