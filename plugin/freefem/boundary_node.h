@@ -18,6 +18,7 @@ struct AdjacentFacet {
   Fem2D::R3 normal;       ///< outward, of the measure of the facet [length^(d-1)]
   double share = 0;       ///< integral of the node's shape function over the facet
   std::size_t place = 0;  ///< among the facets of the boundary
+  double own = 0;         ///< Dimension::own
 };
 
 /// A node of the mesh on the contact boundary.
@@ -46,12 +47,13 @@ struct BoundaryNode {
   ContactPoint point;
   Fem2D::R3 x;
   long label = 0;
-  double weight = 0;  ///< integral of its shape function over the facets of this normal
+  double weight = 0;  ///< integral of its shape function over the facets of this normal, weighted
   int element = 0, facet = 0;
   Fem2D::R3 hat;          ///< its place in the element
   Fem2D::R3 mean;         ///< mean outward normal of all facets at the node; 0 where they cancel
   double turn = 0;        ///< angle to its facets, of a curved surface; 0 where that is flat
   bool averaged = false;  ///< it stands for more normals than the node can obey
+  std::vector<AdjacentFacet> facets;  ///< of this normal; none between two bodies
 };
 
 inline Fem2D::R3 as_R3(const std::array<Real, 3>& a) { return Fem2D::R3(a[0], a[1], a[2]); }

@@ -7,6 +7,7 @@
 #include "plan_report.h"
 #include "report.h"
 #include "site.h"
+#include "weight.h"
 
 namespace frictioncg {
 
@@ -52,6 +53,7 @@ inline void face_bodies(Stack stack, const Arguments& args, const Expression A, 
   options.maxgap = args.value(stack, p_maxgap, options.maxgap);
   options.smooth = args.value(stack, p_smooth, options.smooth);
   if (args.has(p_normal)) options.normals = slave_normals(stack, args, scene);
+  options.weight = slave_weights(stack, args, scene);
   const Triplets matrix = read_matrix(stack, A, scene);
   refuse_exchanged_blocks(scene, matrix);
   scene.face(matrix, options);
@@ -73,13 +75,17 @@ inline PointLaws read_point_laws(Stack stack, const Arguments& args, bool everyw
 inline std::shared_ptr<Scene> read_scene(Stack stack, const Arguments& args, const Expression A,
                                          const Site& site, bool everywhere, PointLaws& laws) {
   std::shared_ptr<Scene> scene = site.scene(stack);
-  if (scene->pairing)
+  if (scene->pairing) {
     face_bodies(stack, args, A, *scene);
-  else
+  } else {
+    set_weights(stack, args, *scene);
     set_normals(stack, args, *scene);
+  }
   if (scene->nodes.empty() && !scene->averted.empty()) refuse_inward(*scene);
   laws = read_point_laws(stack, args, everywhere, *scene, begun_laws(stack, args));
-  scene->assemble(read_matrix(stack, A, *scene));
+  const Triplets matrix = read_matrix(stack, A, *scene);
+  scene->assemble(matrix);
+  scene->unnamed_radius = unnamed_radius(args, *scene, matrix);
   if (!scene->tangents) laws.law = Law::frictionless;
   return scene;
 }
@@ -112,6 +118,7 @@ inline KN_<double> solve(Stack stack, const Call& call, Scene& scene, const Poin
     warn_of_averages(scene);
     report_averted(scene);
     report_large_friction(largest_friction(problem));
+    note_weight(scene);
   }
   Progress progress(problem, call.verb, out.history);
   Vector x0;

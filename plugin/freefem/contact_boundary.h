@@ -174,7 +174,7 @@ class BoundaryNodes {
       if (is_new) nodes_.push_back({n.dof, n.x, {}});
       const double share = Norme2(normal) * D::share(nodes.node.size(), n.corner);
       nodes_[entry->second].facets.push_back(
-          {label, k, facet, n.hat, normal, share, facets_.size()});
+          {label, k, facet, n.hat, normal, share, facets_.size(), D::own(nodes.node.size())});
       place.push_back(entry->second);
     }
     facets_.push_back({label, normal, {}});

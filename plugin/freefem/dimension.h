@@ -63,6 +63,9 @@ struct Dimension<Fem2D::FESpace> {
   static double share(std::size_t nodes, bool corner) {
     return nodes == 2 ? 1. / 2 : (corner ? 1. / 6 : 2. / 3);
   }
+  /// The mean, by a trace, of what is linear: so much of it is the value at the trace's node, the
+  /// rest the mean over the edge.
+  static double own(std::size_t nodes) { return nodes == 2 ? 1. / 3 : 1; }
   static constexpr const char* known_counts = "the 2 of P1 and the 3 of P2";
 
   /// Into ip, whose storage serves one element after the other.
@@ -112,6 +115,7 @@ struct Dimension<Fem2D::FESpace3> {
   static double share(std::size_t nodes, bool corner) {
     return nodes == 3 ? 1. / 3 : (corner ? 0 : 1. / 3);
   }
+  static double own(std::size_t nodes) { return nodes == 3 ? 1. / 4 : 2. / 5; }
   static constexpr const char* known_counts = "the 3 of P1 and the 6 of P2";
 
   static void interpolate(const Element& K, Interpolation& ip) {

@@ -29,11 +29,12 @@ inline void check_value(Parameter p, double x, const BoundaryNode& node, int d) 
   m << parameters[p].name << " = " << x << " at " << place(node, d) << "; "
     << (p == p_mu || p == p_mu2 ? "a friction coefficient is a number >= 0"
         : p == p_gap            ? "a gap is a finite length"
+        : p == p_weight         ? "a weight is a number >= 0"
                                 : "a sliding limit is a traction >= 0");
   throw IllegalInput(m.str());
 }
 
-/// mu, gap or slidinglimit at each of the nodes; 0 where it is not given.
+/// mu, gap, weight or slidinglimit at each of the nodes; 0 where it is not given.
 inline Vector at_nodes(Stack stack, const Arguments& args, Parameter p, const Scene& scene,
                        const std::vector<BoundaryNode>& nodes) {
   Vector result = Vector::Zero(static_cast<Index>(nodes.size()));

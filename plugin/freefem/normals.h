@@ -93,6 +93,7 @@ void add_points(const SharedNode& node, int d, std::vector<BoundaryNode>& points
     p.hat = first.hat;
     p.mean = mean;
     p.averaged = averaged;
+    p.facets = group;
     for (const AdjacentFacet& f : group) p.weight += f.share;
     points.push_back(p);
   }

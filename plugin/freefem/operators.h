@@ -44,7 +44,7 @@ class Construct : public E_F0mps {
         A_(to<Matrice_Creuse<double>*>(args[0])),
         site_(std::move(site)) {
     arguments_.allow_only({p_mu, p_mu2, p_direction, p_gap, p_normal, p_slidinglimit, p_bilateral,
-                           p_maxgap, p_smooth, p_domain});
+                           p_maxgap, p_smooth, p_weight, p_domain});
   }
   static std::vector<aType> before_site() { return {atype<Matrice_Creuse<double>*>()}; }
   AnyType operator()(Stack stack) const override {

@@ -21,6 +21,7 @@ enum Parameter {
   p_bilateral,
   p_maxgap,
   p_smooth,
+  p_weight,
   p_uold,
   p_init,
   p_start,
@@ -62,6 +63,7 @@ inline basicAC_F0::name_and_type parameters[] = {
     {"bilateral", &typeid(bool)},        // no separation
     {"maxgap", &typeid(double)},         // of two bodies [length]
     {"smooth", &typeid(bool)},           // of two bodies: gap of the curved surfaces
+    {"weight", &typeid(double)},         // of the forms: x, where they are axisymmetric
     {"uold", &typeid(KN_<double>)},      // [length]
     {"init", &typeid(KN_<double>)},      // [length]
     {"start", &typeid(KN_<double>)},     // the same, where macro_ddm.idp takes the name init

@@ -23,6 +23,7 @@ struct Scene {
   std::vector<BoundaryNode> averted;  ///< left out: they face away from the normal given
   bool given_normals = false;         ///< by the script, in place of the mesh's
   bool tangents = false;              ///< some nodes have tangential laws
+  int unnamed_radius = -1;            ///< a component, where A looks axisymmetric without a weight
   std::vector<Index> mesh_node;       ///< of each dof
   /// Makes a contact node the point at which expressions are evaluated.
   std::function<void(MeshPoint*, const BoundaryNode&)> go_to;

@@ -109,6 +109,7 @@ inline std::shared_ptr<SharedScene> read_shared(Stack stack, const Arguments& ar
   Scene& scene = *shared->scene;
   Triplets matrix;
   shared->domain->agree([&] {
+    set_weights(stack, args, scene);
     set_normals(stack, args, scene);
     laws = read_point_laws(stack, args, everywhere, scene, opening.laws);
     matrix = read_matrix(stack, A, scene);

@@ -3,8 +3,15 @@
 namespace frictioncg::mortar {
 
 Integration::Integration(const Side& slave, const Side& master, const std::vector<Vec3>& X,
-                         bool smooth)
-    : X_(X), smooth_(smooth), slave_(slave, X), master_(master, X) {}
+                         const Options& options)
+    : X_(X), options_(options), slave_(slave, X), master_(master, X) {}
+
+Real Integration::weight(const Part& part, const Vec3& lambda) const {
+  if (options_.weight.empty()) return 1;
+  Real sum = 0;
+  for (int v = 0; v < part.slave.d; ++v) sum += lambda[v] * options_.weight[part.node(v)];
+  return sum;
+}
 
 Moments Integration::over(const Part& part) const {
   const int d = part.slave.d;
@@ -19,18 +26,20 @@ Moments Integration::over(const Part& part) const {
     quadrature(cell.part, points);
     for (const QuadraturePoint& point : points) {
       const Vec3 lambda = slave_coordinates(d, point.xi), on_master = chi.at(point.xi);
-      const Vec3 weighted = jacobian * point.weight * lambda;
+      const Real measure = jacobian * point.weight * weight(part, lambda);
+      const Vec3 weighted = measure * lambda;
       const Shape phi_m = shape_functions(d, quadratic, on_master);
       of_cell += weighted * Eigen::Map<const Eigen::Matrix<Real, 1, 6>>(phi_m.data());
       moments.vertices += weighted * lambda.transpose();
       Vec3 offset = Vec3::Zero();
-      if (smooth_) offset = master_.at(cell.master, on_master) - slave_.at(part.facet, lambda);
+      if (options_.smooth)
+        offset = master_.at(cell.master, on_master) - slave_.at(part.facet, lambda);
       moments.offset += weighted * offset.transpose();
       const Real distance = chi.distance(point.xi) + plane.normal.dot(offset);
       for (int k = 0; k < edges_of_facet(d); ++k) {
         const auto [a, b] = edge_ends(d, k);
         moments.edges.col(k) += 4 * lambda[a] * lambda[b] * weighted;
-        moments.distance[k] += 4 * lambda[a] * lambda[b] * jacobian * point.weight * distance;
+        moments.distance[k] += 4 * lambda[a] * lambda[b] * measure * distance;
       }
     }
     moments.master.push_back(of_cell);

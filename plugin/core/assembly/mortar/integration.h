@@ -1,6 +1,7 @@
 #pragma once
 #include "assembly/mortar/cover.h"
 #include "assembly/mortar/curvature.h"
+#include "assembly/mortar/mortar.h"
 
 namespace frictioncg::mortar {
 
@@ -12,7 +13,7 @@ struct Part {
   Index node(int k) const { return slave.facet(facet).node[k]; }
 };
 
-/// Integrals over the covered part of a slave facet, of each lambda_v times ...
+/// Integrals over the covered part of a slave facet, weighted, of each lambda_v times ...
 struct Moments {
   Eigen::Matrix3d vertices = Eigen::Matrix3d::Zero();  ///< ... lambda_w
   Eigen::Matrix3d edges = Eigen::Matrix3d::Zero();     ///< ... phi_e
@@ -23,13 +24,15 @@ struct Moments {
 
 class Integration {
  public:
-  /// smooth: the offset is that of the curved surfaces; 0 otherwise.
-  Integration(const Side& slave, const Side& master, const std::vector<Vec3>& X, bool smooth);
+  Integration(const Side& slave, const Side& master, const std::vector<Vec3>& X,
+              const Options& options);
   Moments over(const Part& part) const;
 
  private:
+  Real weight(const Part& part, const Vec3& lambda) const;
+
   const std::vector<Vec3>& X_;
-  bool smooth_;
+  const Options& options_;  ///< not smooth: the offset of the curved surfaces is 0
   CurvedOffset slave_, master_;
 };
 

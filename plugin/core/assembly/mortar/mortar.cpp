@@ -70,7 +70,7 @@ class Assembly {
 };
 
 void Assembly::add_pair(Index p, const Side& slave, const Side& master, const Cover& cover) {
-  const Integration integration(slave, master, nodes_.X, options_.smooth);
+  const Integration integration(slave, master, nodes_.X, options_);
   Statistics& s = statistics_.emplace_back();
   s.visited = cover.visited;
   s.beyond_steps = cover.beyond_steps;

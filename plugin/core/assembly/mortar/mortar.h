@@ -23,6 +23,8 @@ struct Options {
   bool smooth = true;  ///< the gap is that of the curved surfaces through the vertices
   /// Outward from the slave, of any length > 0, at its nodes, which come first; empty: the mesh's.
   std::vector<Vec3> normals;
+  /// Of the integrals, >= 0, at the slave's nodes, which come first; linear on a facet; empty: 1.
+  std::vector<Real> weight;
   /// How many facet-connected groups the elements around a node form; asked for nodes that are both
   /// slave and master: one at the tip of a crack, more where meshes were merged.
   std::function<Index(Index node)> element_groups;
@@ -34,7 +36,7 @@ struct ContactNode {
   Index pair = 0;
   long label = 0;
   Vec3 normal = Vec3::Zero();  ///< unit, outward from the slave, free of held components
-  Real weight = 0;             ///< D_i, its share of the covered boundary [length^(d-1)]
+  Real weight = 0;             ///< D_i, its share of the covered boundary, weighted
   Real gap = 0;                ///< [length]
   Real distance = 0;           ///< the gap as a distance: differs where a neighbour is removed
 };

@@ -107,6 +107,23 @@ void refuse_merged_nodes(const Nodes& nodes, const std::vector<Pair>& pairs,
       }
 }
 
+/// Where the weight vanishes on a whole facet nothing is integrated, and its nodes have no share.
+void refuse_weightless(const Nodes& nodes, const Side& slave, const Cover& cover,
+                       const std::vector<Real>& weight) {
+  for (Index f = 0; f < slave.facets(); ++f) {
+    if (cover.cells[f].empty()) continue;
+    const Facet& facet = slave.facet(f);
+    Real sum = 0;
+    for (int v = 0; v < slave.d; ++v) sum += weight[facet.node[v]];
+    if (sum > 0) continue;
+    std::ostringstream m;
+    m << "weight = 0 on a whole facet of label " << facet.label << ", at "
+      << place(slave.d, nodes.X[facet.node[0]])
+      << ", which faces the master; a weight is > 0 but on the axis, where no facet lies";
+    throw IllegalInput(m.str());
+  }
+}
+
 [[noreturn]] void refuse_nothing_faces(const Nodes& nodes, const Side& slave, const Side& master,
                                        const Cover& cover, const Options& options) {
   std::ostringstream m;
@@ -148,6 +165,7 @@ void validate_cover(const Nodes& nodes, const std::vector<Side>& slaves,
     const auto is_empty = [](const std::vector<Cell>& cells) { return cells.empty(); };
     if (std::all_of(cover.cells.begin(), cover.cells.end(), is_empty))
       refuse_nothing_faces(nodes, slaves[p], masters[p], cover, options);
+    if (!options.weight.empty()) refuse_weightless(nodes, slaves[p], cover, options.weight);
     std::array<Index, 4> count{};
     for (const Facet& f : slaves[p].surface.facets)
       for (int v = 0; v < slaves[p].d; ++v) ++count[static_cast<int>(ownership.state[f.node[v]])];

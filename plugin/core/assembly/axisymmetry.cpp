@@ -1,0 +1,50 @@
+#include "assembly/axisymmetry.h"
+
+#include <cmath>
+
+namespace frictioncg {
+
+namespace {
+
+/// Of a row's entries: rounding leaves 1e-15 of them in a sum that vanishes, rings leave (h/r)^2.
+constexpr Real noise = 1e-11;
+/// Rows whose entries do not cancel: Dirichlet conditions, and next to nothing but mass.
+constexpr Real alone = 0.99;
+
+/// What a translation along the dof's own component meets in its row.
+struct Row {
+  Real sum = 0, size = 0;
+  void add(Real a) {
+    sum += a;
+    size += std::abs(a);
+  }
+};
+
+}  // namespace
+
+int radial_component(const Triplets& A, const std::vector<Index>& node) {
+  std::vector<Index> component(A.n, 0);
+  for (Index i = 1; i < A.n; ++i)
+    if (node[i] == node[i - 1]) component[i] = component[i - 1] + 1;
+  std::vector<Row> rows(A.n);
+  for (std::size_t k = 0; k < A.size; ++k) {
+    const Index i = A.row(k), j = A.col(k);
+    if (component[i] != component[j]) continue;
+    rows[i].add(A.a[k]);
+    if (A.half && i != j) rows[j].add(A.a[k]);
+  }
+  Index nodes = 0, strained[2] = {0, 0};
+  for (Index i = 0; i + 1 < A.n; ++i) {
+    if (component[i] != 0 || component[i + 1] != 1) continue;
+    const Row &x = rows[i], &y = rows[i + 1];
+    if (x.sum > alone * x.size || y.sum > alone * y.size) continue;
+    ++nodes;
+    if (x.sum - y.sum > noise * (x.size + y.size)) ++strained[0];
+    if (y.sum - x.sum > noise * (x.size + y.size)) ++strained[1];
+  }
+  for (int c : {0, 1})
+    if (2 * strained[c] > nodes) return c;
+  return -1;
+}
+
+}  // namespace frictioncg
