@@ -57,8 +57,8 @@ TEST(Axisymmetry, PlaneBodiesWithInertiaSpringsAndSupportsHaveNoRadius) {
         EXPECT_EQ(s.radius(), -1);
         for (Index k = 0; k < 2 * s.bodies.nodes(); ++k) s.add(k, k, mass);
         for (Index n = 0; n < s.bodies.nodes(); ++n) {
-          if (s.bodies.X[n][0] == 0) s.add(2 * n, 2 * n, 1e30);  // a plane of symmetry
-          if (s.bodies.X[n][1] == 0) s.add(2 * n, 2 * n, 1e2);   // springs in one direction
+          if (s.bodies.X[n][0] < 0.8) s.add(2 * n, 2 * n, 1e30);  // held
+          if (s.bodies.X[n][1] == 0) s.add(2 * n, 2 * n, 1e2);    // springs in one direction
         }
         EXPECT_EQ(s.radius(), -1) << quadratic << half << mass;
       }

@@ -195,6 +195,17 @@ TEST(MortarGap, AKinkBetweenStraightFlanksIsNotRounded) {
   }
 }
 
+TEST(MortarGap, AKinkBetweenFlanksThatBendALittleIsNotRoundedEither) {
+  // flanks of radius 10 meet at 16 and at 28 degrees, which the facets beside turn by a fraction of
+  for (Real slope : {0.14, 0.25}) {
+    const auto roof = [=](const Vec3& x) {
+      const Real a = std::abs(x[0] - 0.5);
+      return Vec3(x[0], -slope * a - a * a / 20, 0);
+    };
+    EXPECT_LT(gap_noise(2, roof, 12, true, false, everywhere), 2e-6) << slope;
+  }
+}
+
 TEST(MortarGap, FlanksOfTwoLabelsThatMeetAtAnAngleAreNotRounded) {
   for (int d : {2, 3}) {
     Surfaces s(d);

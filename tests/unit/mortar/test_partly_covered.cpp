@@ -90,6 +90,17 @@ Scene overlapping(int d, bool quadratic, std::array<int, 3> below, std::array<in
 
 }  // namespace
 
+TEST(MortarPartlyCovered, FacetsAreCountedWhateverTheirCoveredShare) {
+  for (Real reach : {0.3, 0.5, 0.7, 0.999, 1.0}) {
+    Surfaces s(2);
+    s.pairs[0].slave = s.sheet(
+        1, -1, [](const Vec3& x) { return x; }, 2);
+    s.pairs[0].master = s.sheet(
+        2, 1, [=](const Vec3& x) { return Vec3(reach * x); }, 1);
+    EXPECT_EQ(s.mortar().statistics().partly_covered, reach < 1) << reach;
+  }
+}
+
 TEST(MortarPartlyCovered, UniformStressAcrossFootprintsThatDiffer) {
   for (int d : {2, 3})
     for (bool quadratic : {false, true})

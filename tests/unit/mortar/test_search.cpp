@@ -182,6 +182,26 @@ TEST(MortarSearch, ADentedMasterOfOneSheetHasNoStepsWhereverTheSlaveMoves) {
   }
 }
 
+TEST(MortarSearch, WhereTwoSurfacesOverlapByAHairTheNearerHidesTheOther) {
+  for (int d : {2, 3})
+    for (Real hair : {0.004, 1e-4, 1e-7}) {  // of a facet of length 1
+      Surfaces s(d, false);
+      const auto part = [d](Real from, Real to, Real z) {
+        return [=](const Vec3& x) {
+          return Vec3(Vec3(from + (to - from) * x[0], x[1], 0) + z * Vec3::Unit(d - 1));
+        };
+      };
+      s.pairs[0].master = s.sheet(1, 1, part(0, 0.5 + hair, 0), 1);
+      for (const Facet& f : s.sheet(1, 1, part(0.5, 1, -0.001), 1).facets)
+        s.pairs[0].master.facets.push_back(f);
+      s.pairs[0].slave = s.sheet(1, -1, part(0, 1, 0.1), 2);
+      const Mortar mortar = s.mortar();
+      Real covered = 0;
+      for (const ContactNode& node : mortar.nodes()) covered += node.weight;
+      EXPECT_NEAR(covered, 1, 1e-13) << d << " " << hair;
+    }
+}
+
 TEST(MortarSearch, SurfacesSideBySideWithoutAStepAreFacedBoth) {
   for (int d : {2, 3}) {
     Surfaces s(d, false);
