@@ -2,6 +2,7 @@
 #include "freefem.h"
 
 #include <algorithm>
+#include <functional>
 #include <map>
 
 #include "../core/assembly/mortar/coupling.h"
@@ -11,12 +12,27 @@
 
 namespace frictioncg {
 
+/// Which part of the mesh each element belongs to: parts share no vertex.
+template <class Mesh>
+std::vector<Index> body_of_element(const Mesh& Th, int d) {
+  mortar::Groups groups(Th.nv);
+  for (int k = 0; k < Th.nt; ++k)
+    for (int v = 1; v <= d; ++v) groups.join(Th(k, 0), Th(k, v));
+  std::map<Index, Index> number;
+  std::vector<Index> body(Th.nt);
+  for (int k = 0; k < Th.nt; ++k)
+    body[k] =
+        number.try_emplace(groups.of(Th(k, 0)), static_cast<Index>(number.size())).first->second;
+  return body;
+}
+
 /// Slaves and masters as their meshes have them, in one numbering of nodes: those of slaves first.
 struct Interface {
   std::vector<mortar::Vec3> X;
   mortar::NodeDofs dof;
   std::vector<mortar::Pair> pairs;
-  std::vector<SharedNode> slave;      ///< the slaves' nodes
+  std::vector<SharedNode> slave;                     ///< the slaves' nodes
+  std::function<std::vector<Index>()> slave_bodies;  ///< the body of each of them
   std::map<Index, Index> body_count;  ///< facet-connected groups of elements at nodes of both sides
 };
 
@@ -34,6 +50,16 @@ class InterfaceBuilder {
   void add_slave(const BoundaryNodes<FESpaceType>& side) {
     all_.slave = side.nodes();
     add(side, 0, &mortar::Pair::slave);
+    std::vector<int> element;
+    for (const SharedNode& n : side.nodes()) element.push_back(n.facets.front().element);
+    const CountPointer<FESpaceType> keep(const_cast<FESpaceType*>(&side.space()));
+    all_.slave_bodies = [keep, element] {
+      const FESpaceType* space = keep;
+      const std::vector<Index> of_element = body_of_element(space->Th, Dimension<FESpaceType>::d);
+      std::vector<Index> body;
+      for (int k : element) body.push_back(of_element[k]);
+      return body;
+    };
   }
   /// dof_offset: of the master's dofs among those of the call.
   template <class FESpaceType>

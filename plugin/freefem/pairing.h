@@ -19,6 +19,7 @@ class Pairing {
       const auto found = between_.body_count.find(i);
       return found == between_.body_count.end() ? 1 : found->second;
     };
+    options.bodies = between_.slave_bodies;
     dirichlet_ = std::make_unique<Dirichlet>(A, std::vector<ContactPoint>{});
     const mortar::Nodes nodes{d, between_.X, mortar::held_components(d, between_.dof, *dirichlet_)};
     mortar_ = std::make_unique<mortar::Mortar>(nodes, between_.pairs, options);

@@ -106,20 +106,6 @@ std::vector<Index> mesh_nodes(const Space& Vh) {
   return node;
 }
 
-/// Which part of the mesh each element belongs to: parts share no vertex.
-template <class Mesh>
-std::vector<Index> body_of_element(const Mesh& Th, int d) {
-  mortar::Groups groups(Th.nv);
-  for (int k = 0; k < Th.nt; ++k)
-    for (int v = 1; v <= d; ++v) groups.join(Th(k, 0), Th(k, v));
-  std::map<Index, Index> number;
-  std::vector<Index> body(Th.nt);
-  for (int k = 0; k < Th.nt; ++k)
-    body[k] =
-        number.try_emplace(groups.of(Th(k, 0)), static_cast<Index>(number.size())).first->second;
-  return body;
-}
-
 /// The nodes that carry values of every component of the displacement. Elements with nothing new
 /// are passed over: most of them, in 3D.
 template <class Space>

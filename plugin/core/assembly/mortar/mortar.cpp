@@ -226,7 +226,7 @@ Mortar::Mortar(const Nodes& nodes, const std::vector<Pair>& pairs, const Options
     masters.emplace_back(nodes.dimension, pair.master, nodes.X);
     covers.push_back(cover(slaves.back(), masters.back(), nodes.X, options.maxgap));
   }
-  const Ownership ownership(nodes, slaves, masters, covers, options.normals);
+  const Ownership ownership(nodes, slaves, masters, covers, options);
   validate_cover(nodes, slaves, masters, covers, ownership, options);
   Assembly assembly(nodes, options, ownership);
   for (std::size_t p = 0; p < pairs.size(); ++p)

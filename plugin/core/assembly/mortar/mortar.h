@@ -25,6 +25,9 @@ struct Options {
   std::vector<Vec3> normals;
   /// Of the integrals, >= 0, at the slave's nodes, which come first; linear on a facet; empty: 1.
   std::vector<Real> weight;
+  /// The body of each of the slave's nodes, 0, 1, ...; asked for curved slaves; without it all are
+  /// one.
+  std::function<std::vector<Index>()> bodies;
   /// How many facet-connected groups the elements around a node form; asked for nodes that are both
   /// slave and master: one at the tip of a crack, more where meshes were merged.
   std::function<Index(Index node)> element_groups;

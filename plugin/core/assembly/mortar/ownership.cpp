@@ -5,7 +5,8 @@
 #include <sstream>
 #include <tuple>
 
-#include "assembly/mortar/curvature.h"
+#include "assembly/mortar/slave_normals.h"
+#include "assembly/mortar/smooth_side.h"
 #include "assembly/mortar/validation.h"
 
 namespace frictioncg::mortar {
@@ -34,17 +35,18 @@ struct Ownership::Patch {
 
 Ownership::Ownership(const Nodes& nodes, const std::vector<Side>& slaves,
                      const std::vector<Side>& masters, const std::vector<Cover>& covers,
-                     const std::vector<Vec3>& normals)
+                     const Options& options)
     : state(nodes.X.size(), State::uncovered),
       pair(nodes.X.size(), -1),
       label(nodes.X.size(), 0),
-      normal(nodes.X.size(), Vec3::Zero()),
       covered(nodes.X.size(), 0),
       owner_(nodes.X.size(), -1) {
   rank_patches(slaves, covers);
   own(slaves, covers);
-  set_normals(slaves);
-  if (!normals.empty()) take_normals(nodes, normals);
+  set_labels(slaves);
+  normal = slave_normals(nodes, slaves, options,
+                         [&](std::size_t p, Index f, Index i) { return owner_[i] == rank_[p][f]; });
+  if (!options.normals.empty()) take_normals(nodes, options.normals);
   remove_shared(masters, covers);
   if (!nodes.held.empty()) remove_held(nodes, slaves);
   for (std::size_t p = 0; p < slaves.size(); ++p)
@@ -57,11 +59,9 @@ void Ownership::rank_patches(const std::vector<Side>& slaves, const std::vector<
   for (std::size_t p = 0; p < slaves.size(); ++p) {
     const Side& slave = slaves[p];
     groups.emplace_back(slave.facets());
-    for (const Joint& joint : slave.joints) {
-      const auto [f, g] = joint.facet;
-      const bool one_label = slave.facet(f).label == slave.facet(g).label;
-      if (joint.cosine >= (one_label ? sharp : one_surface)) groups[p].join(f, g);
-    }
+    const std::vector<char> goes_on = joints_that_go_on(slave);
+    for (std::size_t k = 0; k < slave.joints.size(); ++k)
+      if (goes_on[k]) groups[p].join(slave.joints[k].facet[0], slave.joints[k].facet[1]);
     std::map<Index, Patch> of_root;
     for (Index f = 0; f < slave.facets(); ++f) {
       Patch& patch = of_root[groups[p].of(f)];
@@ -105,7 +105,7 @@ void Ownership::own(const std::vector<Side>& slaves, const std::vector<Cover>& c
       }
 }
 
-void Ownership::set_normals(const std::vector<Side>& slaves) {
+void Ownership::set_labels(const std::vector<Side>& slaves) {
   std::vector<Index> position(owner_.size(), std::numeric_limits<Index>::max());
   for (std::size_t p = 0; p < slaves.size(); ++p)
     for (Index f = 0; f < slaves[p].facets(); ++f) {
@@ -114,13 +114,11 @@ void Ownership::set_normals(const std::vector<Side>& slaves) {
       for (int v = 0; v < slaves[p].d; ++v) {
         const Index i = facet.node[v];
         if (owner_[i] != rank_[p][f]) continue;
-        normal[i] += slaves[p].planes[f].measure * slaves[p].planes[f].normal;
         if (at >= position[i]) continue;
         position[i] = at;
         label[i] = facet.label;
       }
     }
-  for (Vec3& n : normal) n.normalize();
 }
 
 /// Given normals are asked for where something faces the slave, and leave it there.

@@ -14,15 +14,14 @@ namespace frictioncg::mortar {
 /// vertex of a facet is kept, nodes of the nearest facet with some stand in, with constant
 /// multipliers, so that nowhere a traction is lost.
 struct Ownership {
-  /// normals: Options::normals.
   Ownership(const Nodes& nodes, const std::vector<Side>& slaves, const std::vector<Side>& masters,
-            const std::vector<Cover>& covers, const std::vector<Vec3>& normals);
+            const std::vector<Cover>& covers, const Options& options);
 
   enum class State : char { uncovered, kept, shared, held };
   std::vector<State> state;   ///< per node
   std::vector<Index> pair;    ///< per node, of the owning patch
   std::vector<long> label;    ///< per node
-  std::vector<Vec3> normal;   ///< per node: given, or of the owning patch
+  std::vector<Vec3> normal;   ///< per node: given, or slave_normals()
   std::vector<Real> covered;  ///< per node: measure covered on its well covered facets
 
   struct Carriers {
@@ -35,7 +34,7 @@ struct Ownership {
   struct Patch;
   void rank_patches(const std::vector<Side>& slaves, const std::vector<Cover>& covers);
   void own(const std::vector<Side>& slaves, const std::vector<Cover>& covers);
-  void set_normals(const std::vector<Side>& slaves);
+  void set_labels(const std::vector<Side>& slaves);
   void take_normals(const Nodes& nodes, const std::vector<Vec3>& normals);
   void remove_shared(const std::vector<Side>& masters, const std::vector<Cover>& covers);
   void remove_held(const Nodes& nodes, const std::vector<Side>& slaves);

@@ -1,0 +1,71 @@
+#include "assembly/mortar/smooth_side.h"
+
+#include <algorithm>
+#include <map>
+
+namespace frictioncg::mortar {
+
+namespace {
+
+int position(const Side& side, Index f, Index vertex) {
+  const auto& node = side.facet(f).node;
+  return static_cast<int>(std::find(node.begin(), node.end(), vertex) - node.begin());
+}
+
+/// Vertices numbered anew: those of the side alone.
+Faceted faceted(const Side& side, const std::vector<Vec3>& X) {
+  Faceted surface;
+  surface.d = side.d;
+  std::map<Index, Index> number;
+  for (Index f = 0; f < side.facets(); ++f) {
+    Faceted::Facet& facet = surface.facets.emplace_back();
+    facet.normal = side.planes[f].normal;
+    for (int v = 0; v < side.d; ++v) {
+      const Index i = side.facet(f).node[v];
+      const auto [at, is_new] = number.emplace(i, static_cast<Index>(surface.X.size()));
+      if (is_new) surface.X.push_back(X[i]);
+      facet.vertex[v] = at->second;
+    }
+  }
+  return surface;
+}
+
+}  // namespace
+
+std::vector<char> joints_that_go_on(const Side& side) {
+  std::vector<char> goes_on;
+  for (const Joint& joint : side.joints) {
+    const bool one_label = side.facet(joint.facet[0]).label == side.facet(joint.facet[1]).label;
+    goes_on.push_back(joint.cosine >= (one_label ? sharp : one_surface));
+  }
+  return goes_on;
+}
+
+/// A fan: corners of facets at a vertex, joined over the ridges between them.
+SmoothSide::SmoothSide(const Side& side, const std::vector<Vec3>& X,
+                       const std::vector<char>& goes_on)
+    : fan_at_(side.facets(), {-1, -1, -1}) {
+  const int d = side.d;
+  Groups corners(d * side.facets());
+  for (std::size_t k = 0; k < side.joints.size(); ++k) {
+    const auto [f, g] = side.joints[k].facet;
+    for (Index i : side.joints[k].vertex)
+      if (goes_on[k]) corners.join(d * f + position(side, f, i), d * g + position(side, g, i));
+  }
+  Faceted surface = faceted(side, X);
+  std::map<Index, Index> fan_of_root;
+  for (Index f = 0; f < side.facets(); ++f)
+    for (int v = 0; v < d; ++v) {
+      const auto [at, is_new] =
+          fan_of_root.emplace(corners.of(d * f + v), static_cast<Index>(surface.fans.size()));
+      if (is_new) surface.fans.emplace_back().vertex = surface.facets[f].vertex[v];
+      Fan& fan = surface.fans[at->second];
+      fan.facets.push_back(f);
+      fan.mean += side.planes[f].measure * side.planes[f].normal;
+      fan_at_[f][v] = at->second;
+    }
+  for (Fan& fan : surface.fans) fan.mean.normalize();
+  normal_ = smooth_normals(surface);
+}
+
+}  // namespace frictioncg::mortar
