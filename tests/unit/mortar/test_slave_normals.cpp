@@ -1,0 +1,128 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/SVD>
+#include <random>
+
+#include "surfaces.h"
+
+using namespace frictioncg;
+using namespace frictioncg::mortar;
+using namespace frictioncg::mortar::test;
+
+namespace {
+
+using Map = std::function<Vec3(const Vec3&)>;
+
+/// An uneven slave on an uneven master of one shape.
+Surfaces uneven_pair(int d, bool quadratic, const Map& shape, unsigned seed = 1) {
+  Surfaces s(d, quadratic);
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<Real> by(-0.3, 0.3);
+  const auto jittered = [&](int n) -> Map {
+    return [&, n](const Vec3& x) {
+      Vec3 y = x;
+      for (int c = 0; c < d - 1; ++c)
+        if (x[c] > 0 && x[c] < 1) y[c] += by(random) / n;
+      return shape(y);
+    };
+  };
+  s.pairs[0].slave = s.sheet(7, 1, jittered(7), 2);
+  s.pairs[0].master = s.sheet(9, -1, jittered(9), 1);
+  return s;
+}
+
+Vec3 on_cylinder(const Vec3& x) {
+  const Real t = 1.5 * (x[0] - 0.5);
+  return Vec3(std::sin(t), 2 * x[1], std::cos(t));
+}
+Vec3 on_circle(const Vec3& x) {
+  const Vec3 p = on_cylinder(x);
+  return Vec3(p[0], p[2], 0);
+}
+
+}  // namespace
+
+TEST(MortarNormals, OnCirclesAndCylindersTheyAreExactWhateverTheFacetsAndAtRims) {
+  for (int d : {2, 3})
+    for (bool quadratic : {false, true}) {
+      const Surfaces s = uneven_pair(d, quadratic, d == 2 ? on_circle : on_cylinder);
+      const Mortar mortar = s.mortar();
+      EXPECT_EQ(mortar.nodes().size(), d == 2 ? 8u : 64u);
+      for (const ContactNode& node : mortar.nodes()) {
+        Vec3 n = s.nodes.X[node.node];
+        if (d == 3) n[1] = 0;
+        EXPECT_LT((node.normal - n.normalized()).norm(), 1e-12);
+      }
+    }
+}
+
+TEST(MortarNormals, ABodyThatMayTurnAsFarAsItsMeshTellsTurnsWithoutGap) {
+  // vertices moved off the cylinder by a thousandth of its radius: no normal resists the rotation
+  std::mt19937 random(5);
+  std::uniform_real_distribution<Real> by(-1e-3, 1e-3);
+  const auto rough = [&](const Vec3& x) {
+    Vec3 p = on_cylinder(x);
+    const Real r = 1 + by(random);
+    p[0] *= r, p[2] *= r;
+    return p;
+  };
+  const Surfaces s = uneven_pair(3, false, rough);
+  const Mortar mortar = s.mortar();
+  Eigen::MatrixXd work(mortar.nodes().size(), 6);  // of the normals in rigid motions
+  for (std::size_t k = 0; k < mortar.nodes().size(); ++k) {
+    const ContactNode& node = mortar.nodes()[k];
+    work.row(Index(k)) << node.normal.transpose(),
+        s.nodes.X[node.node].cross(node.normal).transpose();
+  }
+  const Vector sizes = Eigen::JacobiSVD<Eigen::MatrixXd>(work).singularValues();
+  EXPECT_LT(sizes[4], 1e-12);  // along the axis, and around it
+  EXPECT_GT(sizes[3], 0.05);
+}
+
+TEST(MortarNormals, EachBodyHasMotionsOfItsOwn) {
+  // two cylinders side by side, rough, with other axes: together they leave one motion alone
+  std::mt19937 random(5);
+  std::uniform_real_distribution<Real> by(-1e-3, 1e-3);
+  Surfaces s(3);
+  const auto rough = [&](Real shift) -> Map {
+    return [&, shift](const Vec3& x) {
+      Vec3 p = on_cylinder(x);
+      const Real r = 1 + by(random);
+      return Vec3(r * p[0] + shift, p[1], r * p[2]);
+    };
+  };
+  s.pairs[0].slave = s.sheet(7, 1, rough(0), 2);
+  const Index second = static_cast<Index>(s.nodes.X.size());
+  for (const Facet& f : s.sheet(7, 1, rough(3), 2).facets) s.pairs[0].slave.facets.push_back(f);
+  const Index slaves = static_cast<Index>(s.nodes.X.size());
+  s.pairs[0].master = s.sheet(9, -1, rough(0), 1);
+  for (const Facet& f : s.sheet(9, -1, rough(3), 1).facets) s.pairs[0].master.facets.push_back(f);
+  for (bool apart : {true, false}) {
+    if (apart)
+      s.options.bodies = [=] {
+        std::vector<Index> body(slaves, 0);
+        std::fill(body.begin() + second, body.end(), 1);
+        return body;
+      };
+    else
+      s.options.bodies = nullptr;
+    const Mortar mortar = s.mortar();
+    Eigen::MatrixXd work(64, 6);
+    for (Index k = 0; k < 64; ++k) {
+      const ContactNode& node = mortar.nodes()[k];
+      ASSERT_LT(node.node, second);
+      work.row(k) << node.normal.transpose(), s.nodes.X[node.node].cross(node.normal).transpose();
+    }
+    const Vector sizes = Eigen::JacobiSVD<Eigen::MatrixXd>(work).singularValues();
+    EXPECT_EQ(sizes[4] < 1e-12, apart) << sizes.transpose();
+  }
+}
+
+TEST(MortarNormals, OfFlatFacesTheyAreTheFacetsToTheLastBit) {
+  for (int d : {2, 3}) {
+    const Surfaces s = uneven_pair(d, false, [](const Vec3& x) { return x; });
+    const Mortar mortar = s.mortar();
+    for (const ContactNode& node : mortar.nodes())
+      EXPECT_EQ(node.normal, Vec3(Vec3::Unit(d - 1)));
+  }
+}
