@@ -10,7 +10,10 @@ enum class Status {
   no_equilibrium = 3,
   not_positive_definite = 4,
   fixed_point_diverged = 5,
-  regularized = 6  ///< the regularized problem is solved; regeps keeps the certificate above tol
+  regularized = 6,  ///< the regularized problem is solved; regeps keeps the certificate above tol
+  /// The laws hold, and a body has turned by more than small rotations can mean, though neither
+  /// supports nor friction hold it. Said by whoever knows where the nodes are: not by this core.
+  runaway = 7
 };
 
 }  // namespace frictioncg

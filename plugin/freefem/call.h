@@ -4,6 +4,7 @@
 #include "block_order.h"
 #include "node_values.h"
 #include "outputs.h"
+#include "motions.h"
 #include "plan_report.h"
 #include "report.h"
 #include "site.h"
@@ -125,21 +126,22 @@ inline KN_<double> solve(Stack stack, const Call& call, Scene& scene, const Poin
   if (call.u_init.size() > 0)
     x0 = scene.system->to_local(call.u_old.size() == 0 ? call.u_init
                                                        : Vector(call.u_init - call.u_old));
-  const Solution solution = scene.solver->solve(now.increment, call.settings, x0,
-                                                call.verb > 0 || out.history ? &progress : nullptr);
+  Solution solution = scene.solver->solve(now.increment, call.settings, x0,
+                                          call.verb > 0 || out.history ? &progress : nullptr);
+  const Vector field = scene.system->to_global(solution.x, now.u0);
+  const std::string turned = runaway(scene, solution, field);
+  if (!turned.empty()) solution.status = Status::runaway;
   if (call.verb > 0) {
     report_memory(scene.solver->memory_needed(), call.settings);
     report_end(solution);
-    report_motions(scene, solution, call.verb);
+    report_motions(scene, solution, turned, call.verb);
   }
   if (call.verb > 2) report_phases(scene, solution);
   if (solution.status != Status::converged && !out.status)
     refuse_unconverged(
         solution, call.settings,
-        solution.unheld_motion.size() > 0 ? describe(scene, solution.unheld_motion) : "");
+        solution.unheld_motion.size() > 0 ? describe(scene, solution.unheld_motion) : turned);
   write_outputs(scene, solution, progress, out);
-
-  const Vector field = scene.system->to_global(solution.x, now.u0);
   if (call.verb > 0) warn_of_large_displacements(scene, field);
   KN<double>* u = Add2StackOfPtr2Free(stack, new KN<double>(scene.ndof()));
   for (long i = 0; i < scene.ndof(); ++i) (*u)[i] = field[i];

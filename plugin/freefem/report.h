@@ -29,15 +29,18 @@ inline const char* name_of(Status status) {
       return "fixed_point_diverged";
     case Status::regularized:
       return "regularized";
+    case Status::runaway:
+      return "runaway";
   }
   return "unknown";
 }
 
-/// What to do about a call that did not converge. Only no_equilibrium blames the load.
+/// What to do about a call that did not converge. Only no_equilibrium and runaway blame the load.
 inline std::string remedy(const Solution& solution, const Settings& s) {
   const Status status = solution.status;
   const Certificate& c = solution.certificate;
-  if (smooths_friction(s) && s.step != Step::exact && status != Status::no_equilibrium)
+  const bool of_method = status != Status::no_equilibrium && status != Status::runaway;
+  if (smooths_friction(s) && s.step != Step::exact && of_method)
     return std::string("step=\"") + name_of(s.step, steps) +
            "\" may be what keeps it from converging; leave step out, or raise nbiter";
   switch (status) {
@@ -65,6 +68,9 @@ inline std::string remedy(const Solution& solution, const Settings& s) {
                             "load in increments";
     case Status::regularized:
       return "regeps limits the accuracy; lower it, leave it out, or raise tol";
+    case Status::runaway:
+      return "hold the rotation by a support, lower the load, give the exact normal, or move the "
+             "faces of a crack together by movemesh";
   }
   return "";
 }
@@ -105,25 +111,6 @@ inline const char* name_of(Layer layer) {
   return "unknown";
 }
 
-/// A motion of the local dofs in words.
-inline std::string describe(const Scene& scene, const Vector& motion) {
-  return describe_motion(scene.places(), scene.d,
-                         scene.system->to_global(motion, Vector::Zero(scene.ndof())));
-}
-
-/// The motions that a call leaves open: one that nothing holds, or some that nothing determines.
-inline void report_motions(const Scene& scene, const Solution& solution, long verb) {
-  if (solution.unheld_motion.size() > 0)
-    line() << "nothing holds " << describe(scene, solution.unheld_motion) << std::endl;
-  const Index all = static_cast<Index>(solution.undetermined.cols());
-  const Index named = verb > 2 ? all : std::min<Index>(3, all);
-  for (Index k = 0; k < named; ++k)
-    line() << "nothing determines " << describe(scene, solution.undetermined.col(k))
-           << "; the field has the least of it" << std::endl;
-  if (named < all)
-    line() << "nothing determines " << all - named << " more motions; verb=3 has each" << std::endl;
-}
-
 /// Diagonal of the box around the contact nodes.
 inline Real contact_extent(const Scene& scene) {
   if (scene.nodes.empty()) return 0;
@@ -146,9 +133,7 @@ inline void warn_of_displacements(Real most, const char* of_what, Real size) {
 inline void warn_of_large_displacements(const Scene& scene, const Vector& u) {
   const bool one_body = !scene.pairing;  // then the contact is no larger than it
   if (u.size() == 0 || (one_body && u.cwiseAbs().maxCoeff() <= contact_extent(scene))) return;
-  std::map<Index, std::vector<NodePlace>> bodies;
-  for (const NodePlace& n : scene.places()) bodies[n.body].push_back(n);
-  for (const auto& [number, body] : bodies) {
+  for (const auto& [number, body] : by_body(scene.places())) {
     const Real size = 2 * nearest_rigid_motion(body, scene.d, u).extent;
     const Real most = largest_displacement(body, scene.d, u);
     if (most > size) return warn_of_displacements(most, "body", size);
@@ -214,14 +199,16 @@ inline void report_phases(const Scene& scene, const Solution& solution) {
 }
 
 /// The error of a call that did not converge and whose script does not ask for the status; motion:
-/// in words, what nothing holds.
+/// in words, what nothing holds, or what has turned too far.
 [[noreturn]] inline void refuse_unconverged(const Solution& solution, const Settings& s,
                                             const std::string& motion) {
+  const bool turned = solution.status == Status::runaway;
   std::ostringstream m;
   m << "not converged (" << name_of(solution.status) << ") after " << solution.iterations
-    << " iterations: residual " << solution.certificate.residual << ", tol " << s.tol << "; "
-    << remedy(solution, s);
-  if (!motion.empty()) m << ", which nothing holds against " << motion;
+    << " iterations: residual " << solution.certificate.residual << ", tol " << s.tol << "; ";
+  if (turned) m << motion << "; ";
+  m << remedy(solution, s);
+  if (!turned && !motion.empty()) m << ", which nothing holds against " << motion;
   m << "; pass status=... to get the field all the same";
   throw IllegalInput(m.str());
 }

@@ -58,10 +58,16 @@ inline Eigen::MatrixXd rigid_modes(const std::vector<NodePlace>& nodes, int d, I
   return rigid_modes(nodes, d, n, extent_of(nodes));
 }
 
-/// The same of each body alone, side by side.
-inline Eigen::MatrixXd body_modes(const std::vector<NodePlace>& nodes, int d, Index n) {
+/// The nodes of each body, by its number.
+inline std::map<Index, std::vector<NodePlace>> by_body(const std::vector<NodePlace>& nodes) {
   std::map<Index, std::vector<NodePlace>> bodies;
   for (const NodePlace& p : nodes) bodies[p.body].push_back(p);
+  return bodies;
+}
+
+/// The same of each body alone, side by side.
+inline Eigen::MatrixXd body_modes(const std::vector<NodePlace>& nodes, int d, Index n) {
+  const auto bodies = by_body(nodes);
   const Index each = d == 2 ? 3 : 6;
   Eigen::MatrixXd modes(n, each * static_cast<Index>(bodies.size()));
   Index k = 0;
@@ -92,15 +98,14 @@ inline RigidMotion nearest_rigid_motion(const std::vector<NodePlace>& nodes, int
                                         const Vector& u) {
   RigidMotion motion;
   if (nodes.empty()) return motion;
-  const auto x = [](const NodePlace& n) { return Eigen::Map<const Eigen::Vector3d>(n.x.data()); };
   for (const NodePlace& n : nodes) {
-    motion.c += x(n) / static_cast<Real>(nodes.size());
+    motion.c += position(n) / static_cast<Real>(nodes.size());
     motion.a += displacement_at(n, d, u) / static_cast<Real>(nodes.size());
   }
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();
   for (const NodePlace& n : nodes) {
-    const Eigen::Vector3d arm = x(n) - motion.c;
+    const Eigen::Vector3d arm = position(n) - motion.c;
     motion.extent = std::max(motion.extent, arm.norm());
     inertia += arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose();
     moment += arm.cross(displacement_at(n, d, u));
@@ -111,7 +116,7 @@ inline RigidMotion nearest_rigid_motion(const std::vector<NodePlace>& nodes, int
     const Eigen::Vector3d v = displacement_at(n, d, u);
     most = std::max(most, v.norm());
     motion.misfit =
-        std::max(motion.misfit, (v - motion.a - motion.w.cross(x(n) - motion.c)).norm());
+        std::max(motion.misfit, (v - motion.a - motion.w.cross(position(n) - motion.c)).norm());
   }
   if (most > 0) motion.misfit /= most;
   return motion;
@@ -132,18 +137,9 @@ constexpr Real still = 1e-6;         ///< over the largest displacement: what do
 /// amplified by a nearly singular A, turns every translation by so much.
 constexpr Real far_away = 2000;
 
-/// The motion of one body in words: a translation along a direction, or a rotation about a point
-/// (2D) or an axis (3D), or, where a part of the body moves, the node that moves most.
-inline std::string describe_one(const std::vector<NodePlace>& nodes, int d, const Vector& u) {
-  const RigidMotion m = nearest_rigid_motion(nodes, d, u);
-  if (m.misfit > rigid_misfit) {
-    const NodePlace* most = &nodes.front();
-    for (const NodePlace& n : nodes)
-      if (displacement_at(n, d, u).norm() > displacement_at(*most, d, u).norm()) most = &n;
-    const Eigen::Vector3d x(most->x[0], most->x[1], most->x[2]);
-    return "a motion of a part of the body, most at " + components_of(x, d, 1e-6 + x.norm()) +
-           ", along " + components_of(displacement_at(*most, d, u).normalized(), d, 1);
-  }
+/// A rigid motion in words: a translation along a direction, or a rotation about a point (2D) or an
+/// axis (3D).
+inline std::string describe(const RigidMotion& m, int d) {
   const Real turn = m.w.norm();
   if (far_away * turn * m.extent <= m.a.norm())
     return m.a.norm() > 0
@@ -161,6 +157,20 @@ inline std::string describe_one(const std::vector<NodePlace>& nodes, int d, cons
   return text;
 }
 
+/// The motion of one body in words; where a part of the body moves, the node that moves most.
+inline std::string describe_one(const std::vector<NodePlace>& nodes, int d, const Vector& u) {
+  const RigidMotion m = nearest_rigid_motion(nodes, d, u);
+  if (m.misfit > rigid_misfit) {
+    const NodePlace* most = &nodes.front();
+    for (const NodePlace& n : nodes)
+      if (displacement_at(n, d, u).norm() > displacement_at(*most, d, u).norm()) most = &n;
+    const Eigen::Vector3d x(most->x[0], most->x[1], most->x[2]);
+    return "a motion of a part of the body, most at " + components_of(x, d, 1e-6 + x.norm()) +
+           ", along " + components_of(displacement_at(*most, d, u).normalized(), d, 1);
+  }
+  return describe(m, d);
+}
+
 /// The largest displacement of the nodes.
 inline Real largest_displacement(const std::vector<NodePlace>& nodes, int d, const Vector& u) {
   Real most = 0;
@@ -171,8 +181,7 @@ inline Real largest_displacement(const std::vector<NodePlace>& nodes, int d, con
 /// The motion in words; of several bodies that do not move as one, body by body, those at rest left
 /// out, each called by the mean of its nodes; of many the three that move most.
 inline std::string describe_motion(const std::vector<NodePlace>& nodes, int d, const Vector& u) {
-  std::map<Index, std::vector<NodePlace>> bodies;
-  for (const NodePlace& n : nodes) bodies[n.body].push_back(n);
+  const auto bodies = by_body(nodes);
   const RigidMotion all = nearest_rigid_motion(nodes, d, u);
   if (bodies.size() < 2 || all.misfit <= rigid_misfit) return describe_one(nodes, d, u);
   const Real most = largest_displacement(nodes, d, u);

@@ -3,13 +3,14 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "../core/clock.h"
 #include "../core/solver.h"
 #include "contact_boundary.h"
 #include "matrix.h"
 #include "pairing.h"
-#include "rigid_motion.h"
+#include "large_turn.h"
 
 namespace frictioncg {
 
@@ -42,6 +43,12 @@ struct Scene {
     return k == 0 || contact_point(k).point.dof[0] != contact_point(k - 1).point.dof[0];
   }
 
+  /// Of its bodies, by the mesh; found when it is first asked for.
+  Real least_gyration() const {
+    if (!gyration_) gyration_ = frictioncg::least_gyration(places(), d);
+    return *gyration_;
+  }
+
   /// Finds the contact nodes of two bodies.
   void face(const Triplets& A, const mortar::Options& options);
   /// Copies A into the local frames; the nodes carry their normals and whether they have friction.
@@ -50,6 +57,8 @@ struct Scene {
   LocalIncrement increment(const LocalLoad& load, const PointLaws& laws) const;
 
  private:
+  mutable std::optional<Real> gyration_;
+
   /// make(), whose refusals of a contact point get the place of its node.
   template <class Make>
   auto placed(const Make& make) const {

@@ -91,19 +91,23 @@ inline KN_<double> solve_together(Stack stack, const Call& call, SharedScene& sh
   if (speaks) report_plan(shared, problem, verb);
   Progress progress(problem, verb, out.history);
   const Traffic before = traffic_so_far(domain);
-  const Solution solution = solve_together(shared, problem, call, start_of(call, shared),
-                                           out.history || speaks ? &progress : nullptr);
+  Solution solution = solve_together(shared, problem, call, start_of(call, shared),
+                                     out.history || speaks ? &progress : nullptr);
   const Traffic traffic = traffic_so_far(domain) - before;
+  const Solution local = on_local_dofs(shared, solution);
+  const Vector field = shared.scene->system->to_global(local.x, now.u0);
+  const std::string turned = runaway(shared, solution, field);
+  if (!turned.empty()) solution.status = Status::runaway;
   if (verb > 0) report_end(solution);
   report_traffic(domain, traffic, solution.iterations, verb);
-  const std::string unheld = report_motions(shared, solution, verb);
+  std::string unheld = report_motions(shared, solution, verb);
+  if (!turned.empty()) unheld = turned;
+  if (verb > 0 && !turned.empty()) line() << turned << std::endl;
   if (solution.status != Status::converged && !out.status)
     refuse_unconverged(solution, call.settings, unheld);
-  const Solution local = on_local_dofs(shared, solution);
-  write_together(shared, local, progress, out);
+  write_together(shared, on_local_dofs(shared, solution), progress, out);
   const long n = shared.scene->ndof();
   KN<double>* u = Add2StackOfPtr2Free(stack, new KN<double>(n));
-  const Vector field = shared.scene->system->to_global(local.x, now.u0);
   if (speaks) warn_of_large_displacements(shared, field, verb);
   for (long i = 0; i < n; ++i) (*u)[i] = field[i];
   update(domain, u);

@@ -1,6 +1,7 @@
 #pragma once
 #include "../freefem/freefem.h"
 
+#include "../freefem/motions.h"
 #include "shared_scene.h"
 
 namespace frictioncg {
@@ -52,20 +53,25 @@ inline void warn_of_large_displacements(const SharedScene& shared, const Vector&
   if (verb > 0 && most > size) warn_of_displacements(most, "mesh", size);
 }
 
-/// Some nodes of all processes, with their displacement under a motion of the own dofs: enough to
-/// tell what motion it is.   Collective.
+/// A motion of the own dofs in those of the script; 0 at ghosts.
+inline Vector field_of(const SharedScene& shared, const Vector& motion) {
+  const Scene& scene = *shared.scene;
+  Vector on_local = Vector::Zero(scene.system->system()->dofs());
+  const std::vector<Index>& own = shared.numbering().own;
+  for (std::size_t k = 0; k < own.size(); ++k) on_local[own[k]] = motion[static_cast<Index>(k)];
+  return scene.system->to_global(on_local, Vector::Zero(scene.ndof()));
+}
+
+/// Some nodes of all processes, with their displacement: enough to tell what motion it is.
+/// Collective.
 struct SampledMotion {
   std::vector<NodePlace> nodes;
   Vector u;  ///< `d` values a node
 
-  SampledMotion(const SharedScene& shared, const Vector& motion) {
+  SampledMotion(const SharedScene& shared, const Vector& field) {
     constexpr std::size_t most = 300;  // of a process
     const Domain& domain = *shared.domain;
     const Scene& scene = *shared.scene;
-    Vector on_local = Vector::Zero(scene.system->system()->dofs());
-    const std::vector<Index>& own = shared.numbering().own;
-    for (std::size_t k = 0; k < own.size(); ++k) on_local[own[k]] = motion[static_cast<Index>(k)];
-    const Vector field = scene.system->to_global(on_local, Vector::Zero(scene.ndof()));
     const std::vector<Index> body = bodies_by_dof(shared);
     const std::vector<NodePlace> places = scene.places();
     std::vector<Real> packed;
@@ -108,8 +114,43 @@ struct SampledMotion {
 
 /// A motion of the own dofs in words.   Collective.
 inline std::string describe(const SharedScene& shared, const Vector& motion) {
-  const SampledMotion sample(shared, motion);
+  const SampledMotion sample(shared, field_of(shared, motion));
   return describe_motion(sample.nodes, shared.scene->d, sample.u);
+}
+
+/// As stuck_bodies, by the numbers of SampledMotion.   Collective.
+inline std::set<Index> stuck_bodies(const SharedScene& shared,
+                                    const std::vector<NodeState>& state) {
+  const Bodies bodies = shared.A->bodies();
+  Vector sticking = Vector::Zero(bodies.count);
+  for (std::size_t k = 0; k < state.size(); ++k)
+    if (state[k] == NodeState::stick && shared.system->tangents(static_cast<Index>(k)) > 0)
+      sticking[bodies.of[shared.system->first[k]]] = 1;
+  shared.domain->sum(sticking.data(), bodies.count);
+  std::set<Index> stuck;
+  for (Index b = 0; b < bodies.count; ++b)
+    if (sticking[b] > 0) stuck.insert(b);
+  return stuck;
+}
+
+/// As in one process.   Collective.
+inline std::string runaway(const SharedScene& shared, const Solution& own, const Vector& field) {
+  if (own.status != Status::converged) return "";
+  const int d = shared.scene->d;
+  const SampledMotion sample(shared, field);
+  const std::vector<LargeTurn> turns = large_turns(sample.nodes, d, sample.u);
+  if (turns.empty()) return "";
+  const std::set<Index> stuck = stuck_bodies(shared, own.state);
+  const Eigen::MatrixXd W = floating_motions(*shared.system);
+  std::vector<Vector> motions;
+  for (Index k = 0; k < W.cols(); ++k)
+    motions.push_back(SampledMotion(shared, field_of(shared, W.col(k))).u);
+  const auto bodies = by_body(sample.nodes);
+  for (const LargeTurn& turn : turns)
+    if (!stuck.count(turn.body) &&
+        leave_free_to_turn(motions, bodies.at(turn.body), d, turn.motion.w.normalized()))
+      return describe(turn, d);
+  return "";
 }
 
 /// The motions that a call leaves open; the first of them that nothing holds, or empty. Collective.

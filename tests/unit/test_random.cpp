@@ -46,10 +46,14 @@ Result judge(const Recipe& recipe, const Settings& settings) {
   return r;
 }
 
-const char* const status_name[] = {
-    "converged",      "max_iterations",        "stagnated",
-    "no_equilibrium", "not_positive_definite", "fixed_point_diverged",
-    "regularized"};
+const char* const status_name[] = {"converged",
+                                   "max_iterations",
+                                   "stagnated",
+                                   "no_equilibrium",
+                                   "not_positive_definite",
+                                   "fixed_point_diverged",
+                                   "regularized",
+                                   "runaway"};
 
 /// How many of the scenes end how; fails for each one that is converged and wrong, or has an answer
 /// and is not converged.
