@@ -34,6 +34,7 @@ struct BoundaryFacet {
   long label = 0;
   Fem2D::R3 normal;  ///< outward, of the measure of the facet [length^(d-1)]
   std::vector<std::size_t> node;
+  int element = 0, facet = 0;  ///< the latter has the number of the vertex opposite
 };
 
 struct Boundary {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "../core/assembly/mortar/surface.h"
+#include "../core/assembly/mortar/topology.h"
 #include "boundary_node.h"
 #include "dimension.h"
 #include "surface_normals.h"
@@ -122,6 +123,37 @@ FacetNodes facet_nodes(const typename Dimension<FESpaceType>::Element& K, int fa
   return found;
 }
 
+/// The node at a vertex of an element.
+template <class FESpaceType>
+SharedNode node_at_vertex(const FESpaceType& Vh, int element, int vertex) {
+  using D = Dimension<FESpaceType>;
+  const typename D::Element K(Vh[element]);
+  Interpolation ip;
+  D::interpolate(K, ip);
+  SharedNode node;
+  for (std::size_t k = 0; k < ip.dof.size(); ++k) {
+    const Fem2D::R3& hat = ip.hat[ip.point[k]];
+    if (corner_at(hat, D::d) != vertex || ip.coefficient[k] != 1) continue;
+    node.dof[ip.component[k]] = K(ip.dof[k]);
+    node.x = D::position(K, hat);
+  }
+  return node;
+}
+
+/// Which part of the mesh each element belongs to: parts share no vertex.
+template <class Mesh>
+std::vector<Index> body_of_element(const Mesh& Th, int d) {
+  mortar::Groups groups(Th.nv);
+  for (int k = 0; k < Th.nt; ++k)
+    for (int v = 1; v <= d; ++v) groups.join(Th(k, 0), Th(k, v));
+  std::map<Index, Index> number;
+  std::vector<Index> body(Th.nt);
+  for (int k = 0; k < Th.nt; ++k)
+    body[k] =
+        number.try_emplace(groups.of(Th(k, 0)), static_cast<Index>(number.size())).first->second;
+  return body;
+}
+
 /// Collects the nodes of the contact boundary facet by facet.
 template <class FESpaceType>
 class BoundaryNodes {
@@ -177,7 +209,7 @@ class BoundaryNodes {
           {label, k, facet, n.hat, normal, share, facets_.size(), D::own(nodes.node.size())});
       place.push_back(entry->second);
     }
-    facets_.push_back({label, normal, {}});
+    facets_.push_back({label, normal, {}, k, facet});
     for (std::size_t n : in_order(nodes, D::d)) facets_.back().node.push_back(place[n]);
   }
 

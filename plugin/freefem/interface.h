@@ -65,7 +65,9 @@ class InterfaceBuilder {
   template <class FESpaceType>
   void add_master(const BoundaryNodes<FESpaceType>& side, Index dof_offset) {
     add(side, dof_offset, &mortar::Pair::master);
-    if (dof_offset == 0) count_bodies(side);
+    if (dof_offset > 0) return;
+    count_bodies(side);
+    add_vertices_behind(side);
   }
   Interface take() { return std::move(all_); }
 
@@ -128,6 +130,27 @@ class InterfaceBuilder {
       }
     for (const auto& [i, elements] : around)
       all_.body_count[i] = mortar::facet_connected_groups(D::d, elements);
+  }
+
+  /// Of the elements behind a master that is one body with its slave: the faces of a crack.
+  template <class FESpaceType>
+  void add_vertices_behind(const BoundaryNodes<FESpaceType>& master) {
+    constexpr int d = Dimension<FESpaceType>::d;
+    const std::vector<Index> body = body_of_element(master.space().Th, d);
+    std::map<Index, Index> body_of_node;  // of slaves
+    for (std::size_t i = 0; i < all_.slave.size(); ++i)
+      body_of_node[static_cast<Index>(i)] = body[all_.slave[i].facets.front().element];
+    for (mortar::Pair& pair : all_.pairs) {
+      std::set<Index> of_slave;
+      for (const mortar::Facet& f : pair.slave.facets) of_slave.insert(body_of_node.at(f.node[0]));
+      std::size_t next = 0;
+      for (const BoundaryFacet& f : master.facets()) {
+        if (!std::count(pair.master.labels.begin(), pair.master.labels.end(), f.label)) continue;
+        mortar::Facet& facet = pair.master.facets[next++];
+        if (of_slave.count(body[f.element]))
+          facet.behind = node(node_at_vertex(master.space(), f.element, f.facet), d, 0);
+      }
+    }
   }
 
   Interface all_;

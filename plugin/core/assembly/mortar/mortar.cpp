@@ -3,6 +3,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "assembly/mortar/across_gap.h"
 #include "assembly/mortar/dual_basis.h"
 #include "assembly/mortar/integration.h"
 #include "assembly/mortar/moments.h"
@@ -42,6 +43,8 @@ class Assembly {
   Assembly(const Nodes& nodes, const Options& options, const Ownership& ownership)
       : nodes_(nodes), options_(options), ownership_(ownership), D_(Vector::Zero(size())) {
     offset_.assign(nodes.X.size(), Vec3::Zero());
+    partner_.assign(nodes.X.size(), nullptr);
+    faced_.assign(nodes.X.size(), 0);
   }
   void add_pair(Index p, const Side& slave, const Side& master, const Cover& cover);
   void finish(Mortar& mortar);
@@ -63,6 +66,8 @@ class Assembly {
   Vector D_;
   Entries N_, P_;
   std::vector<Vec3> offset_;               ///< int psi_i (delta_m(chi) - delta_s)
+  std::vector<const Facet*> partner_;      ///< of the master: it has most of a node's weight ...
+  std::vector<Real> faced_;                ///< ... this
   std::map<Index, Index> number_of_edge_;  ///< in edges_, by node
   std::vector<MidEdge> edges_;
   std::vector<EdgeMoments> edge_moments_;  ///< in their order
@@ -107,10 +112,16 @@ void Assembly::add_multiplier(Index i, const Eigen::RowVector3d& psi, const Part
     if (!kept[v]) N_.emplace_back(i, part.node(v), psi.dot(moments.vertices.col(v)));
   for (int k = 0; part.slave.surface.quadratic && k < edges_of_facet(d); ++k)
     N_.emplace_back(i, part.node(d + k), psi.dot(moments.edges.col(k)));
-  for (std::size_t c = 0; c < part.cells.size(); ++c)
+  for (std::size_t c = 0; c < part.cells.size(); ++c) {
+    const Facet& master = part.master.facet(part.cells[c].master);
+    const Real weight = (psi * moments.master[c].leftCols(nodes_m)).sum();
+    if (weight > faced_[i]) {
+      faced_[i] = weight;
+      partner_[i] = &master;
+    }
     for (int l = 0; l < nodes_m; ++l)
-      P_.emplace_back(i, part.master.facet(part.cells[c].master).node[l],
-                      psi.dot(moments.master[c].col(l)));
+      P_.emplace_back(i, master.node[l], psi.dot(moments.master[c].col(l)));
+  }
 }
 
 void Assembly::add_edges(const Side& slave, Index f, const Moments& moments) {
@@ -213,6 +224,8 @@ void Assembly::finish(Mortar& mortar) {
   set_gaps(mortar);  // from the integrals as they are
   set_distances_of_edges(mortar);
   mortar.P_ = balanced(mortar.P_, mortar.G_, mortar.nodes_, nodes_.X);
+  mortar.G_ = mortar.S_ - Matrix(K * mortar.P_);
+  mortar.P_ = across_gap(mortar.P_, mortar.G_, mortar.nodes_, nodes_, partner_);
   mortar.G_ = mortar.S_ - Matrix(K * mortar.P_);
   set_statistics(mortar);
 }

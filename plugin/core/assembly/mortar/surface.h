@@ -17,6 +17,9 @@ struct Facet {
   std::array<Index, 6> node{{-1, -1, -1, -1, -1, -1}};
   Vec3 outward = Vec3::Zero();  ///< any vector towards the outside: it chooses the normal's sign
   long label = 0;
+  /// Of a master that is one body with its slave: the vertex of the element opposite the facet; -1
+  /// otherwise.
+  Index behind = -1;
 };
 
 /// One side of a contact pair, as a mesh has it.

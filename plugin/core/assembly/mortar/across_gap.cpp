@@ -1,0 +1,57 @@
+#include "assembly/mortar/across_gap.h"
+
+#include <Eigen/LU>
+
+namespace frictioncg::mortar {
+
+namespace {
+
+/// Of a barycentric coordinate: about the gap over the height of the element.
+constexpr Real widest = 0.1;
+
+/// The vertices of the element behind a facet.
+std::vector<Index> element_of(const Facet& facet, int d) {
+  std::vector<Index> vertices(facet.node.begin(), facet.node.begin() + d);
+  vertices.push_back(facet.behind);
+  return vertices;
+}
+
+/// grad lambda_l . e of the vertices of a simplex: their sum is 0, and that of times X_l is e.
+Eigen::VectorXd shift(const std::vector<Index>& vertices, const std::vector<Vec3>& X,
+                      const Vec3& e) {
+  const int d = static_cast<int>(vertices.size()) - 1;
+  Eigen::MatrixXd edges(d, d);
+  for (int k = 0; k < d; ++k) edges.col(k) = (X[vertices[k]] - X[vertices[d]]).head(d);
+  Eigen::VectorXd c(d + 1);
+  c.head(d) = edges.partialPivLu().solve(Eigen::VectorXd(e.head(d)));
+  c[d] = -c.head(d).sum();
+  return c;
+}
+
+}  // namespace
+
+Matrix across_gap(const Matrix& P, const Matrix& G, const std::vector<ContactNode>& nodes,
+                  const Nodes& all, const std::vector<const Facet*>& partner) {
+  std::vector<char> has_law(all.X.size(), 0);
+  for (const ContactNode& node : nodes) has_law[node.node] = 1;
+  std::vector<Eigen::Triplet<Real, Index>> change;
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const Index i = nodes[k].node;
+    if (!partner[i] || partner[i]->behind < 0) continue;
+    Vec3 e = Vec3::Zero();
+    for (Matrix::InnerIterator it(G, static_cast<Index>(k)); it; ++it)
+      e += it.value() * (all.X[it.col()] - all.X[i]);
+    const std::vector<Index> vertices = element_of(*partner[i], all.dimension);
+    const Eigen::VectorXd c = shift(vertices, all.X, e);
+    bool fits = c.lpNorm<Eigen::Infinity>() < widest;
+    for (Index l : vertices) fits = fits && !has_law[l];
+    for (std::size_t v = 0; v < vertices.size() && fits; ++v)
+      change.emplace_back(i, vertices[v], c[static_cast<Index>(v)]);
+  }
+  if (change.empty()) return P;
+  Matrix by(P.rows(), P.cols());
+  by.setFromTriplets(change.begin(), change.end());
+  return P + by;
+}
+
+}  // namespace frictioncg::mortar
