@@ -10,7 +10,9 @@ namespace {
 constexpr Real rounding = 1e-9;      ///< of a load, up to which it counts as balanced
 constexpr Real most_pressure = 1e6;  ///< over the load: larger forces are neither held nor excluded
 constexpr Real any_pressure = 1e9;   ///< over the load: what takes this much is excluded at once
-constexpr Real no_descent = 1e-14;   ///< cosine up to which a column does not lead to the target
+constexpr Real most_displacement =
+    1e4;                            ///< over load / stiffness: likewise, of what A w would take
+constexpr Real no_descent = 1e-14;  ///< cosine up to which a column does not lead to the target
 constexpr int most_rounds =
     300;  ///< 2D ends by itself; tangents to cones in 3D converge like Newton
 
@@ -201,6 +203,15 @@ class Resistance {
   const Real unit_;
 };
 
+/// Whether A can take the pull F.w of a motion that is not quite rigid, F.w = x'A w, by a
+/// displacement x that a body may have.
+bool carried(const Vector& w, Real pull, const ContactProblem& problem) {
+  Vector Aw;
+  problem.system->multiply(w, Aw);
+  const Real load = norm_D(*problem.system, problem.increment.F);
+  return pull <= most_displacement * load * norm_D(*problem.system, Aw);
+}
+
 }  // namespace
 
 Statics balance(const DenseMatrix& W, const ContactProblem& problem) {
@@ -229,8 +240,10 @@ Statics balance(const DenseMatrix& W, const ContactProblem& problem) {
   if (balanced) {
     if (nearest.pressure() <= most_pressure * load) statics.balance = Balance::held;
   } else if (unheld || proven(most_pressure)) {
+    const Vector motion = W.lazyProduct(nearest.rest().head(W.cols()));
+    if (carried(motion, resistance.pull, problem)) return statics;
     statics.balance = Balance::unheld;
-    statics.motion = W.lazyProduct(nearest.rest().head(W.cols()));
+    statics.motion = motion;
   }
   return statics;
 }

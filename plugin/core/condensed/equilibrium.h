@@ -15,7 +15,9 @@ struct Statics {
   Vector motion;  ///< n, the motion that nothing holds; empty unless unheld
 };
 
-/// W: n x k, rigid motions (A W = 0).
+/// W: n x k, rigid motions (A W = 0). A motion w that is not quite one, as a soft deformation may
+/// be, proves nothing where A w can carry what it claims: F.w = x'A w for a solution x of some
+/// size.
 ///
 /// Coulomb: are there forces r in the friction cones, r_N >= 0, |r_T| <= mu r_N at the nodes whose
 /// gap is finite, with W'r = W'F? Where not, Farkas' lemma gives a motion w = W c with

@@ -108,6 +108,26 @@ TEST(Equilibrium, ABalancedOrAbsentLoadIsHeldByNothing) {
   EXPECT_EQ(judged(p, DenseMatrix(p.dofs(), 0)), Balance::held);
 }
 
+TEST(Equilibrium, AMotionThatIsNotQuiteRigidIsNoProofOfWhatTheBodyCarries) {
+  for (int d : {2, 3}) {
+    BlockOptions o;
+    o.d = d;
+    ContactProblem p = problem_of(o);
+    p.increment.gap.setConstant(std::numeric_limits<Real>::infinity());  // nothing touches
+    const DenseMatrix rigid = rigid_motions(*p.system, 100000);
+    const DenseMatrix soft = rigid + 1e-6 * rigid.cwiseAbs().maxCoeff() *
+                                         DenseMatrix::Random(rigid.rows(), rigid.cols());
+    for (Index k = 0; k < soft.cols(); ++k)  // passes for rigid by its energy
+      ASSERT_LT(soft.col(k).dot(p.system->A * soft.col(k)),
+                1e-11 * soft.col(k).dot(p.system->D.cwiseProduct(soft.col(k))));
+    p.increment.F = p.system->A * Vector::Random(p.dofs());
+    EXPECT_EQ(balance(soft, p).balance, Balance::at_limit) << d;
+    EXPECT_EQ(balance(rigid, p).balance, Balance::held) << d;
+    p.increment.F = problem_of(o).increment.F;  // the load presses: nothing holds it
+    EXPECT_EQ(balance(rigid, p).balance, Balance::unheld) << d;
+  }
+}
+
 TEST(Equilibrium, BilateralContactHoldsATensionAndFrictionlessOneNoSlide) {
   BlockOptions o;
   o.pressure = -1;

@@ -46,6 +46,8 @@ struct RandomBody {
     for (Index k = 0; k < 2 * m; ++k) now.F[k] = uniform(-1, 1);
     const auto system = std::make_shared<System>();
     for (Index first = 0; first <= 2 * m; first += 2) system->first.push_back(first);
+    system->A.resize(2 * m, 2 * m);  // 0: all motions are rigid
+    system->weight = Vector::Ones(2 * m);
     problem.system = system;
   }
 
