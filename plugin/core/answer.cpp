@@ -1,5 +1,6 @@
 #include "answer.h"
 
+#include "condensed/undetermined.h"
 #include "model/certificate.h"
 
 namespace frictioncg {
@@ -31,11 +32,13 @@ Status concluded(Status status, const Certificate& certificate, const Settings& 
 }
 
 Solution answer(const ContactProblem& problem, const Settings& settings,
+                const std::function<Eigen::MatrixXd()>& floating,
                 const std::function<Solution()>& solve) {
   Solution s;
   if (at_rest(problem)) {
     s.x = Vector::Zero(problem.dofs());
     s.certificate = certify(problem, s.x);
+    s.undetermined = left_free(floating(), problem, branches_of(problem, s.x, s.certificate));
   } else {
     s = solve();
   }

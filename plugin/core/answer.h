@@ -13,8 +13,10 @@ namespace frictioncg {
 Status concluded(Status status, const Certificate& certificate, const Settings& settings);
 
 /// The answer to a problem: rest, where nothing loads or penetrates, or else what `solve` makes of
-/// it; with its last status and the states of the nodes.
+/// it; with its last status and the states of the nodes. floating: the rigid motions that A leaves
+/// free (n x k), of which the contact nodes may leave some undetermined at rest, too.
 Solution answer(const ContactProblem& problem, const Settings& settings,
+                const std::function<Eigen::MatrixXd()>& floating,
                 const std::function<Solution()>& solve);
 
 }  // namespace frictioncg

@@ -172,7 +172,9 @@ Solution Solver::solve(const Increment& increment, const Settings& settings, con
   validate(increment, *system_);
   validate_start(x0, *system_);
   const ContactProblem problem{system_, increment};
-  return answer(problem, settings, [&] { return by_route(problem, settings, x0, observer); });
+  return answer(
+      problem, settings, [&] { return floating_(); },
+      [&] { return by_route(problem, settings, x0, observer); });
 }
 
 /// The route of the plan; where it is not open, or does not arrive, another one.

@@ -10,8 +10,9 @@ namespace frictioncg {
 inline Solution solve_together(SharedScene& shared, const ContactProblem& problem, const Call& call,
                                const Vector& x0, Observer* observer) {
   const Timed timed(Phase::solve);
-  return answer(problem, call.settings,
-                [&] { return shared.solver->solve(problem, call.settings, x0, observer); });
+  return answer(
+      problem, call.settings, [&] { return shared.solver->floating(); },
+      [&] { return shared.solver->solve(problem, call.settings, x0, observer); });
 }
 
 /// A solution over the own dofs as one over the local ones; ghosts are 0.

@@ -26,6 +26,8 @@ class MultigridSolver {
   Solution solve(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                  Observer* observer, double allowance = std::numeric_limits<double>::infinity());
 
+  const Eigen::MatrixXd& floating() const { return motions_; }
+
  private:
   void iterate(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                Observer* observer, double allowance, Solution& s);

@@ -113,6 +113,61 @@ TEST(Undetermined, AnUnloadedBodyAboveTheObstacleStaysWhereItIs) {
   }
 }
 
+TEST(Undetermined, WhatBranchesBarDoesNotDependOnTheUnits) {
+  for (int d : {2, 3})
+    for (Real force : {1e-22, 1.0, 1e22}) {
+      SCOPED_TRACE(std::to_string(d) + "D, " + std::to_string(std::log10(force)));
+      BlockOptions o;
+      o.d = d;
+      o.E *= force;
+      o.angle = 0.3;  // what bars a motion is then a sum, with its rounding
+      const ContactProblem p = problem_of(o);
+      const DenseMatrix W = floating_motions(*p.system);
+      ASSERT_EQ(W.cols(), d == 2 ? 3 : 6);
+      std::vector<SemismoothNewton::Branch> branches(p.nodes());
+      const auto set = [&](bool closed, bool stick) {
+        for (SemismoothNewton::Branch& b : branches) {
+          b.closed = closed;
+          b.stick = stick;
+          b.g = 0;
+        }
+      };
+      set(true, false);
+      EXPECT_EQ(left_free(W, p, branches).cols(), d == 2 ? 1 : 3);
+      set(true, true);
+      EXPECT_EQ(left_free(W, p, branches).cols(), 0);
+      set(false, false);
+      EXPECT_EQ(left_free(W, p, branches).cols(), W.cols());
+    }
+}
+
+TEST(Undetermined, WithoutALoadABodyIsAsFreeAsUnderABalancedOne) {
+  const auto free_at_rest = [](ContactProblem p) {
+    p.increment.F.setZero();
+    const Solution s = solve(p, Settings());
+    EXPECT_EQ(s.status, Status::converged);
+    EXPECT_TRUE(s.x.isZero(0));
+    EXPECT_LT((p.system->A * s.undetermined).norm(), 1e-12);
+    return s.undetermined.cols();
+  };
+  for (int d : {2, 3}) {
+    BlockOptions o;
+    o.d = d;
+    ContactProblem p = problem_of(o);
+    EXPECT_EQ(free_at_rest(p), d == 2 ? 3 : 6);  // a touch without a force holds nothing
+    p.increment.gap.setConstant(5);
+    EXPECT_EQ(free_at_rest(p), d == 2 ? 3 : 6);
+    p.increment.gap.setZero();
+    p.increment.bilateral = true;
+    EXPECT_EQ(free_at_rest(p), d == 2 ? 1 : 3);  // nothing presses, nothing rubs
+    p.increment.law = Law::tresca;
+    p.increment.g = Vector::Ones(p.nodes());
+    EXPECT_EQ(free_at_rest(p), 0);
+    o.clamp_side = true;
+    EXPECT_EQ(free_at_rest(problem_of(o)), d == 2 ? 1 : 3);  // along the clamped face
+  }
+}
+
 TEST(Undetermined, ABodyThatTheObstaclePushesIsNotLeftBehind) {
   const ContactProblem p = above_the_obstacle(-0.01);
   for (const Way& way : ways_on_A()) {
