@@ -40,6 +40,21 @@ inline void write_force(const Scene& scene, const Vector& r, KN<double>* out) {
   for (long i = 0; i < scene.ndof(); ++i) (*out)[i] = force[i];
 }
 
+/// r = F - Ax without what separated nodes have of it: no more than the residual, and no force.
+/// What is more is the shear of a given limit, which acts without pressure, too.
+inline Vector contact_forces(const Scene& scene, const Solution& s) {
+  constexpr Real rounding = 1 + 1e-9;
+  const System& system = *scene.system->system();
+  const Real error = rounding * s.certificate.residual * s.certificate.scale;
+  Vector r = s.certificate.r;
+  for (Index k = 0; k < system.nodes(); ++k)
+    for (Index i = system.first[k]; i < system.first[k + 1]; ++i)
+      if (s.state[k] == NodeState::separated &&
+          std::abs(r[i]) <= error * std::sqrt(system.weight[i]))
+        r[i] = 0;
+  return r;
+}
+
 /// The state of the mesh node that starts at contact node k. A node in a corner, where there is no
 /// friction, slides along what its closed normals leave, and sticks where they leave nothing.
 inline NodeState state_in_corner(const Scene& scene, const std::vector<NodeState>& state, Index k) {
@@ -141,9 +156,10 @@ inline void write_outputs(const Scene& scene, const Solution& solution, const Pr
   if (out.status) *out.status = static_cast<long>(solution.status);
   if (out.residual) *out.residual = solution.certificate.residual;
   if (out.iterations) *out.iterations = solution.iterations;
-  if (out.force) write_force(scene, solution.certificate.r, out.force);
+  const Vector r = contact_forces(scene, solution);
+  if (out.force) write_force(scene, r, out.force);
   if (out.state) write_state(scene, solution.state, out.state);
-  if (out.normals) write_normals(scene, solution.certificate.r, out.normals);
+  if (out.normals) write_normals(scene, r, out.normals);
   if (out.distance) write_distance(scene, out.distance);
   if (out.free) *out.free = solution.undetermined.cols();
   if (out.history) progress.write_history(out.history);
