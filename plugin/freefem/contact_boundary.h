@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "../core/assembly/mortar/surface.h"
-#include "../core/assembly/mortar/topology.h"
 #include "boundary_node.h"
 #include "dimension.h"
 #include "surface_normals.h"
@@ -138,20 +137,6 @@ SharedNode node_at_vertex(const FESpaceType& Vh, int element, int vertex) {
     node.x = D::position(K, hat);
   }
   return node;
-}
-
-/// Which part of the mesh each element belongs to: parts share no vertex.
-template <class Mesh>
-std::vector<Index> body_of_element(const Mesh& Th, int d) {
-  mortar::Groups groups(Th.nv);
-  for (int k = 0; k < Th.nt; ++k)
-    for (int v = 1; v <= d; ++v) groups.join(Th(k, 0), Th(k, v));
-  std::map<Index, Index> number;
-  std::vector<Index> body(Th.nt);
-  for (int k = 0; k < Th.nt; ++k)
-    body[k] =
-        number.try_emplace(groups.of(Th(k, 0)), static_cast<Index>(number.size())).first->second;
-  return body;
 }
 
 /// Collects the nodes of the contact boundary facet by facet.
