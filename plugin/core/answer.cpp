@@ -1,5 +1,7 @@
 #include "answer.h"
 
+#include <limits>
+
 #include "condensed/undetermined.h"
 #include "model/certificate.h"
 
@@ -9,6 +11,21 @@ namespace {
 
 /// Residuals up to this many times what rounding leaves are its work.
 constexpr Real rounding_margin = 10;
+
+/// Of p'Ap over the rounding of |p|'|A||p|: assembly leaves some units of it, and conjugate
+/// gradients on nearly free bodies meet such directions where contact cannot hold them.
+constexpr Real beyond_rounding = 1000;
+
+/// Whether p'Ap < 0, on the matrix itself: what a method met on its way may be drift, or the
+/// rounding of an elimination.
+bool costs_negative_energy(const System& system, const Vector& p) {
+  if (system.largest(p.size()) == 0) return false;
+  Vector Ap;
+  system.multiply(p, Ap);
+  const Real energy = system.sum(p.dot(Ap)),
+             size = system.sum(p.cwiseAbs().dot(system.magnitude(p)));
+  return energy < -beyond_rounding * std::numeric_limits<Real>::epsilon() * size;
+}
 
 /// Neither a load nor a penetration, on any process: the body stays where it is, whatever else
 /// could move it.
@@ -42,6 +59,9 @@ Solution answer(const ContactProblem& problem, const Settings& settings,
   } else {
     s = solve();
   }
+  if (s.status == Status::not_positive_definite &&
+      !costs_negative_energy(*problem.system, s.negative))
+    s.status = Status::stagnated;
   s.status = concluded(s.status, s.certificate, settings);
   s.state = classify(problem, s.x, s.certificate);
   return s;

@@ -12,13 +12,14 @@ enum class Route {
 
 /// Which layer answered: a fallback that did shows here.
 enum class Layer {
-  none,          ///< nothing had to be solved
-  linear,        ///< no node can touch: a linear solve
-  newton,        ///< semismooth Newton on S
-  proximal,      ///< semismooth Newton on S with springs that vanish
-  fixed_point,   ///< the regularized conjugate gradient on S, without Newton after it
-  gcx,           ///< stick as a face, on A
-  gc,            ///< GC1, GC2 or GC3, on A
+  none,            ///< nothing had to be solved
+  linear,          ///< no node can touch: a linear solve
+  newton,          ///< semismooth Newton on S
+  interior_point,  ///< semismooth Newton on S, from the end of the central path
+  proximal,        ///< semismooth Newton on S with springs that vanish
+  fixed_point,     ///< the regularized conjugate gradient on S, without Newton after it
+  gcx,             ///< stick as a face, on A
+  gc,              ///< GC1, GC2 or GC3, on A
   sorp,
   multigrid  ///< inexact Newton steps on A, preconditioned by multigrid
 };
@@ -52,6 +53,7 @@ struct Solution {
   Times times;
   Levels levels;
   Vector unheld_motion;  ///< no_equilibrium: n, the rigid motion that nothing holds (local frames)
+  Vector negative;       ///< not_positive_definite: n, p with p'Ap < 0 beyond rounding
   /// n x k: rigid motions that neither contact nor friction nor a support determines. x is the
   /// solution with the least of them, in the product of diag(A).
   Eigen::MatrixXd undetermined;

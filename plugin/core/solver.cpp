@@ -97,6 +97,8 @@ Status replace_if_better(Solution& s, Solution t) {
   t.steps += s.steps;
   s.iterations = t.iterations;
   s.steps = t.steps;
+  if (t.negative.size() == 0) t.negative = s.negative;
+  s.negative = t.negative;
   if (!decided(t) && !(t.certificate.residual < s.certificate.residual)) return status;
   t.times.order += s.times.order;
   t.times.factor += s.times.factor;
@@ -118,7 +120,9 @@ void try_without_factor(const ContactProblem& problem, const Settings& settings,
   if (s.certificate.residual <= rounding) return;
   Settings rest = without_factor(settings);
   rest.nbiter = bound_of(problem, settings) - s.iterations;
-  if (rest.nbiter > 0) replace_if_better(s, iterate(problem, rest, {}, observer, floating));
+  if (rest.nbiter <= 0) return;
+  const Status last = replace_if_better(s, iterate(problem, rest, {}, observer, floating));
+  if (!decided(s) && last == Status::not_positive_definite) s.status = last;
 }
 
 /// Method auto, unless a regularized answer is asked for: multigrid where a factor does not fit.

@@ -50,14 +50,19 @@ inline std::string remedy(const Solution& solution, const Settings& s) {
       if (smooths_friction(s)) return "raise nbiter, or try omega=1.5";
       return s.nbiter > 0 ? "raise nbiter"
                           : "no answer was found, which proves nothing: near its limit a load may "
-                            "have none; apply it in increments, or raise nbiter";
+                            "have none; apply it in increments, give start= a field near the "
+                            "answer, such as that without friction, or raise nbiter";
     case Status::stagnated:
       if (c.residual <= 10 * c.attainable) {
         std::ostringstream m;
         m << "rounding leaves about " << c.attainable << " of it in any case; raise tol";
         return m.str();
       }
-      return "the method came to a standstill above tol; raise tol, or name another method";
+      return takes_newton_steps(s)
+                 ? "no answer was found, which proves nothing: near its limit a load may have "
+                   "none; apply it in increments, or give start= a field near the answer, such as "
+                   "that without friction"
+                 : "the method came to a standstill above tol; raise tol, or name another method";
     case Status::no_equilibrium:
       return "contact, friction and supports cannot hold this load";
     case Status::not_positive_definite:
@@ -95,6 +100,8 @@ inline const char* name_of(Layer layer) {
       return "a linear solve";
     case Layer::newton:
       return "Newton on the condensed laws";
+    case Layer::interior_point:
+      return "an interior point on the condensed laws, with Newton after it";
     case Layer::proximal:
       return "Newton on the condensed laws, with springs that vanish";
     case Layer::fixed_point:

@@ -79,6 +79,7 @@ void FixedPoint::minimize(Tangents tangents, Real bound) {
   solution_.steps += o.steps;
   solution_.iterations += o.iterations();
   solution_.status = o.status;
+  solution_.negative = o.negative;
 }
 
 /// What can be done about a certificate above tol after a minimization that met its bound, in this

@@ -67,6 +67,7 @@ Outcome ProjectedCG::minimize(Vector& x, const Vector& g, Real eps, Tangents tan
       turn = advance(line, rho, rho_gap);  // x += rho v; new contact
       stop_or_release(turn, rho);          // stop, or release
     }
+    if (outcome.status == Status::not_positive_definite) outcome.negative = v_;
     turn.released |= before;
     const StepLabel label = turn.label(restart);
     outcome.steps.add(label);

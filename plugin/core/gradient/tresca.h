@@ -9,6 +9,7 @@ namespace frictioncg {
 struct Outcome {
   Status status = Status::converged;
   StepCounts steps;
+  Vector negative;  ///< not_positive_definite: n, the direction
   Index iterations() const { return steps.total(); }
 };
 

@@ -19,7 +19,8 @@ class ConjugateResiduals {
             Vector& b_C);
   Real norm() const { return norm_; }  ///< of the residual, norm_D
   const Vector& residual() const { return s_; }
-  bool indefinite() const { return indefinite_; }  ///< A did negative work on a direction
+  bool indefinite() const { return indefinite_; }        ///< A did negative work on a direction
+  const Vector& last() const { return kept_[next_].z; }  ///< that direction
 
  private:
   struct Direction {

@@ -29,8 +29,12 @@ constexpr Real less_Gamma = 0.3;                  ///< ... to this share
 /// Springs, over D: the first; their change by a release, by one after a retreat, by a retreat, and
 /// where they were too weak for the hierarchy.
 constexpr Real first_spring = 1e-2, weaker = 0.1, little_weaker = 0.3, stiffer = 10, firmer = 3;
-constexpr Real spring_share = 0.1;   ///< of the springs' force: laws that hold to it release them
-constexpr Real lasting = 0.9;        ///< of the springs' force before: the body drifts
+constexpr Real spring_share = 0.1;  ///< of the springs' force: laws that hold to it release them
+constexpr Real lasting = 0.9;       ///< of the springs' force before: the body drifts
+/// Of the violation over the first, where the caller has another method: in slender bodies it
+/// doubled within three updates, and fell later if at all.
+constexpr Real runaway = 2;
+constexpr Index settling = 3;        ///< updates before that, in which it may grow all the same
 constexpr Real out_of_bounds = 1e3;  ///< violation over the first with the present springs
 
 }  // namespace
@@ -73,7 +77,7 @@ Status InexactNewton::solve(Real tol, Index max_iterations, const Vector& x0,
       if (!goes_on) return ended(Status::stagnated);
       if (goal_ <= least_goal_) return ended(Status::stagnated);
     } else if (!progress(solved, violation)) {
-      if (accepted_.size() > 0 || !retreat(solved)) return ended(Status::stagnated);
+      if (accepted_.size() > 0 || gave_up_ || !retreat(solved)) return ended(Status::stagnated);
       continue;
     }
     faces_.lag(!solved);
@@ -238,6 +242,9 @@ bool InexactNewton::progress(bool solved, Real violation) {
   if (!solved) return false;
   if (!std::isfinite(first_)) first_ = violation;
   if (!(violation <= out_of_bounds * first_)) return false;
+  gave_up_ =
+      gives_up_early_ && spring_ == 0 && updates_ >= settling && violation > runaway * first_;
+  if (gave_up_) return false;
   if (violation < better * best_) {
     best_ = violation;
     without_progress_ = 0;

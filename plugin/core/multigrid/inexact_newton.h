@@ -23,13 +23,16 @@ class InexactNewton {
 
   /// For a caller who has another method, which costs as much as so many cycles. Ends, stagnated,
   /// as soon as the residual of a linear system does not fall as it does by a good hierarchy, or so
-  /// slowly that tol would take more than that.
+  /// slowly that tol would take more than that, or what the faces violate grows, as it does in
+  /// slender bodies.
   void give_up_early(Real affordable_cycles) {
     gives_up_early_ = true;
     affordable_ = affordable_cycles;
   }
 
   const Vector& x() const { return x_; }
+  /// not_positive_definite: n, the direction.
+  Vector negative() const { return inner_.indefinite() ? inner_.last() : Vector(); }
   const std::vector<Face>& faces() const { return faces_.all(); }
   Index iterations() const { return iterations_; }  ///< cycles
   Index updates() const { return updates_; }        ///< of the faces

@@ -74,6 +74,7 @@ void MultigridSolver::iterate(const ContactProblem& problem, const Settings& set
   const Index bound = std::min(settings.nbiter > 0 ? settings.nbiter : most, most);
   s.status = newton.solve(settings.tol, bound, x0, last_);
   s.x = newton.x();
+  s.negative = newton.negative();
   s.iterations = newton.iterations();
   s.steps = newton.steps();
   if (s.status == Status::converged) last_ = newton.faces();

@@ -164,7 +164,7 @@ TEST(FixedPoint, AFailedMinimizationNamesTheEnd) {
    public:
     explicit Failing(Status status) : status_(status) {}
     Outcome minimize(Vector&, const Vector&, Real, Tangents, Real) override {
-      return {status_, {}};
+      return {status_, {}, {}};
     }
 
    private:
