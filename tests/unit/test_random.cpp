@@ -1,7 +1,7 @@
 // Random scenes against the verifier: whatever is called converged must obey the unregularized
 // laws, to ten times tol in units of the contact forces, and a scene that has an answer must be
 // solved. RANDOM_SCENES and RANDOM_SEED in the environment choose how many, and which;
-// RANDOM_VERBOSE names those that were not solved.
+// RANDOM_VERBOSE names those that were not solved, and the layers that solved the others.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -46,6 +46,9 @@ Result judge(const Recipe& recipe, const Settings& settings) {
   return r;
 }
 
+const char* const layer_name[] = {"none",        "linear", "newton", "interior_point", "proximal",
+                                  "fixed_point", "gcx",    "gc",     "sorp",           "multigrid"};
+
 const char* const status_name[] = {"converged",
                                    "max_iterations",
                                    "stagnated",
@@ -62,12 +65,14 @@ void run_scenes(const char* title, unsigned count, unsigned seed, Settings setti
                 Index patience = 0) {
   const Real accuracy = 10 * settings.tol;
   std::map<Status, unsigned> ends;
+  std::map<Layer, unsigned> layers;  // that solved
   const bool verbose = from_environment("RANDOM_VERBOSE", 0) != 0;
   for (unsigned k = 0; k < count; ++k) {
     const Recipe recipe = random_recipe(seed + k);
     settings.nbiter = recipe.has_solution() ? patience : 0;
     const Result result = judge(recipe, settings);
     ++ends[result.status];
+    if (result.status == Status::converged) ++layers[result.layer];
     const auto wrong = [&](const Recipe& q) { return !(judge(q, settings).worst <= accuracy); };
     if (verbose && result.status != Status::converged && result.status != Status::no_equilibrium)
       std::cout << "  " << status_name[int(result.status)] << ": " << recipe << std::endl;
@@ -84,6 +89,10 @@ void run_scenes(const char* title, unsigned count, unsigned seed, Settings setti
   }
   std::cout << title << ": " << count << " scenes from seed " << seed << ":";
   for (const auto& [status, n] : ends) std::cout << " " << status_name[int(status)] << " " << n;
+  if (verbose) {
+    std::cout << "; converged by";
+    for (const auto& [layer, n] : layers) std::cout << " " << layer_name[int(layer)] << " " << n;
+  }
   std::cout << std::endl;
 }
 

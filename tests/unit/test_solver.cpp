@@ -244,6 +244,40 @@ TEST(Solver, AnIndefiniteMatrixIsNamed) {
     EXPECT_EQ(run(s, settings).solution.status, Status::not_positive_definite);
 }
 
+TEST(Solver, TheDirectionThatNamesAnIndefiniteMatrixIsOne) {
+  for (Real factor : {1.5, 1.05, 1.01}) {
+    Scene s = block(BlockOptions());
+    for (std::size_t k = 0; k < s.a.size(); ++k)
+      if (s.i[k] != s.j[k]) s.a[k] *= factor;
+    const Posed posed = s.system();
+    const Matrix& A = posed.problem().system->A;
+    Settings regularized;
+    regularized.newton = false;
+    for (const Settings& settings : {Settings(), gc3(), regularized}) {
+      const Solution a = solve(posed.problem(), settings);
+      ASSERT_EQ(a.status, Status::not_positive_definite) << factor;
+      ASSERT_EQ(a.negative.size(), A.rows());
+      const Vector Ap = A * a.negative;
+      EXPECT_LT(a.negative.dot(Ap), -1e-12 * a.negative.cwiseAbs().dot(magnitude(A, a.negative)));
+    }
+  }
+}
+
+TEST(Solver, ADirectionThatCostsEnergyAccusesNoMatrix) {
+  const Posed posed = block(BlockOptions()).system();
+  for (const Vector& p : {Vector(), Vector(Vector::Ones(posed.problem().dofs()))}) {
+    const Solution a = answer(posed.problem(), Settings(), [&] {
+      Solution s;
+      s.x = Vector::Zero(posed.problem().dofs());
+      s.certificate = certify(posed.problem(), s.x);
+      s.status = Status::not_positive_definite;
+      s.negative = p;
+      return s;
+    });
+    EXPECT_EQ(a.status, Status::stagnated);
+  }
+}
+
 TEST(Solver, TooFewIterationsAreReportedAsSuch) {
   Settings settings;
   settings.nbiter = 3;

@@ -6,6 +6,7 @@
 #include "clock.h"
 #include "condensed/bounded_pressure.h"
 #include "condensed/cholmod_elimination.h"
+#include "condensed/interior_point.h"
 #include "condensed/proximal.h"
 #include "condensed/regularized.h"
 #include "condensed/rigid_motions.h"
@@ -16,11 +17,9 @@ namespace frictioncg {
 
 namespace {
 
-constexpr int passes = 4;    ///< of the refinement: each gains the digits that S has
-constexpr Real worth = 0.3;  ///< a pass that reduces the residual less is the last
-constexpr Real smooth_enough =
-    1e-6;                      ///< tolerance of the regularized answer that Newton starts from
-constexpr Real rigid = 1e-12;  ///< <Aw,w>/<Dw,w> up to which w is used as a proof
+constexpr int passes = 4;             ///< of the refinement: each gains the digits that S has
+constexpr Real worth = 0.3;           ///< a pass that reduces the residual less is the last
+constexpr Real rigid = 1e-12;         ///< <Aw,w>/<Dw,w> up to which w is used as a proof
 constexpr Real surely_rigid = 1e-14;  ///< the same, not to be mistaken for a slender body
 
 /// Adds the time it lives to one of the phases.
@@ -126,7 +125,8 @@ void CondensedSolver::recover(Run& run, const Attempt& a) {
   s.certificate = std::move(certificate);
 }
 
-/// Newton's method; where it does not arrive, first whether the load can be held at all.
+/// Newton's method; where it does not arrive, first whether the load can be held at all, then an
+/// interior point, then springs that vanish.
 Attempt CondensedSolver::solve_laws(Run& run, const CondensedProblem& condensed,
                                     const Vector& start) {
   Solution& s = run.s;
@@ -147,44 +147,45 @@ Attempt CondensedSolver::solve_laws(Run& run, const CondensedProblem& condensed,
     return answered(Layer::fixed_point);
   }
   a = by_newton(run, condensed, start);
+  s.iterations += a.steps;
   if (a.solved) return answered(Layer::newton);
   if (!run.asked && unheld_by_anything(run, condensed)) {
     a.status = Status::no_equilibrium;
     return a;
   }
   run.asked = true;
+  a = by_interior_point(condensed, run.left());
+  s.iterations += a.steps;
+  if (a.solved) return answered(Layer::interior_point);
   a = by_proximal_points(condensed, run.left());
   s.iterations += a.steps;
-  if (a.solved) return answered(Layer::proximal);
-  a = by_gradient(run, condensed, start);
-  return answered(s.eps > 0 ? Layer::fixed_point : Layer::newton);
+  // what ended a layer says nothing about the bound of the call
+  a.status = run.left() > 0 ? Status::stagnated : Status::max_iterations;
+  return answered(Layer::proximal);
 }
 
 /// Newton from the branches of `start`, or of the last answer; where neither is there, or it fails,
 /// from stick.
-Attempt CondensedSolver::by_newton(Run& run, const CondensedProblem& condensed,
-                                   const Vector& start) {
+Attempt CondensedSolver::by_newton(const Run& run, const CondensedProblem& condensed,
+                                   const Vector& start) const {
   Attempt a;
   if (start.size() > 0)
     a.solved = newton_from(start, condensed, run.left(), a);
   else if (!last_.empty())
     a.solved = newton_from(last_, condensed, run.left(), a);
   if (!a.solved) a.solved = newton_from(Vector(), condensed, run.left(), a);
-  run.s.iterations += a.steps;
   return a;
 }
 
-/// The paper's method on S; where it converges, Newton once more.
+/// The paper's method on S, regularized.
 Attempt CondensedSolver::by_gradient(Run& run, const CondensedProblem& condensed,
                                      const Vector& start) {
-  Settings settings = run.settings;
-  if (settings.newton) settings.tol = std::max(settings.tol, smooth_enough);
   Attempt a;
   if (run.left() <= 0) {
     a.status = Status::max_iterations;
     return a;
   }
-  const Solution smooth = by_regularization(condensed, settings, run.left(), start);
+  const Solution smooth = by_regularization(condensed, run.settings, run.left(), start);
   Solution& s = run.s;
   s.iterations += smooth.iterations;
   s.passes += smooth.passes;
@@ -192,16 +193,8 @@ Attempt CondensedSolver::by_gradient(Run& run, const CondensedProblem& condensed
   s.eps = smooth.eps;
   a.x = smooth.x;
   a.status = smooth.status;
+  if (smooth.negative.size() == a.x.size()) s.negative = elimination_->extend(smooth.negative);
   a.solved = smooth.status == Status::converged;
-  if (!settings.newton || !a.x.allFinite()) return a;
-  Attempt sharp = by_newton(run, condensed, a.x);
-  if (sharp.solved) {
-    s.eps = 0;
-    return sharp;
-  }
-  // what ended a pass at given limits says nothing about the load, and eps was not asked for
-  if (a.status == Status::no_equilibrium || a.status == Status::regularized)
-    a.status = Status::stagnated;
   return a;
 }
 

@@ -18,9 +18,10 @@ class CondensedSolver {
     return elimination_->factor(*system_, memory_bound);
   }
 
-  /// settings.newton: semismooth Newton on the unregularized laws, and what follows where it does
-  /// not arrive; else the regularized conjugate gradient and the fixed point on S.
-  /// x0: n, or empty to start from the last answer. problem.system is the one that was factored.
+  /// settings.newton: semismooth Newton on the unregularized laws, and where it does not arrive an
+  /// interior point and springs before it; else the regularized conjugate gradient and the fixed
+  /// point on S. x0: n, or empty to start from the last answer. problem.system is the one that was
+  /// factored.
   Solution solve(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                  Observer* observer = nullptr);
 
@@ -32,7 +33,7 @@ class CondensedSolver {
   CondensedProblem condense(Run& run);
   void recover(Run& run, const Attempt& a);
   Attempt solve_laws(Run& run, const CondensedProblem& condensed, const Vector& start);
-  Attempt by_newton(Run& run, const CondensedProblem& condensed, const Vector& start);
+  Attempt by_newton(const Run& run, const CondensedProblem& condensed, const Vector& start) const;
   Attempt by_gradient(Run& run, const CondensedProblem& condensed, const Vector& start);
   bool unheld(Run& run, const Statics& statics);
   bool unheld_by_anything(Run& run, const CondensedProblem& condensed);

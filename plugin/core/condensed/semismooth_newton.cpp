@@ -4,6 +4,7 @@
 #include <limits>
 #include <set>
 
+#include "condensed/single_precision.h"
 #include "model/law.h"
 
 namespace frictioncg {
@@ -15,12 +16,14 @@ constexpr Real rounding_margin = 100;  ///< S carries what the elimination has l
 constexpr Real solved = 1e-12;         ///< residual at which a node that grazes is on either branch
 constexpr Real settled = 1e-9;         ///< residual that may be rounding, once the branches stay
 constexpr int patience = 8;            ///< 3D: directions of slip may need some steps to settle
-constexpr Index large = 500;           ///< unknowns from which the factorization dominates a step
 constexpr Real half_wave = 3;          ///< of c, about pi: see tangential_scale
 constexpr Real least_stiffness = 1e-6;  ///< of diag(S) over D: a body on one node has S = 0
 constexpr Real progress = 0.5;          ///< of the residual from step to step, on the same branches
-/// Refinement in single precision gains a digit a step, or has come to its end, which is rounding.
-constexpr Real digit = 0.1, refined = 1e-13;
+/// Of the forces that violate the laws, over those of the first step. From stick they fall where
+/// Newton's method arrives; in slender bodies, whose bending makes large forces of small
+/// corrections, they doubled within four steps, and it cycled after up to 40.
+constexpr Real runaway = 2;
+constexpr Index settling = 4;  ///< steps before that, in which they may grow all the same
 
 /// c over S_TT. One node alone meets S_TT, about E; a wave of wave number k meets S = E k h, h the
 /// distance of the nodes. Sliding zones are as wide as the contact, L = m^{1/(d-1)} h, whose half
@@ -47,6 +50,7 @@ SemismoothNewton::SemismoothNewton(const CondensedProblem& problem)
 }
 
 void SemismoothNewton::start_from_stick() {
+  from_stick_ = true;
   std::fill(branch_.begin(), branch_.end(), Branch());
   for (Index i = 0; i < problem_.laws.nodes(); ++i)
     branch_[i].closed = std::isfinite(problem_.laws.increment.gap[i]);
@@ -59,15 +63,18 @@ void SemismoothNewton::start_from(const Vector& x, const Vector& r) {
 
 SemismoothNewton::Outcome SemismoothNewton::solve(Index max_steps) {
   std::set<std::size_t> seen{fingerprint()};
-  Real best = std::numeric_limits<Real>::infinity();
+  Real best = std::numeric_limits<Real>::infinity(), first = best;
   int stalled = 0;  // steps on the same branches without progress; 2D: the next one is the same
   for (steps_ = 0; steps_ < max_steps;) {
     ++steps_;
     if (!step()) return Outcome::singular;
     r_ = problem_.residual(x_);
-    residual_ = law_residual(r_);
+    const Real violation = law_violation(r_);
+    residual_ = violation / unit(r_);
     if (problem_.observer)
       problem_.observer->step(problem_.springs > 0 ? Work::proximal : Work::newton, residual_);
+    if (steps_ == 1) first = violation;
+    if (from_stick_ && steps_ >= settling && violation > runaway * first) return Outcome::ran_away;
     const std::size_t before = fingerprint();
     choose_branches(x_, r_);
     const std::size_t after = fingerprint();
@@ -182,27 +189,6 @@ void SemismoothNewton::for_each_slip(Visit visit) const {
   }
 }
 
-/// M y = b by LU factors in single precision, at half the cost, and iterative refinement; empty
-/// where M is too ill-conditioned for it. M stays as it is.
-Vector SemismoothNewton::solve_in_single_precision() const {
-  const Eigen::PartialPivLU<Eigen::MatrixXf> lu(M_.cast<float>());
-  Vector y = Vector::Zero(b_.size()), r = b_;
-  Real before = r.norm();
-  for (int refinement = 0; before > 0; ++refinement) {
-    const Real size = before;  // keeps the residual in the range of single precision
-    y += size * lu.solve((r / size).cast<float>()).cast<Real>();
-    r = b_;
-    r.noalias() -= M_ * y;
-    const Real after = r.norm();
-    if (!(after <= digit * before)) {
-      if (!(after <= refined * (b_.norm() + M_.norm() * y.norm()))) return {};
-      break;
-    }
-    before = after;
-  }
-  return y;
-}
-
 /// The unknowns, by a factorization in place of M. Where the branches leave a rigid motion free,
 /// the solution of least norm: the load may be in balance with it.
 Vector SemismoothNewton::solve_branches() {
@@ -212,7 +198,7 @@ Vector SemismoothNewton::solve_branches() {
       return scale_.asDiagonal() * llt.solve(b_);
   } else {
     if (b_.size() >= large) {
-      const Vector y = solve_in_single_precision();
+      const Vector y = SinglePrecision(M_).solve(b_);
       if (y.size() > 0) return scale_.asDiagonal() * y;
     }
     const Eigen::PartialPivLU<Eigen::Ref<DenseMatrix>> lu(M_);
@@ -225,8 +211,9 @@ Vector SemismoothNewton::solve_branches() {
   return scale_.asDiagonal() * cod.compute(M_).solve(b_);
 }
 
-/// The residual of the laws on S, with c = diag(A): a small algorithmic c would flatter it.
-Real SemismoothNewton::law_residual(const Vector& r) const {
+/// What is left of the laws on S, in norm_D, with c = diag(A): a small algorithmic c would flatter
+/// it.
+Real SemismoothNewton::law_violation(const Vector& r) const {
   const ContactProblem& laws = problem_.laws;
   Real sum = 0;
   for (Index i = 0; i < laws.nodes(); ++i) {
@@ -241,7 +228,7 @@ Real SemismoothNewton::law_residual(const Vector& r) const {
                .squaredNorm() /
            c;
   }
-  return std::sqrt(sum) / unit(r);
+  return std::sqrt(sum);
 }
 
 /// The forces at work, in norm_D: as the certificate has them, a share of the load and the contact

@@ -19,7 +19,7 @@ namespace frictioncg {
 ///              P (r_T + dr_T) = w P (x_T + dx_T),  w = q c/(1 - q)
 class SemismoothNewton {
  public:
-  enum class Outcome { converged, cycled, stalled, singular, exhausted };
+  enum class Outcome { converged, cycled, stalled, singular, exhausted, ran_away };
 
   /// The branch of the laws that a node is on.
   struct Branch {
@@ -36,7 +36,8 @@ class SemismoothNewton {
 
   void start_from(const std::vector<Branch>& branches) { branch_ = branches; }
 
-  /// At most max_steps steps; converged where the laws hold to rounding.
+  /// At most max_steps steps; converged where the laws hold to rounding. ran_away: from stick, and
+  /// the forces that violate the laws grow.
   Outcome solve(Index max_steps);
 
   const Vector& x() const { return x_; }
@@ -53,8 +54,7 @@ class SemismoothNewton {
   void for_each_slip(Visit visit) const;
   bool assemble();
   Vector solve_branches();
-  Vector solve_in_single_precision() const;
-  Real law_residual(const Vector& r) const;
+  Real law_violation(const Vector& r) const;
   Real rounding() const;
   Real unit(const Vector& r) const;
   std::size_t fingerprint() const;
@@ -70,7 +70,7 @@ class SemismoothNewton {
   std::vector<Index> normal_;  ///< of the unknowns, the normal dof that factor_ refers to
   Index steps_ = 0;
   Real residual_ = 0;
-  bool undetermined_ = false;
+  bool undetermined_ = false, from_stick_ = false;
 };
 
 }  // namespace frictioncg

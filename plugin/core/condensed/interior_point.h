@@ -1,0 +1,72 @@
+#pragma once
+#include <Eigen/Cholesky>
+
+#include <memory>
+
+#include "condensed/attempt.h"
+#include "condensed/single_precision.h"
+
+namespace frictioncg {
+
+/// A primal-dual interior point on the coupled laws, where active sets do not settle: in slender
+/// and soft bodies each node that opens or closes moves all others. With s = gap - x_N, and t_i a
+/// bound on the slip, the central path is
+///   S x + r = f,   s r_N = tau,   g t - r_T.x_T = tau,   t r_T - g x_T = 0,
+///   s, r_N > 0,  g > |r_T|,  t > |x_T|,  g = mu r_N or given,
+/// and its end, tau = 0, obeys the laws: unilateral contact, and r_T = g x_T/|x_T| or x_T = 0.
+/// Everything is scaled by D^{1/2}. A step is Newton's, along Mehrotra's predictor and corrector.
+class CentralPath {
+ public:
+  explicit CentralPath(const CondensedProblem& problem);
+
+  /// Along the path towards its end; returns the steps it took. Where it cannot start, and for
+  /// bilateral contact, none.
+  Index follow(Index max_steps);
+
+  Vector x() const { return at_.y.cwiseQuotient(unit_); }
+
+ private:
+  /// A point of the path, or a step between two; r_N apart from r_T.
+  struct Point {
+    Vector y, s, N, T, t;  ///< contact_dofs, m, m, contact_dofs (its tangential part), m
+  };
+  /// dr_T = a + B dx_T + e dr_N, what the laws of a node leave of friction.
+  struct Friction {
+    Vector a, e;    ///< contact_dofs
+    DenseMatrix B;  ///< d - 1 columns: the blocks of the nodes, one below the other
+    Vector rest;    ///< m, right side of the law that has dt
+  };
+  bool start();
+  void make_positive();
+  Real mean_product(const Point& p) const;
+  bool factor();
+  Vector solve(const Vector& b);
+  void linearize(Real tau, const Point* before);
+  void linearize_friction(Index i, Real tau, const Point* before);
+  Point step();
+  Real room(const Point& d) const;
+  void move(Point& p, const Point& d, Real part) const;
+  Real limit(Index i, const Point& p) const { return mu_[i] * p.N[i] + g_[i]; }
+  Index normal(Index i) const { return problem_.normal(i); }
+  Index tangents(Index i) const { return problem_.laws.tangents(i); }
+
+  const CondensedProblem& problem_;
+  const Index nodes_;
+  Vector unit_, f_, gap_, mu_, g_;  ///< unit = D^{1/2}; the others in its units
+  std::vector<char> closes_, rubs_;
+  bool symmetric_ = true;
+  DenseMatrix K_, M_;
+  Vector scale_;  ///< of M, D^{-1/2}
+  Eigen::LLT<DenseMatrix> llt_;
+  Eigen::PartialPivLU<DenseMatrix> lu_;
+  std::unique_ptr<const SinglePrecision> single_;
+  bool fine_ = false;     ///< single precision does not do any more
+  Vector alpha_, omega_;  ///< m: dr_N = alpha + omega dx_N
+  Friction friction_;
+  Point at_;
+};
+
+/// The central path, and Newton's method on the laws themselves from the branches at its end.
+Attempt by_interior_point(const CondensedProblem& problem, Index max_steps);
+
+}  // namespace frictioncg

@@ -1,0 +1,28 @@
+#include "condensed/single_precision.h"
+
+namespace frictioncg {
+
+namespace {
+/// Refinement gains a digit a step, or has come to its end, which is rounding.
+constexpr Real digit = 0.1, refined = 1e-13;
+}  // namespace
+
+Vector SinglePrecision::solve(const Vector& b) const {
+  Vector y = Vector::Zero(b.size()), r = b;
+  Real before = r.norm();
+  while (before > 0) {
+    const Real size = before;  // keeps the residual in the range of single precision
+    y += size * lu_.solve((r / size).cast<float>()).cast<Real>();
+    r = b;
+    r.noalias() -= M_ * y;
+    const Real after = r.norm();
+    if (!(after <= digit * before)) {
+      if (!(after <= refined * (b.norm() + M_.norm() * y.norm()))) return {};
+      break;
+    }
+    before = after;
+  }
+  return y;
+}
+
+}  // namespace frictioncg

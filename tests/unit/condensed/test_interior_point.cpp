@@ -1,0 +1,140 @@
+// The central path alone, and as the layer that answers where active sets do not settle.
+#include <gtest/gtest.h>
+
+#include "../sparse_scene.h"
+#include "../statics.h"
+#include "../verifier.h"
+#include "bodies.h"
+#include "core/condensed/interior_point.h"
+#include "core/solver.h"
+
+using namespace frictioncg;
+using namespace frictioncg::test;
+
+namespace {
+
+/// A strip 100 times as long as thick, held at one end, pressed onto a floor and lifted at the
+/// other end.
+Scene lifted(int cells, Law law, Real mu) {
+  SparseOptions o;
+  o.d = 2;
+  o.cells = {cells, 2, 1};
+  o.size = {1, 0.01, 1};
+  o.law = law;
+  o.mu = mu;
+  o.pressure = 1e-3;
+  o.shear = 0;
+  SparseScene s = sparse_block(o);
+  Index tip = 0;
+  for (Index i = 0; i < s.position.rows(); ++i)
+    if (s.position.row(i).sum() > s.position.row(tip).sum()) tip = i;
+  s.b[2 * tip + 1] += 2e-4;
+  return s;
+}
+
+}  // namespace
+
+TEST(InteriorPoint, TheEndOfThePathObeysTheLawsBeforeNewtonsMethod) {
+  for (int d : {2, 3})
+    for (Law law : {Law::frictionless, Law::tresca, Law::coulomb}) {
+      BlockOptions o;
+      o.d = d;
+      o.cells = d == 2 ? 8 : 3;
+      o.law = law;
+      o.clamp_side = true;
+      o.shear = 4;
+      OnContact condensed(block(o));
+      CentralPath path(condensed.problem());
+      const Index steps = path.follow(100);
+      EXPECT_GT(steps, 3) << d << int(law);
+      EXPECT_LE(steps, 25) << d << int(law);
+      EXPECT_LT(condensed.residual(path.x()), 1e-4) << d << int(law);
+    }
+}
+
+TEST(InteriorPoint, ItsAnswerIsNewtonsWhereBothArrive) {
+  for (int d : {2, 3})
+    for (Real mu : {0.1, 0.3, 1.}) {
+      BlockOptions o;
+      o.d = d;
+      o.cells = d == 2 ? 8 : 3;
+      o.mu = mu;
+      o.clamp_side = true;
+      o.shear = 4;
+      OnContact condensed(block(o));
+      const CondensedProblem p = condensed.problem();
+      SemismoothNewton newton(p);
+      newton.start_from_stick();
+      ASSERT_EQ(newton.solve(40), SemismoothNewton::Outcome::converged);
+      const Attempt a = by_interior_point(p, 100);
+      ASSERT_TRUE(a.solved) << d << " " << mu;
+      EXPECT_LE((a.x - newton.x()).norm(), 1e-10 * newton.x().norm());
+    }
+}
+
+TEST(InteriorPoint, HoldsLaddersByFrictionAlone) {
+  for (const auto& [degrees, floor, wall] :
+       {std::tuple{60., 0.3, 0.2}, {40., 0.6, 0.2}, {65., 0.2, 0.2}, {50., 0.4, 0.2}}) {
+    OnContact condensed(ladder(degrees, floor, wall));
+    const Attempt a = by_interior_point(condensed.problem(), 1000);
+    ASSERT_TRUE(a.solved) << degrees;
+    EXPECT_LE(a.steps, 40) << degrees;
+    EXPECT_LT(condensed.residual(a.x), 1e-8) << degrees;
+  }
+}
+
+TEST(InteriorPoint, KeepsToItsBoundAndLeavesBilateralContactAlone) {
+  BlockOptions o;
+  o.clamp_side = true;
+  OnContact condensed(block(o));
+  for (Index bound : {0, 1, 7}) {
+    const Attempt a = by_interior_point(condensed.problem(), bound);
+    EXPECT_LE(a.steps, bound);
+    EXPECT_FALSE(a.solved);
+  }
+  ContactProblem bilateral = condensed.posed.problem();
+  bilateral.increment.bilateral = true;
+  const CondensedProblem all = condensed.problem();
+  const CondensedProblem p{all.S, all.f, all.D, bilateral};
+  EXPECT_EQ(by_interior_point(p, 100).steps, 0);
+}
+
+TEST(InteriorPoint, AnswersForStripsOnAFloorInAsManyStepsWhateverTheirMesh) {
+  for (int cells : {50, 100, 200})
+    for (Real mu : {0., 0.2}) {
+      const Scene s = lifted(cells, mu > 0 ? Law::coulomb : Law::frictionless, mu);
+      const Posed posed = s.system();
+      const Solution a = solve(posed.problem(), Settings());
+      EXPECT_EQ(a.status, Status::converged) << cells << " " << mu;
+      EXPECT_EQ(a.layer, Layer::interior_point) << cells << " " << mu;
+      EXPECT_LE(a.iterations, 30) << cells << " " << mu;
+      const auto verdict = verify(s, posed.to_global(a.x), posed.force_to_global(a.certificate.r));
+      EXPECT_LT(verdict.worst(), 1e-5) << cells << " " << mu;
+    }
+}
+
+TEST(InteriorPoint, MultigridGivesWayToItWhereTheFacesOfAStripRunAway) {
+  const Scene s = lifted(400, Law::coulomb, 0.2);
+  std::vector<Index> node(s.n);
+  for (Index p = 0; p < s.n; ++p) node[p] = p / 2;
+  const Posed posed = s.system(node);
+  ASSERT_EQ(make_plan(posed.problem(), Settings()).route, Route::multigrid);
+  const Solution a = solve(posed.problem(), Settings());
+  EXPECT_EQ(a.status, Status::converged);
+  EXPECT_EQ(a.layer, Layer::interior_point);
+  EXPECT_LE(a.iterations, 45);
+}
+
+TEST(InteriorPoint, HoldsNearlyIncompressibleBlocksByFriction) {
+  SparseOptions o;
+  o.cells = {6, 6, 6};
+  o.nu = 0.4999;
+  o.clamp_side = false;
+  for (Real mu : {0.5, 0.9}) {
+    o.mu = mu;
+    const Posed posed = sparse_block(o).system();
+    const Solution a = solve(posed.problem(), Settings());
+    EXPECT_EQ(a.status, Status::converged) << mu;
+    EXPECT_LE(a.iterations, 60) << mu;
+  }
+}
