@@ -68,15 +68,16 @@ inline bool relaxes(const Settings& s) {
 }
 
 /// What a layer is at that has no field to show.
-enum class Work { factorization, hierarchy, newton, proximal, gradient };
-constexpr int works = 5;
+enum class Work { factorization, hierarchy, newton, interior_point, proximal, gradient };
+constexpr int works = 6;
 
 /// Hears of the iterations; the core never prints.
 class Observer {
  public:
   virtual ~Observer() = default;
   virtual void iterate(Index iteration, StepLabel label, const Vector& x) = 0;
-  /// A step of a layer on the contact dofs, and the residual of the laws there.
+  /// A step of a layer on the contact dofs, and the residual of the laws there; of an interior
+  /// point how much of its products is left.
   virtual void step(Work, Real /*residual*/) {}
   /// Whether a step would be heard now: where its residual costs something.
   virtual bool listens() { return false; }

@@ -265,8 +265,9 @@ TEST(Solver, TheDirectionThatNamesAnIndefiniteMatrixIsOne) {
 
 TEST(Solver, ADirectionThatCostsEnergyAccusesNoMatrix) {
   const Posed posed = block(BlockOptions()).system();
+  const auto none = [&] { return Eigen::MatrixXd(posed.problem().dofs(), 0); };
   for (const Vector& p : {Vector(), Vector(Vector::Ones(posed.problem().dofs()))}) {
-    const Solution a = answer(posed.problem(), Settings(), [&] {
+    const Solution a = answer(posed.problem(), Settings(), none, [&] {
       Solution s;
       s.x = Vector::Zero(posed.problem().dofs());
       s.certificate = certify(posed.problem(), s.x);

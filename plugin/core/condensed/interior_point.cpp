@@ -238,6 +238,7 @@ Index CentralPath::follow(Index max_steps) {
       mark = mean;
     }
     ++steps;
+    if (problem_.observer) problem_.observer->step(Work::interior_point, far_down * mean / goal);
     linearize(0, nullptr);
     if (!factor()) break;
     const Point predictor = step();

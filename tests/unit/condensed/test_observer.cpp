@@ -4,6 +4,7 @@
 #include "../scene.h"
 #include "../statics.h"
 #include "bodies.h"
+#include "core/condensed/interior_point.h"
 #include "core/condensed/proximal.h"
 #include "core/condensed/regularized.h"
 #include "core/solver.h"
@@ -54,6 +55,18 @@ TEST(Listener, HearsOfProximalPointsWithSpringsAndWithout) {
   EXPECT_GT(listener[Work::proximal], 0);
   EXPECT_GT(listener[Work::newton], 0);
   EXPECT_EQ(listener[Work::proximal] + listener[Work::newton], a.steps);
+}
+
+TEST(Listener, HearsOfTheInteriorPointUntilItsProductsAreGone) {
+  OnContact standing(ladder(60, 0.3, 0.2));
+  CondensedProblem p = standing.problem();
+  Listener listener;
+  p.observer = &listener;
+  CentralPath path(p);
+  const Index steps = path.follow(60);
+  EXPECT_GT(steps, 2);
+  EXPECT_EQ(listener[Work::interior_point], steps);
+  EXPECT_LT(listener.last, 1e-6);
 }
 
 TEST(Listener, HearsOfTheGradientOnTheContactDofsAndOfItsResidualWhereItListens) {
