@@ -41,14 +41,13 @@ class Fit {
     for (const Vec3& e : points) size_ = std::max(size_, e.norm());
     solver_.setThreshold(open);
   }
-  std::optional<Quadric> from(const Vec3& mean, bool may_be_open) {
+  std::optional<Quadric> from(const Vec3& mean) {
     n_ = mean;
     s1_ = mean.unitOrthogonal();
     for (int step = 0; step < most_steps; ++step) {
       set_axes();
       const Real before = k_;
       const Vector slope = solve();
-      if (!may_be_open && open_) return {};
       n_ -= slope[0] * s1_;
       if (d_ == 3) n_ -= slope[1] * s2_;
       n_.normalize();
@@ -88,7 +87,6 @@ class Fit {
     right_.applyOnTheLeft(qr_.householderQ().adjoint());
     q_.setZero(bends_.cols());
     if (rest > 0) q_ = solver_.compute(bends_.bottomRows(rest)).solve(right_.tail(rest));
-    open_ = rest == 0 || solver_.rank() < bends_.cols();
     if (d_ == 3 && rest > 0 && solver_.rank() == 2) develop(bends_.bottomRows(rest));
     k_ = d_ == 2 ? q_[0] : along_normal(q_[0], q_[1] / M_SQRT2, q_[2]);
     return qr_.matrixQR().topRows(s).triangularView<Eigen::Upper>().solve(
@@ -123,22 +121,15 @@ class Fit {
   Vec3 n_, s1_, s2_;
   Eigen::MatrixXd slopes_, bends_;
   Vector right_, q_;  ///< q: c, sqrt(2) d, f; 2D: c
-  bool open_ = false;
   Eigen::HouseholderQR<Eigen::MatrixXd> qr_;
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver_;
 };
 
 }  // namespace
 
-std::optional<Quadric> osculating_quadric(int d, const std::vector<Vec3>& ring,
-                                          const std::vector<Vec3>& second, bool rim,
+std::optional<Quadric> osculating_quadric(int d, const std::vector<Vec3>& around,
                                           const Vec3& mean) {
-  std::optional<Quadric> found;
-  if (!rim) found = Fit(d, ring).from(mean, false);
-  if (found) return found;
-  std::vector<Vec3> both = ring;
-  both.insert(both.end(), second.begin(), second.end());
-  return Fit(d, both).from(mean, true);
+  return Fit(d, around).from(mean);
 }
 
 }  // namespace frictioncg

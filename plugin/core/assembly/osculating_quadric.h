@@ -27,11 +27,9 @@ struct Quadric {
 /// circles, spheres and cylinders, whatever the facets, and of second order in their size on other
 /// smooth surfaces; a mean of the facets' normals is of first order, a wedge at each vertex.
 ///
-/// ring: vertices of the facets there; second: those of the next facets, taken where `ring` leaves
-/// the quadric open, as at a rim. Where they do so, too (one layer of facets), the curvature is
-/// what it need be. Nothing where no quadric fits within 45 degrees of `mean`.
-std::optional<Quadric> osculating_quadric(int d, const std::vector<Eigen::Vector3d>& ring,
-                                          const std::vector<Eigen::Vector3d>& second, bool rim,
+/// Where they leave the quadric open (one layer of facets) the curvature is what it need be.
+/// Nothing where no quadric fits within 45 degrees of `mean`.
+std::optional<Quadric> osculating_quadric(int d, const std::vector<Eigen::Vector3d>& around,
                                           const Eigen::Vector3d& mean);
 
 }  // namespace frictioncg

@@ -14,16 +14,19 @@ using Vec3 = Eigen::Vector3d;
 
 constexpr Real parallel = 1 - 1e-14;  ///< cosine of angles that rounding makes
 constexpr Real leaning = M_SQRT1_2;   ///< cosine from the mean normal beyond which it is no surface
-/// Of the curvature, what its jump is at least. Vertices that lie off an arc by a hundredth of its
-/// sagitta, as buildmesh moves them, make a tenth.
-constexpr Real jump = 0.3;
-constexpr Real smooth = 0.25;  ///< of the jump, what a side's own curvature changes by at most
-
-constexpr Real rounding =
-    1e-6;  ///< of the jump: sides of one curvature, as they come out of their fits
+/// Of the curvature, the jumps that begin to count, and those that count in full. Vertices that lie
+/// off an arc by a hundredth of its sagitta, as buildmesh moves them, make a tenth.
+constexpr Real jump = 0.3, clear_jump = 0.35;
+/// Of the jump, the changes of a side's own curvature that begin to make it none, and that do.
+constexpr Real smooth = 0.2, rough = 0.25;
+/// Of the jump: a change that sides do not differ by. Those of one curvature differ by 1e-10 of it.
+constexpr Real alike = 1e-5;
 constexpr Real infinite = std::numeric_limits<Real>::infinity();
 
 bool same_direction(const Vec3& m, const Vec3& n) { return m.dot(n) > parallel; }
+
+/// From 0 at `from` to 1 at `to`.
+Real ramp(Real x, Real from, Real to) { return std::clamp<Real>((x - from) / (to - from), 0, 1); }
 
 class Estimator {
  public:
@@ -44,8 +47,7 @@ class Estimator {
   FanNormal operator()(std::size_t p) const {
     FanNormal found;
     const Vec3& mean = s_.fans[p].mean;
-    found.normal = flat_[p] ? mean : with_sides(p);
-    if (found.normal.dot(mean) < least_cosine(p)) found.normal = mean;
+    found.normal = flat_[p] ? mean : within_facets(p, with_sides(p));
     for (std::size_t k = 0; k < s_.fans[p].facets.size() && !flat_[p]; ++k) {
       const Vec3& n = s_.facets[s_.fans[p].facets[k]].normal;
       found.turn =
@@ -68,13 +70,16 @@ class Estimator {
     next.erase(std::unique(next.begin(), next.end()), next.end());
     return next;
   }
-  /// Of the angles from the mean normal to the facets around: the surface turns by no more.
-  Real least_cosine(std::size_t p) const {
+  /// The surface turns from the mean normal by no more than the facets around: a fit that does
+  /// gives way to the mean, which it is at twice as much.
+  Vec3 within_facets(std::size_t p, const Vec3& fitted) const {
+    const Vec3& mean = s_.fans[p].mean;
     Real least = 1;
     for (Index q : next_[p])
-      for (Index f : s_.fans[q].facets)
-        least = std::min(least, s_.facets[f].normal.dot(s_.fans[p].mean));
-    return std::max(least, leaning);
+      for (Index f : s_.fans[q].facets) least = std::min(least, s_.facets[f].normal.dot(mean));
+    const Real turn = std::sqrt(2 - 2 * std::max(least, leaning)), lean = (fitted - mean).norm();
+    if (lean <= turn) return fitted;
+    return (mean + ramp(lean, 2 * turn, turn) * (fitted - mean)).normalized();
   }
   /// Ridges of a fan with one facet of it.
   bool at_rim(const Fan& fan) const {
@@ -108,6 +113,8 @@ class Estimator {
     }
     return all;
   }
+  /// By the vertices of its facets and of the next ones: those of its own alone leave some quadrics
+  /// in 3D nearly open, where a vertex has few. In 2D they do at ends only.
   std::optional<Quadric> fit(std::size_t p) const {
     const Vec3& mean = s_.fans[p].mean;
     if (mean.squaredNorm() == 0) return {};
@@ -115,23 +122,18 @@ class Estimator {
     plane.normal = mean;
     if (flat_[p]) return plane;
     const Index i = s_.fans[p].vertex;
-    std::vector<Index> ring, second;
+    const bool wide = s_.d == 3 || rim_[p];
+    std::vector<Index> vertices;
     for (Index q : next_[p]) {
-      ring.push_back(s_.fans[q].vertex);
-      for (Index r : next_[q]) second.push_back(s_.fans[r].vertex);
+      vertices.push_back(s_.fans[q].vertex);
+      for (Index r : next_[q])
+        if (wide && s_.fans[r].vertex != i) vertices.push_back(s_.fans[r].vertex);
     }
-    const auto unite = [](std::vector<Index>& v) {
-      std::sort(v.begin(), v.end());
-      v.erase(std::unique(v.begin(), v.end()), v.end());
-    };
-    unite(ring);
-    unite(second);
-    std::vector<Vec3> first, next;
-    for (Index j : ring) first.push_back(s_.X[j] - s_.X[i]);
-    for (Index j : second)
-      if (j != i && !std::binary_search(ring.begin(), ring.end(), j))
-        next.push_back(s_.X[j] - s_.X[i]);
-    return osculating_quadric(s_.d, first, next, rim_[p], mean);
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    std::vector<Vec3> around;
+    for (Index j : vertices) around.push_back(s_.X[j] - s_.X[i]);
+    return osculating_quadric(s_.d, around, mean);
   }
 
   /// Of the curvatures, the normal of q turned to that of p.
@@ -142,8 +144,8 @@ class Estimator {
         Eigen::Quaterniond::FromTwoVectors(b.normal, a.normal).toRotationMatrix();
     return (a.curvature - turn * b.curvature * turn.transpose()).norm();
   }
-  /// The largest jump of curvature at a fan; 0 where it is none.
-  Real jump_at(std::size_t p) const {
+  /// The largest jump of curvature at a fan, and how much it counts: 0 where it is none.
+  std::pair<Real, Real> jump_at(std::size_t p) const {
     std::vector<Index> here = next_[p];
     here.push_back(static_cast<Index>(p));
     Real most = 0, curvature = 0;
@@ -153,7 +155,7 @@ class Estimator {
       for (std::size_t l = 0; l < k; ++l)
         if (quadric_[here[l]]) most = std::max(most, difference(here[k], here[l]));
     }
-    return most > jump * curvature ? most : 0;
+    return {most, most > 0 ? ramp(most / curvature, jump, clear_jump) : 0};
   }
   /// By how much the curvature at q, seen from p, changes beyond it: the median of the vertices
   /// there, of which some may lie at the joint again. Infinite where there are none.
@@ -169,28 +171,26 @@ class Estimator {
     std::nth_element(changes.begin(), middle, changes.end());
     return *middle;
   }
-  /// The normal of its own quadric, but next to a jump of curvature that of the smoothest side; of
-  /// sides that are as smooth, the middle of the two that differ most.
+  /// The normal of its own quadric, but next to a jump of curvature that of its sides, the
+  /// smoothest first: a mean with weights (change^2 + (alike jump)^2)^-2. All of it is continuous
+  /// in the vertices: surfaces that move have normals that do.
   Vec3 with_sides(std::size_t p) const {
     const Vec3 own = quadric_[p] ? quadric_[p]->normal : s_.fans[p].mean;
-    const Real most = jump_at(p);
-    if (most == 0) return own;
-    std::vector<Real> change;
-    Real least = infinite;
-    for (Index q : next_[p]) least = std::min(least, change.emplace_back(change_beyond(p, q)));
-    if (!(least < smooth * most)) return own;
-    std::vector<Vec3> sides;
-    for (std::size_t k = 0; k < change.size(); ++k)
-      if (change[k] <= least + rounding * most) {
-        const Index q = next_[p][k];
-        sides.push_back(quadric_[q]->normal_at(at(static_cast<Index>(p)) - at(q)));
-      }
-    Vec3 middle = sides[0] + sides[0];
-    for (std::size_t k = 0; k < sides.size(); ++k)
-      for (std::size_t l = 0; l < k; ++l)
-        if ((sides[k] + sides[l]).squaredNorm() < middle.squaredNorm())
-          middle = sides[k] + sides[l];
-    return middle.normalized();
+    const auto [most, counts] = jump_at(p);
+    if (counts == 0) return own;
+    Real least = infinite, sum = 0;
+    Vec3 sides = Vec3::Zero();
+    for (Index q : next_[p]) {
+      const Real change = change_beyond(p, q) / most;
+      if (!(change < rough)) continue;
+      least = std::min(least, change);
+      const Real weight =
+          ramp(change, rough, smooth) * std::pow(change * change + alike * alike, -2);
+      sum += weight;
+      sides += weight * quadric_[q]->normal_at(at(static_cast<Index>(p)) - at(q));
+    }
+    if (!(sum > 0)) return own;
+    return (own + counts * ramp(least, rough, smooth) * (sides / sum - own)).normalized();
   }
 
   const Faceted& s_;

@@ -164,9 +164,9 @@ TEST(MortarSearch, ADentedMasterOfOneSheetHasNoStepsWhereverTheSlaveMoves) {
   };
   for (const int fineness : {11, 43}) {
     std::map<Index, Vec3> last;
-    for (int k = 0; k < 100; ++k) {
+    for (int k = 0; k < 25; ++k) {
       Surfaces s(3);
-      s.pairs[0].slave = s.sheet(5, -1, bowl(0.002 * k), 2);
+      s.pairs[0].slave = s.sheet(5, -1, bowl(0.008 * k), 2);
       s.pairs[0].master = s.sheet(fineness, 1, dented, 1);
       const Mortar mortar = s.mortar();
       EXPECT_EQ(mortar.statistics().beyond_steps, 0);
@@ -174,7 +174,7 @@ TEST(MortarSearch, ADentedMasterOfOneSheetHasNoStepsWhereverTheSlaveMoves) {
       for (const ContactNode& node : mortar.nodes()) {
         const auto [at, is_new] = last.emplace(node.node, node.gap * node.normal);
         if (!is_new) {
-          EXPECT_LT((at->second - node.gap * node.normal).norm(), 0.004) << k;
+          EXPECT_LT((at->second - node.gap * node.normal).norm(), 0.016) << k;
         }
         at->second = node.gap * node.normal;
       }
