@@ -47,7 +47,7 @@ class Estimator {
   FanNormal operator()(std::size_t p) const {
     FanNormal found;
     const Vec3& mean = s_.fans[p].mean;
-    found.normal = flat_[p] ? mean : within_facets(p, with_sides(p));
+    found.normal = flat_[p] ? mean : with_sides(p);
     for (std::size_t k = 0; k < s_.fans[p].facets.size() && !flat_[p]; ++k) {
       const Vec3& n = s_.facets[s_.fans[p].facets[k]].normal;
       found.turn =
@@ -69,17 +69,6 @@ class Estimator {
     std::sort(next.begin(), next.end());
     next.erase(std::unique(next.begin(), next.end()), next.end());
     return next;
-  }
-  /// The surface turns from the mean normal by no more than the facets around: a fit that does
-  /// gives way to the mean, which it is at twice as much.
-  Vec3 within_facets(std::size_t p, const Vec3& fitted) const {
-    const Vec3& mean = s_.fans[p].mean;
-    Real least = 1;
-    for (Index q : next_[p])
-      for (Index f : s_.fans[q].facets) least = std::min(least, s_.facets[f].normal.dot(mean));
-    const Real turn = std::sqrt(2 - 2 * std::max(least, leaning)), lean = (fitted - mean).norm();
-    if (lean <= turn) return fitted;
-    return (mean + ramp(lean, 2 * turn, turn) * (fitted - mean)).normalized();
   }
   /// Ridges of a fan with one facet of it.
   bool at_rim(const Fan& fan) const {
