@@ -11,11 +11,13 @@ namespace frictioncg {
 
 namespace {
 
-constexpr Real sigma = 0.5;         ///< of the springs, in units of D: costs S one digit
-constexpr int dense_matrices = 3;   ///< S, the matrix of a Newton step, and what solves it
-constexpr Real small_pivot = 1e-9;  ///< over D: below it a pivot may be the rounding of 0
-constexpr Real rigid = 1e-14;       ///< <Av,v>/<Dv,v> up to which v costs no energy
-constexpr Index most_motions = 6;   ///< of one body
+constexpr Real sigma = 0.5;        ///< of the springs, in units of D: costs S one digit
+constexpr int dense_matrices = 3;  ///< S, the matrix of a Newton step, and what solves it
+/// Over D: below it a pivot may be the rounding of 0. A motion that moves the last dof by v leaves
+/// pivots of v^2 and of rounding/v^2, the least of them at most 1e-8.
+constexpr Real small_pivot = 1e-6;
+constexpr Real rigid = 1e-14;      ///< <Av,v>/<Dv,v> up to which v costs no energy
+constexpr Index most_motions = 6;  ///< of one body
 constexpr Index panel_width = 64;
 
 }  // namespace
@@ -158,11 +160,13 @@ bool CholmodElimination::factorize(const System& system, UpperTriangle& A) {
     const bool failed = common_.status == CHOLMOD_NOT_POSDEF;
     if (!failed) check(ok, common_);
     const Index* place = static_cast<const Index*>(L_->Perm);
-    const Index i = failed ? place[L_->minor] : dof_of_smallest_pivot(system);
+    Index i = failed ? place[L_->minor] : dof_of_smallest_pivot(system);
     if (!failed && i < 0) return true;
     if (!failed) {  // is it the rounding of 0?
       const Vector v = solve(CHOLMOD_A, Vector::Unit(n_, i));
-      if (v.dot(system.A * v) > rigid * v.dot(system.D.cwiseProduct(v))) return true;
+      const Vector weighted = system.D.cwiseProduct(v);
+      if (v.dot(system.A * v) > rigid * v.dot(weighted)) return true;
+      v.cwiseProduct(weighted).head(interior_).maxCoeff(&i);
     }
     if (springs_.empty())
       most_springs = most_motions * last_of_each_part(system, {place, place + n_}).size();
