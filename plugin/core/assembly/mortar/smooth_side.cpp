@@ -1,11 +1,15 @@
 #include "assembly/mortar/smooth_side.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 namespace frictioncg::mortar {
 
 namespace {
+
+/// Cosine of 30 degrees and a little: of 12 edges of a circle, the coarsest that counts as one.
+constexpr Real arc_step = 0.86;
 
 int position(const Side& side, Index f, Index vertex) {
   const auto& node = side.facet(f).node;
@@ -30,13 +34,40 @@ Faceted faceted(const Side& side, const std::vector<Vec3>& X) {
   return surface;
 }
 
+/// Of each vertex the least cosine of the joints there, edges left out.
+std::map<Index, Real> bends_of(const Side& side) {
+  std::map<Index, Real> bends;
+  for (const Joint& joint : side.joints)
+    for (Index i : joint.vertex)
+      if (joint.cosine >= arc_step) {
+        Real& bend = bends.emplace(i, joint.cosine).first->second;
+        bend = std::min(bend, joint.cosine);
+      }
+  return bends;
+}
+
+/// Whether the surface turns half as much beyond both facets of a joint: labels split an arc there.
+bool on_an_arc(const Side& side, const Joint& joint, const std::map<Index, Real>& bends) {
+  const Real half = std::sqrt((1 + joint.cosine) / 2);
+  return std::all_of(joint.facet.begin(), joint.facet.end(), [&](Index f) {
+    const auto begin = side.facet(f).node.begin();
+    const Index beyond = *std::find_if(begin, begin + side.d, [&](Index i) {
+      return i != joint.vertex[0] && i != joint.vertex[1];
+    });
+    const auto bend = bends.find(beyond);
+    return bend != bends.end() && bend->second <= half;
+  });
+}
+
 }  // namespace
 
 std::vector<char> joints_that_go_on(const Side& side) {
+  const std::map<Index, Real> bends = bends_of(side);
   std::vector<char> goes_on;
   for (const Joint& joint : side.joints) {
     const bool one_label = side.facet(joint.facet[0]).label == side.facet(joint.facet[1]).label;
-    goes_on.push_back(joint.cosine >= (one_label ? sharp : one_surface));
+    goes_on.push_back(joint.cosine >= (one_label ? sharp : one_surface) ||
+                      (joint.cosine >= arc_step && on_an_arc(side, joint, bends)));
   }
   return goes_on;
 }

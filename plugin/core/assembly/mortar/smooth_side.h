@@ -6,7 +6,7 @@ namespace frictioncg::mortar {
 
 /// Cosine of 45 degrees and a little: ridges sharper than that are edges of the body.
 constexpr Real sharp = 0.7;
-/// Cosine of 10 degrees: labels that meet flatter are one surface.
+/// Cosine of 10 degrees: labels that meet flatter are one surface, others where they split an arc.
 constexpr Real one_surface = 0.985;
 
 /// Of each joint, whether the surface goes on over it: elsewhere are the edges of the body.
