@@ -76,6 +76,30 @@ inline bool leave_free_to_turn(const std::vector<Vector>& motions,
   return (turns * c - axis).norm() < 0.5;
 }
 
+/// What the normals of touching nodes say to a rotation w about c: of q_i = n_i.(w x (x_i - c))
+/// what no translation a, n_i.a, makes good, by sums over the nodes.
+struct StandAgainst {
+  Eigen::Matrix3d nn = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d nq = Eigen::Vector3d::Zero();
+  Real qq = 0, moved = 0;  ///< moved: sum of |w x (x_i - c)|^2
+
+  void add(const Eigen::Vector3d& n, const Eigen::Vector3d& x, const RigidMotion& m) {
+    const Eigen::Vector3d way = m.w.cross(x - m.c);
+    const Real q = n.dot(way);
+    nn += n * n.transpose();
+    nq += q * n;
+    qq += q * q;
+    moved += way.squaredNorm();
+  }
+  /// Contact itself holds the body against the turn: a floor or a slope, 0.3 and more of the way.
+  /// Errors of normals make a few hundredths, surfaces of revolution and faces of a crack nothing.
+  bool holds() const {
+    constexpr Real clearly = 0.1;  // of the way
+    const Real left = qq - nq.dot(nn.completeOrthogonalDecomposition().solve(nq));
+    return left > clearly * clearly * moved;
+  }
+};
+
 /// What the call has to say of such a body.
 inline std::string describe(const LargeTurn& turn, int d) {
   std::ostringstream s;

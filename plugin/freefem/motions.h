@@ -8,23 +8,34 @@
 
 namespace frictioncg {
 
-/// The bodies that a sticking node joins to another one, or to the obstacle: friction holds them.
-/// Between the faces of one body, such as a crack, it holds nothing of its motion.
-inline std::set<Index> stuck_bodies(const Scene& scene, const std::vector<NodeState>& state,
-                                    const std::vector<NodePlace>& places) {
+/// The bodies that a contact node is of: one before an obstacle or on a crack, else two.
+inline std::set<Index> bodies_at(const Scene& scene, Index k, const std::vector<Index>& body) {
   const LocalSystem& system = *scene.system;
-  std::vector<Index> body(scene.ndof(), -1);
-  for (const NodePlace& n : places)
-    for (int c = 0; c < scene.d; ++c) body[n.dof[c]] = n.body;
-  std::set<Index> stuck;
-  for (Index k = 0; k < system.nodes(); ++k) {
-    if (state[k] != NodeState::stick || system.system()->tangents(k) == 0) continue;
-    std::set<Index> joined;
-    for (Matrix::InnerIterator e(system.basis().W, system.system()->first[k]); e; ++e)
-      if (e.value() != 0) joined.insert(body[e.col()]);
-    if (joined.size() > 1 || !scene.pairing) stuck.insert(joined.begin(), joined.end());
+  std::set<Index> joined;
+  for (Matrix::InnerIterator e(system.basis().W, system.system()->first[k]); e; ++e)
+    if (e.value() != 0) joined.insert(body[e.col()]);
+  return joined;
+}
+
+inline void add(const BoundaryNode& node, const RigidMotion& m, StandAgainst& normals) {
+  const std::array<Real, 3>& n = node.point.normal;
+  normals.add({n[0], n[1], n[2]}, {node.x.x, node.x.y, node.x.z}, m);
+}
+
+/// Whether contact holds a body against its turn: by a node that sticks to another body or to the
+/// obstacle (between the faces of one body, such as a crack, it holds nothing of its motion), or by
+/// the normals of those that touch.
+inline bool held_by_contact(const Scene& scene, const std::vector<NodeState>& state,
+                            const std::vector<Index>& body, const LargeTurn& turn) {
+  StandAgainst normals;
+  for (Index k = 0; k < scene.system->nodes(); ++k) {
+    if (state[k] == NodeState::separated) continue;
+    const std::set<Index> joined = bodies_at(scene, k, body);
+    if (!joined.count(turn.body) || (joined.size() < 2 && scene.pairing)) continue;
+    if (state[k] == NodeState::stick && scene.system->system()->tangents(k) > 0) return true;
+    add(scene.contact_point(k), turn.motion, normals);
   }
-  return stuck;
+  return normals.holds();
 }
 
 /// Of a converged field: the body that has turned by more than small rotations can mean, hardly
@@ -37,14 +48,16 @@ inline std::string runaway(const Scene& scene, const Solution& s, const Vector& 
   const std::vector<NodePlace> places = scene.places();
   const std::vector<LargeTurn> turns = large_turns(places, scene.d, field);
   if (turns.empty()) return "";
-  const std::set<Index> stuck = stuck_bodies(scene, s.state, places);
+  std::vector<Index> body(scene.ndof(), -1);
+  for (const NodePlace& n : places)
+    for (int c = 0; c < scene.d; ++c) body[n.dof[c]] = n.body;
   const Eigen::MatrixXd W = floating_motions(*scene.system->system());
   std::vector<Vector> motions;
   for (Index k = 0; k < W.cols(); ++k)
     motions.push_back(scene.system->to_global(W.col(k), Vector::Zero(scene.ndof())));
   const auto bodies = by_body(places);
   for (const LargeTurn& turn : turns)
-    if (!stuck.count(turn.body) &&
+    if (!held_by_contact(scene, s.state, body, turn) &&
         leave_free_to_turn(motions, bodies.at(turn.body), scene.d, turn.motion.w.normalized()))
       return describe(turn, scene.d);
   return "";

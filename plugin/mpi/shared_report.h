@@ -118,19 +118,27 @@ inline std::string describe(const SharedScene& shared, const Vector& motion) {
   return describe_motion(sample.nodes, shared.scene->d, sample.u);
 }
 
-/// As stuck_bodies, by the numbers of SampledMotion.   Collective.
-inline std::set<Index> stuck_bodies(const SharedScene& shared,
-                                    const std::vector<NodeState>& state) {
+/// As held_by_contact, by the numbers of SampledMotion.   Collective.
+inline bool held_by_contact(const SharedScene& shared, const std::vector<NodeState>& state,
+                            const LargeTurn& turn) {
   const Bodies bodies = shared.A->bodies();
-  Vector sticking = Vector::Zero(bodies.count);
-  for (std::size_t k = 0; k < state.size(); ++k)
-    if (state[k] == NodeState::stick && shared.system->tangents(static_cast<Index>(k)) > 0)
-      sticking[bodies.of[shared.system->first[k]]] = 1;
-  shared.domain->sum(sticking.data(), bodies.count);
-  std::set<Index> stuck;
-  for (Index b = 0; b < bodies.count; ++b)
-    if (sticking[b] > 0) stuck.insert(b);
-  return stuck;
+  StandAgainst normals;
+  Real sticks = 0;
+  for (std::size_t k = 0; k < state.size(); ++k) {
+    const Index i = static_cast<Index>(k);
+    if (state[k] == NodeState::separated || bodies.of[shared.system->first[i]] != turn.body)
+      continue;
+    if (state[k] == NodeState::stick && shared.system->tangents(i) > 0) sticks = 1;
+    add(shared.scene->contact_point(shared.numbering().own_nodes[k]), turn.motion, normals);
+  }
+  const Domain& domain = *shared.domain;
+  domain.sum(normals.nn.data(), 9);
+  domain.sum(normals.nq.data(), 3);
+  Real sums[] = {normals.qq, normals.moved, sticks};
+  domain.sum(sums, 3);
+  normals.qq = sums[0];
+  normals.moved = sums[1];
+  return sums[2] > 0 || normals.holds();
 }
 
 /// As in one process.   Collective.
@@ -140,14 +148,13 @@ inline std::string runaway(const SharedScene& shared, const Solution& own, const
   const SampledMotion sample(shared, field);
   const std::vector<LargeTurn> turns = large_turns(sample.nodes, d, sample.u);
   if (turns.empty()) return "";
-  const std::set<Index> stuck = stuck_bodies(shared, own.state);
   const Eigen::MatrixXd W = floating_motions(*shared.system);
   std::vector<Vector> motions;
   for (Index k = 0; k < W.cols(); ++k)
     motions.push_back(SampledMotion(shared, field_of(shared, W.col(k))).u);
   const auto bodies = by_body(sample.nodes);
   for (const LargeTurn& turn : turns)
-    if (!stuck.count(turn.body) &&
+    if (!held_by_contact(shared, own.state, turn) &&
         leave_free_to_turn(motions, bodies.at(turn.body), d, turn.motion.w.normalized()))
       return describe(turn, d);
   return "";
