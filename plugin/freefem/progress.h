@@ -17,7 +17,9 @@ constexpr const char* step_names[step_labels] = {"conjugate",   "restart",  "sti
                                                  "Newton",      "expansion"};
 
 constexpr const char* work_names[works] = {
-    "the factorization", "the multigrid hierarchy", "Newton on the condensed laws",
+    "the factorization",
+    "the multigrid hierarchy",
+    "Newton on the condensed laws",
     "the interior point on the condensed laws",
     "Newton on the condensed laws, with springs that vanish",
     "the regularized conjugate gradient on the condensed system"};

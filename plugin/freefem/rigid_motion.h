@@ -199,8 +199,7 @@ inline std::string describe_motion(const std::vector<NodePlace>& nodes, int d, c
     text += (text.empty() ? "" : ", with ") + describe_one(*moving[k], d, u) +
             " of the body around " + components_of(centre, d, 1e-6 + centre.norm());
   }
-  if (moving.size() > named)
-    text += ", and " + std::to_string(moving.size() - named) + " more";
+  if (moving.size() > named) text += ", and " + std::to_string(moving.size() - named) + " more";
   return text;
 }
 

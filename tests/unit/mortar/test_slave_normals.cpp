@@ -122,7 +122,6 @@ TEST(MortarNormals, OfFlatFacesTheyAreTheFacetsToTheLastBit) {
   for (int d : {2, 3}) {
     const Surfaces s = uneven_pair(d, false, [](const Vec3& x) { return x; });
     const Mortar mortar = s.mortar();
-    for (const ContactNode& node : mortar.nodes())
-      EXPECT_EQ(node.normal, Vec3(Vec3::Unit(d - 1)));
+    for (const ContactNode& node : mortar.nodes()) EXPECT_EQ(node.normal, Vec3(Vec3::Unit(d - 1)));
   }
 }
