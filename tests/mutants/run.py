@@ -66,6 +66,13 @@ def read_list():
     return mutants
 
 
+def misplaced(mutant):
+    """In words, where the text does not stand once in the file."""
+    with open(os.path.join(ROOT, mutant.source())) as f:
+        count = f.read().count(mutant.old)
+    return "" if count == 1 else f"list.txt:{mutant.line}: stands {count} times, and not once, in {mutant.path}"
+
+
 def fault(command, log, seconds=None, **more):
     """What is wrong with a command: nothing where it ends well in time."""
     try:
@@ -157,8 +164,6 @@ def noticed(mutant, build):
     source = os.path.join(ROOT, mutant.source())
     with open(source) as f:
         text = f.read()
-    if text.count(mutant.old) != 1:
-        return f"list.txt:{mutant.line}: stands {text.count(mutant.old)} times in {mutant.path}"
     # the same folder for the same fault: a compiler cache knows it again
     folder = os.path.join(ROOT, build.build, "mutant" + hashlib.sha1(str(mutant).encode()).hexdigest()[:12])
     shutil.rmtree(folder, ignore_errors=True)
@@ -237,6 +242,9 @@ def noticed(mutant, build):
 
 def main():
     build, jobs, words = Build(sys.argv[1]), int(sys.argv[2]), sys.argv[3:]
+    wrong = list(filter(None, map(misplaced, read_list())))
+    if wrong:
+        sys.exit("\n".join(wrong))
     with open(os.path.join(build.build, "mutants.log"), "w") as log:
         folder = os.path.join(ROOT, build.build)
         if unit_tests_notice(folder, log) or scripts_notice(folder, log) or (
@@ -247,7 +255,7 @@ def main():
     killed, explained, left, broken = 0, 0, [], []
     with ThreadPoolExecutor(jobs) as pool:
         for mutant, by in zip(mutants, pool.map(lambda m: noticed(m, build), mutants)):
-            if by and (by.startswith("list.txt") or by in ("compiler", "linker")):
+            if by in ("compiler", "linker"):
                 broken.append(f"{by}: {mutant}")
             elif by:
                 killed += 1
