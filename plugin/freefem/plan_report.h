@@ -67,7 +67,16 @@ inline void report_large_friction(Real mu) {
            << ": such laws may have several answers, of which one is given" << std::endl;
 }
 
-/// What faces what, between two bodies; nodes that carry no law are named by place.
+/// What faces what, in numbers.
+inline void report_faces(const mortar::Statistics& s, std::size_t slaves, std::size_t masters) {
+  std::cout << s.facing << " slave nodes on " << slaves << " facets face " << masters
+            << " master facets, gap " << s.least_gap << " to " << s.largest_gap << "; "
+            << s.partly_covered << " slave facets partly covered, ";
+  if (s.beyond_steps > 0) std::cout << s.beyond_steps << " left out beyond a step of the master, ";
+  std::cout << s.removed << " nodes removed";
+}
+
+/// The same of one pair; nodes that carry no law are named by place.
 inline void report_pair(const Scene& scene, Index number) {
   const Interface& faces = scene.pairing->between();
   const mortar::Pair& pair = faces.pairs[number];
@@ -77,11 +86,7 @@ inline void report_pair(const Scene& scene, Index number) {
     std::cout << mortar::labels_of(pair.slave) << " on " << mortar::labels_of(pair.master) << ": ";
   else
     std::cout << "two bodies: ";
-  std::cout << s.facing << " slave nodes on " << pair.slave.facets.size() << " facets face "
-            << pair.master.facets.size() << " master facets, gap " << s.least_gap << " to "
-            << s.largest_gap << "; " << s.partly_covered << " slave facets partly covered, ";
-  if (s.beyond_steps > 0) std::cout << s.beyond_steps << " left out beyond a step of the master, ";
-  std::cout << s.removed << " nodes removed";
+  report_faces(s, pair.slave.facets.size(), pair.master.facets.size());
   if (s.held > 0)
     std::cout << ", " << s.held << " of them since Dirichlet conditions hold the normal or a part "
               << "of it, as at " << mortar::place(scene.d, faces.X[s.first_held])
@@ -113,12 +118,9 @@ inline void report_pairs(const Scene& scene, long verb) {
     all.least_gap = std::min(all.least_gap, s.least_gap);
     all.largest_gap = std::max(all.largest_gap, s.largest_gap);
   }
-  line() << count << " pairs: " << all.facing << " slave nodes on " << slaves << " facets face "
-         << masters << " master facets, gap " << all.least_gap << " to " << all.largest_gap << "; "
-         << all.partly_covered << " slave facets partly covered, ";
-  if (all.beyond_steps > 0)
-    std::cout << all.beyond_steps << " left out beyond a step of the master, ";
-  std::cout << all.removed << " nodes removed; verb=3 has each" << std::endl;
+  line() << count << " pairs: ";
+  report_faces(all, slaves, masters);
+  std::cout << "; verb=3 has each" << std::endl;
 }
 
 /// What the scene needs, and what it does not.
