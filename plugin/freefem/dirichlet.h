@@ -139,12 +139,11 @@ inline void refuse_huge_data(const Scene& scene, const Vector& b, const Vector& 
 /// Data that are next to nothing are 0 where b = A U + r leaves the rest: what the other entries of
 /// the row make of a displacement U, at every node, of its own size at each. Refused is what they
 /// cannot make (U as large as a thousand bodies), what is the same at all nodes (data of another
-/// tgv), and loads at some nodes only, 0 at most of them (b without the on() of A).
-inline void refuse_tiny_data(const Scene& scene, const Vector& b, const Vector& u0, const Scales& s,
-                             const Leftover& left) {
+/// tgv), and loads at some nodes only, 0 at most of them (b without the on() of A). i: the dof of
+/// the largest data.
+inline void refuse_tiny_data(const Scene& scene, const Vector& b, const Vector& u0, long i,
+                             const Scales& s, const Leftover& left) {
   constexpr Real bodies = 1e3;
-  const long i = largest_data(scene, b, u0);
-  if (i < 0) return;
   if (left.uniform() || left.most > bodies * s.stiffest * s.extent)
     refuse_data(b, u0, i, different_tgv);
   if (left.loaded == 0 || left.empty < left.loaded) return;
@@ -164,7 +163,7 @@ inline Real check_data(const Scene& scene, const Vector& b, const Vector& u0) {
   if (i < 0 || !is_tiny(std::abs(u0[i]), s)) return 0;
   Real most = 0;
   for (const auto& [body, left] : leftovers(scene, b)) {
-    refuse_tiny_data(scene, b, u0, s, left);
+    refuse_tiny_data(scene, b, u0, i, s, left);
     most = std::max(most, left.most);
   }
   return most;

@@ -128,7 +128,9 @@ inline Real check_data(const SharedScene& shared, const Vector& b, const Vector&
   const long i = largest_data(scene, b, u0);
   if (!is_tiny(domain.largest(i < 0 ? 0 : std::abs(u0[i])), s)) return 0;
   const Leftover left = leftover_of_all(shared, b);
-  domain.agree([&] { refuse_tiny_data(scene, b, u0, s, left); });
+  domain.agree([&] {
+    if (i >= 0) refuse_tiny_data(scene, b, u0, i, s, left);
+  });
   return left.most;
 }
 
