@@ -35,17 +35,19 @@ Meetings meetings(const Nodes& nodes, const Side& slave, std::size_t p, const Ow
     for (int v = 0; v < slave.d; ++v) {
       const Index i = slave.facet(f).node[v];
       if (!owns(p, f, i)) continue;
-      found[i].point.x = nodes.X[i];
-      add(smooth.fan(f, v), smooth.at(f, v), slave.planes[f].measure, found[i]);
+      Meeting& here = found[i];
+      here.point.x = nodes.X[i];
+      add(smooth.fan(f, v), smooth.at(f, v), slave.planes[f].measure, here);
     }
   return found;
 }
 
-/// Of each body alone: other bodies have other motions.
-void follow_motions(int d, const Options& options, Meetings& all) {
-  if (std::none_of(all.begin(), all.end(), [](const auto& m) { return m.second.point.turn > 0; }))
-    return;
-  const std::vector<Index> body = options.bodies ? options.bodies() : std::vector<Index>();
+bool any_curved(const Meetings& all) {
+  return std::any_of(all.begin(), all.end(), [](const auto& m) { return m.second.point.turn > 0; });
+}
+
+/// Of each body alone: other bodies have other motions.   body: of each node; empty: one of all
+void follow_motions(int d, const std::vector<Index>& body, Meetings& all) {
   std::map<Index, std::vector<Index>> of_body;
   for (const auto& [i, at] : all) of_body[body.empty() ? 0 : body[i]].push_back(i);
   for (const auto& [number, own] : of_body) {
@@ -60,10 +62,14 @@ void follow_motions(int d, const Options& options, Meetings& all) {
 
 std::vector<Vec3> slave_normals(const Nodes& nodes, const std::vector<Side>& slaves,
                                 const Options& options, const Owns& owns) {
+  std::vector<Meetings> all;
+  for (std::size_t p = 0; p < slaves.size(); ++p)
+    all.push_back(meetings(nodes, slaves[p], p, owns));
+  std::vector<Index> body;
+  if (options.bodies && std::any_of(all.begin(), all.end(), any_curved)) body = options.bodies();
   std::vector<Vec3> normal(nodes.X.size(), Vec3::Zero());
-  for (std::size_t p = 0; p < slaves.size(); ++p) {
-    Meetings found = meetings(nodes, slaves[p], p, owns);
-    follow_motions(nodes.dimension, options, found);
+  for (Meetings& found : all) {
+    follow_motions(nodes.dimension, body, found);
     for (const auto& [i, at] : found) normal[i] = at.point.normal;
   }
   return normal;
