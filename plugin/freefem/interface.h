@@ -137,12 +137,10 @@ class InterfaceBuilder {
   void add_vertices_behind(const BoundaryNodes<FESpaceType>& master) {
     constexpr int d = Dimension<FESpaceType>::d;
     const std::vector<Index> body = body_of_element(master.space().Th, d);
-    std::map<Index, Index> body_of_node;  // of slaves
-    for (std::size_t i = 0; i < all_.slave.size(); ++i)
-      body_of_node[static_cast<Index>(i)] = body[all_.slave[i].facets.front().element];
     for (mortar::Pair& pair : all_.pairs) {
       std::set<Index> of_slave;
-      for (const mortar::Facet& f : pair.slave.facets) of_slave.insert(body_of_node.at(f.node[0]));
+      for (const mortar::Facet& f : pair.slave.facets)
+        of_slave.insert(body[all_.slave[f.node[0]].facets.front().element]);
       std::size_t next = 0;
       for (const BoundaryFacet& f : master.facets()) {
         if (!std::count(pair.master.labels.begin(), pair.master.labels.end(), f.label)) continue;
