@@ -16,17 +16,14 @@ constexpr double corner_angle = 30 * M_PI / 180;
 /// Facets at one node that share a normal.
 using FacetGroup = std::vector<AdjacentFacet>;
 
-inline Fem2D::R3 total_normal(const FacetGroup& group) {
-  Fem2D::R3 sum;
-  for (const AdjacentFacet& f : group) sum += f.normal;
-  return sum;
-}
-
 /// The mean outward normal, weighted by the measure of the facets; 0 where they cancel.
 inline Fem2D::R3 mean_normal(const FacetGroup& group) {
+  Fem2D::R3 sum;
   double total = 0;
-  for (const AdjacentFacet& f : group) total += Norme2(f.normal);
-  const Fem2D::R3 sum = total_normal(group);
+  for (const AdjacentFacet& f : group) {
+    sum += f.normal;
+    total += Norme2(f.normal);
+  }
   const double length = Norme2(sum);
   return length > 1e-10 * total ? sum / length : Fem2D::R3();
 }

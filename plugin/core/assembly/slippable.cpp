@@ -64,7 +64,7 @@ class Motions {
 Eigen::MatrixXd slippable(const Motions& motions, const std::vector<PointNormal>& points,
                           const SumOverProcesses& sum) {
   const Index k = motions.count();
-  Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic> both = Eigen::MatrixXd::Zero(k, 2 * k);
+  Eigen::MatrixXd both = Eigen::MatrixXd::Zero(k, 2 * k);
   for (const PointNormal& p : points) {
     const Fields w = motions.at(p.x);
     const Eigen::VectorXd g = w.transpose() * p.normal;

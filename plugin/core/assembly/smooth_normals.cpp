@@ -28,10 +28,15 @@ bool same_direction(const Vec3& m, const Vec3& n) { return m.dot(n) > parallel; 
 /// From 0 at `from` to 1 at `to`.
 Real ramp(Real x, Real from, Real to) { return std::clamp<Real>((x - from) / (to - from), 0, 1); }
 
+void unite(std::vector<Index>& v) {
+  std::sort(v.begin(), v.end());
+  v.erase(std::unique(v.begin(), v.end()), v.end());
+}
+
 class Estimator {
  public:
-  explicit Estimator(const Faceted& surface) : s_(surface), fan_at_(surface.facets.size()) {
-    for (auto& at : fan_at_) at = {-1, -1, -1};
+  explicit Estimator(const Faceted& surface)
+      : s_(surface), fan_at_(surface.facets.size(), {-1, -1, -1}) {
     for (std::size_t p = 0; p < s_.fans.size(); ++p)
       for (Index f : s_.fans[p].facets)
         for (int v = 0; v < s_.d; ++v)
@@ -66,8 +71,7 @@ class Estimator {
       for (int v = 0; v < s_.d; ++v)
         if (s_.facets[f].vertex[v] != fan.vertex && fan_at_[f][v] >= 0)
           next.push_back(fan_at_[f][v]);
-    std::sort(next.begin(), next.end());
-    next.erase(std::unique(next.begin(), next.end()), next.end());
+    unite(next);
     return next;
   }
   /// Ridges of a fan with one facet of it.
@@ -118,8 +122,7 @@ class Estimator {
       for (Index r : next_[q])
         if (wide && s_.fans[r].vertex != i) vertices.push_back(s_.fans[r].vertex);
     }
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    unite(vertices);
     std::vector<Vec3> around;
     for (Index j : vertices) around.push_back(s_.X[j] - s_.X[i]);
     return osculating_quadric(s_.d, around, mean);
