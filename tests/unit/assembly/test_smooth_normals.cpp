@@ -298,6 +298,57 @@ TEST(SmoothNormals, OfASurfaceThatMovesDoNotJump) {
   }
 }
 
+TEST(SmoothNormals, AreTheBisectorAtAKinkBetweenTwoArcsOfOneRadius) {
+  const Real half = 10 * M_PI / 180;
+  const auto tangent = [=](Real s) { return s + (s < 0 ? -half : half); };
+  const auto x = [=](Real s) {
+    const Real from = s < 0 ? -half : half, to = tangent(s);
+    return Vec3(std::sin(to) - std::sin(from), std::cos(from) - std::cos(to), 0);
+  };
+  const auto n = [=](Real s) {
+    return s == 0 ? Vec3(0, -1, 0) : Vec3(std::sin(tangent(s)), -std::cos(tangent(s)), 0);
+  };
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    std::vector<Real> s = uneven(8, -1, 0, seed), right = uneven(9, 0, 1, seed + 20);
+    s.insert(s.end(), right.begin() + 1, right.end());
+    const Shape kink = curve(s, false, x, n);
+    EXPECT_LT((smooth_normals(kink.surface)[7].normal - n(0)).norm(), 1e-12) << seed;
+  }
+}
+
+TEST(SmoothNormals, AreTheMeanBitByBitWhereAllFacetsAreFlatBesideAFillet) {
+  const auto s = [](Real u) { return u < 0.5 ? 2 * u - 1 : 2.4 * (u - 0.5); };
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    const Shape joint = sheet(
+        12, 8, seed, [&](Real u, Real v) { return Vec3(profile(s(u)) + 1.3 * v * Vec3::UnitZ()); },
+        [&](Real u, Real) { return outward(s(u)); }, false);
+    const std::vector<FanNormal> found = smooth_normals(joint.surface);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (i % 13 > 5) continue;  // from the joint on
+      EXPECT_EQ(found[i].normal, joint.surface.fans[i].mean) << i;
+      EXPECT_EQ(found[i].turn, 0) << i;
+    }
+  }
+}
+
+TEST(SmoothNormals, TurnNoFurtherThanTheFacetsAroundWhateverTheSurface) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<Real> noise(-0.05, 0.05);
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    const auto rough = [&](Real u, Real v) { return Vec3(u, v, noise(random)); };
+    const Shape s = sheet(6, 6, seed, rough, [](Real, Real) { return Vec3(Vec3::UnitZ()); });
+    const std::vector<FanNormal> found = smooth_normals(s.surface);
+    for (const Fan& fan : s.surface.fans) {
+      Real least = 1;
+      for (Index f : fan.facets)
+        for (Index i : s.surface.facets[f].vertex)
+          for (Index g : s.surface.fans[i].facets)
+            least = std::min(least, s.surface.facets[g].normal.dot(fan.mean));
+      EXPECT_GE(found[fan.vertex].normal.dot(fan.mean), std::max(least, M_SQRT1_2) - 1e-14);
+    }
+  }
+}
+
 TEST(SmoothNormals, DoNotLookAcrossARidgeBetweenFans) {
   // a half cylinder on a plane at a right angle, fans apart at the ridge
   std::vector<Real> s = uneven(6, -1, 0, 1), arc = uneven(8, 0, 1.3, 2);
@@ -344,6 +395,17 @@ TEST(SmoothNormals, InTheMiddleOfAnEdgeAreThoseOfTheArc) {
   const Vec3 n_a = on_circle(0.2), n_b = on_circle(0.5), middle = on_circle(0.35);
   EXPECT_LT((arc_normal(n_a, n_b, b - a, n_a) - middle).norm(), 1e-15);
   EXPECT_EQ(arc_normal(n_a, n_a, Vec3(0, 0, 1e-3), n_a), n_a);
+}
+
+TEST(SmoothNormals, InTheMiddleOfAnEdgeAreTheMeanWhereTheEndsHaveItOrTheEdgeLeavesNothing) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<Real> any(-1, 1);
+  for (int k = 0; k < 50; ++k) {
+    const Vec3 n = Vec3(any(random), any(random), any(random)).normalized();
+    EXPECT_EQ(arc_normal(n, n, Vec3(0.3 * n.cross(Vec3(1, 2, 3))), n), n);
+  }
+  const Vec3 along = Vec3::UnitX(), mean = Vec3::UnitY();
+  EXPECT_EQ(arc_normal(along, along, along, mean), mean);
 }
 
 namespace {
@@ -426,6 +488,37 @@ TEST(SlippableMotions, LeaveFlatPointsAloneBitByBit) {
   all.push_back({Vec3(3, 1, 0) + 30 * n, n, 1, 0});
   EXPECT_EQ(follow_slippable_motions(2, all), 1);
   EXPECT_EQ(all.back().normal, n);
+}
+
+TEST(SlippableMotions, LeavePointsAloneThatTheyDoNotMove) {
+  std::vector<PointNormal> all;
+  for (int k = 0; k < 40; ++k) {
+    const Vec3 out = on_circle(0.3 * k);
+    all.push_back({out + 0.01 * k * Vec3::UnitZ(), out, 1, 0.2});
+    all.push_back({1.5 * out, (out + Vec3::UnitZ()).normalized(), 1, 0.2});
+  }
+  const Vec3 on_axis = Vec3(0.01, 0.02, 1).normalized();
+  all.push_back({Vec3(0, 0, 1), on_axis, 1e-9, 0.2});
+  EXPECT_EQ(follow_slippable_motions(3, all), 1);
+  EXPECT_LT((all.back().normal - on_axis).norm(), 1e-15);
+}
+
+TEST(SlippableMotions, LeaveNormalsAloneThatTheyFollow) {
+  std::vector<PointNormal> tube = points(cylinder(24, 5, 1, true, 6));
+  const Vec3 n = Vec3(0.1, 0, 1).normalized();  // of an end, on a little facet
+  tube.push_back({on_circle(1), n, 1e-9, 0.2});
+  EXPECT_EQ(follow_slippable_motions(3, tube), 2);
+  EXPECT_EQ(tube.back().normal, n);
+}
+
+TEST(SlippableMotions, OfPointsOnALineAreFollowed) {
+  const Vec3 along = Vec3(1, 2, 2) / 3, across = along.unitOrthogonal();
+  std::vector<PointNormal> line;
+  for (int k = 0; k < 9; ++k)
+    line.push_back({k * along, (across + (k % 2 ? 1e-4 : -1e-4) * along).normalized(), 1, 0.2});
+  EXPECT_GE(follow_slippable_motions(3, line), 1);
+  for (const PointNormal& p : line)  // a translation along the line, or next to it
+    EXPECT_LT(std::abs((p.normal - line[0].normal).dot(along)), 1e-12);
 }
 
 TEST(SlippableMotions, OfPartsOnSeveralProcessesAreThoseOfTheWhole) {

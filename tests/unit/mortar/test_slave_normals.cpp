@@ -3,6 +3,7 @@
 #include <Eigen/SVD>
 #include <random>
 
+#include "core/assembly/mortar/slave_normals.h"
 #include "surfaces.h"
 
 using namespace frictioncg;
@@ -116,6 +117,22 @@ TEST(MortarNormals, EachBodyHasMotionsOfItsOwn) {
     const Vector sizes = Eigen::JacobiSVD<Eigen::MatrixXd>(work).singularValues();
     EXPECT_EQ(sizes[4] < 1e-12, apart) << sizes.transpose();
   }
+}
+
+TEST(MortarNormals, WhereSurfacesOfOnePatchMeetAreTheMeanByMeasure) {
+  const Nodes nodes{2, {Vec3(0, 0, 0), Vec3(3, 0, 0), Vec3(3, 1, 0)}, {}};
+  Surface corner;
+  for (Index i : {0, 1}) {
+    Facet facet;
+    facet.node[0] = i, facet.node[1] = i + 1;
+    facet.outward = Vec3(i, i - 1, 0);
+    corner.facets.push_back(facet);
+  }
+  const std::vector<Side> slaves{Side(2, corner, nodes.X)};
+  const std::vector<Vec3> normal =
+      slave_normals(nodes, slaves, {}, [](std::size_t, Index, Index) { return true; });
+  EXPECT_EQ(normal[0], Vec3(0, -1, 0));
+  EXPECT_LT((normal[1] - Vec3(1, -3, 0).normalized()).norm(), 1e-15);
 }
 
 TEST(MortarNormals, OfFlatFacesTheyAreTheFacetsToTheLastBit) {
