@@ -512,7 +512,7 @@ TEST(SlippableMotions, LeaveNormalsAloneThatTheyFollow) {
 }
 
 TEST(SlippableMotions, OfPointsOnALineAreFollowed) {
-  const Vec3 along = Vec3(1, 2, 2) / 3, across = along.unitOrthogonal();
+  const Vec3 along = Vec3::UnitZ(), across = Vec3::UnitX();
   std::vector<PointNormal> line;
   for (int k = 0; k < 9; ++k)
     line.push_back({k * along, (across + (k % 2 ? 1e-4 : -1e-4) * along).normalized(), 1, 0.2});
