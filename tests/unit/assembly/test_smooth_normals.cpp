@@ -331,24 +331,6 @@ TEST(SmoothNormals, AreTheMeanBitByBitWhereAllFacetsAreFlatBesideAFillet) {
   }
 }
 
-TEST(SmoothNormals, TurnNoFurtherThanTheFacetsAroundWhateverTheSurface) {
-  std::mt19937 random(3);
-  std::uniform_real_distribution<Real> noise(-0.05, 0.05);
-  for (unsigned seed = 1; seed <= 8; ++seed) {
-    const auto rough = [&](Real u, Real v) { return Vec3(u, v, noise(random)); };
-    const Shape s = sheet(6, 6, seed, rough, [](Real, Real) { return Vec3(Vec3::UnitZ()); });
-    const std::vector<FanNormal> found = smooth_normals(s.surface);
-    for (const Fan& fan : s.surface.fans) {
-      Real least = 1;
-      for (Index f : fan.facets)
-        for (Index i : s.surface.facets[f].vertex)
-          for (Index g : s.surface.fans[i].facets)
-            least = std::min(least, s.surface.facets[g].normal.dot(fan.mean));
-      EXPECT_GE(found[fan.vertex].normal.dot(fan.mean), std::max(least, M_SQRT1_2) - 1e-14);
-    }
-  }
-}
-
 TEST(SmoothNormals, DoNotLookAcrossARidgeBetweenFans) {
   // a half cylinder on a plane at a right angle, fans apart at the ridge
   std::vector<Real> s = uneven(6, -1, 0, 1), arc = uneven(8, 0, 1.3, 2);
