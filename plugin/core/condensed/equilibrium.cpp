@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "statics/floating.h"
+
 namespace frictioncg {
 
 namespace {
@@ -241,7 +243,7 @@ Statics balance(const DenseMatrix& W, const ContactProblem& problem) {
     if (nearest.pressure() <= most_pressure * load) statics.balance = Balance::held;
   } else if (unheld || proven(most_pressure)) {
     const Vector motion = W.lazyProduct(nearest.rest().head(W.cols()));
-    if (carried(motion, resistance.pull, problem)) return statics;
+    if (carried(motion, resistance.pull, problem) || !may_be_rigid(system, motion)) return statics;
     statics.balance = Balance::unheld;
     statics.motion = motion;
   }

@@ -15,7 +15,10 @@ using DenseMatrix = Eigen::MatrixXd;
 constexpr Real dependent = 1e-13;    ///< of the largest <Dw,w>: a candidate that the others make up
 constexpr Real nearly_rigid = 1e-6;  ///< <Aw,w>/<Dw,w>, with what rounding leaves of small bodies
 constexpr Real rigid = 1e-12;        ///< the same, of motions that are made and tried
-constexpr Real still = 1e-10;        ///< over the largest displacement: what does not move
+/// What is left of a motion beside rigid ones, over all of it: rounding makes 1e-8, and the bending
+/// of a body that its supports hold a tenth and more.
+constexpr Real bent = 1e-3;
+constexpr Real still = 1e-10;  ///< over the largest displacement: what does not move
 
 /// The motions of one body: combinations (k x j) of the candidates, from their Gram matrices in A
 /// and D. Those nearly in the kernel, <Dw,w> = 1. size_of_all: below its rounding a candidate is 0.
@@ -134,6 +137,25 @@ Eigen::MatrixXd floating_motions(const System& system, const Eigen::MatrixXd& M)
     find_motions(in_A[body], in_D[body], system.dimension == 2 ? 3 : 6, take);
   }
   return W;
+}
+
+bool may_be_rigid(const System& system, const Vector& w) {
+  const RigidModes& candidates = system.body_modes ? system.body_modes : system.rigid_modes;
+  if (!candidates || system.largest(system.dofs()) == 0) return true;
+  const DenseMatrix M = candidates();
+  if (M.rows() != w.size() || M.cols() == 0 || !M.allFinite()) return true;
+  const Bodies bodies = system.processes ? system.processes->bodies() : bodies_of(system.A);
+  const Index k = static_cast<Index>(M.cols());
+  DenseMatrix all(w.size(), k + 1);
+  all << M, w;
+  Real size = 0, rest = 0;
+  for (const DenseMatrix& G : gram(system, bodies, all, system.D.asDiagonal() * all)) {
+    const Vector c = G.topLeftCorner(k, k).completeOrthogonalDecomposition().solve(
+        Vector(G.topRightCorner(k, 1)));
+    size += G(k, k);
+    rest += G(k, k) - G.topRightCorner(k, 1).col(0).dot(c);
+  }
+  return rest <= bent * bent * size;
 }
 
 Eigen::MatrixXd motions_of_interior(const Eigen::MatrixXd& W, Index interior,

@@ -32,6 +32,10 @@ class FloatingMotions {
 /// The same among candidates that are made already.
 Eigen::MatrixXd floating_motions(const System& system, const Eigen::MatrixXd& candidates);
 
+/// Whether w moves each body by a combination of the candidates; true where the system knows none.
+/// A body may be so slender that its bending costs next to nothing, and A cannot tell.
+bool may_be_rigid(const System& system, const Vector& w);
+
 /// Of motions W (n x k) the combinations that move none of the dofs from `interior` on: one for
 /// each of `units`, where it is 1, and 0 at the others. No columns where there are more or less of
 /// them.

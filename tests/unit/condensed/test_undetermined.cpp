@@ -228,7 +228,7 @@ TEST(Undetermined, TheMethodsOnAGiveTheProofThatNothingHoldsALoad) {
 
 TEST(Undetermined, CoupledBodiesFallOneByOne) {
   // as a mortar does: a dof of the first body is measured from one of the second, so that the graph
-  // of A joins them, and the candidates move both as one; their shears cancel, and one would do
+  // of A joins them, and so do the motions of all as one; their shears cancel, and one would do
   BlockOptions o;
   o.cells = 3;
   o.shear = 0.4 * o.pressure;  // mu = 0.3
@@ -246,9 +246,14 @@ TEST(Undetermined, CoupledBodiesFallOneByOne) {
   coupled.weight = node_weights(coupled);
   const DenseMatrix modes = T.inverse() * p.system->rigid_modes();
   coupled.rigid_modes = [modes] { return modes; };
+  DenseMatrix each = DenseMatrix::Zero(n, 6);
+  const DenseMatrix both = p.system->rigid_modes();
+  const Bodies bodies = bodies_of(p.system->A);
+  for (Index i = 0; i < n; ++i) each.block(i, 3 * bodies.of[i], 1, 3) = both.row(i);
+  coupled.body_modes = [T, each] { return DenseMatrix(T.inverse() * each); };
   p.system = std::make_shared<const System>(coupled);
   p.increment.F = T.transpose() * p.increment.F;
-  EXPECT_EQ(floating_motions(*p.system).cols(), 3);
+  EXPECT_EQ(floating_motions(*p.system).cols(), 6);
   const Solution s = solve(p, Settings());
   EXPECT_EQ(s.status, Status::no_equilibrium);
   ASSERT_EQ(s.unheld_motion.size(), n);

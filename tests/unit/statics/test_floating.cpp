@@ -155,3 +155,19 @@ TEST(Floating, WithoutCandidatesThereAreNone) {
     expect_floating(other, 0);
   }
 }
+
+TEST(Floating, ABendingIsNoRigidMotionHoweverLittleItCosts) {
+  BlockOptions o;
+  const ContactProblem two = beside(problem_of(o), 2);
+  const Eigen::MatrixXd M = two.system->rigid_modes();
+  const Bodies bodies = bodies_of(two.system->A);
+  Vector w = M * Vector::LinSpaced(3, 1, 2);
+  for (Index i = 0; i < w.size(); ++i)
+    if (bodies.of[i] == 1) w[i] = -2 * M(i, 2);  // each body by its own motion
+  EXPECT_TRUE(may_be_rigid(*two.system, w));
+  EXPECT_TRUE(may_be_rigid(*two.system, w + 1e-6 * Vector::Random(w.size())));
+  EXPECT_FALSE(may_be_rigid(*two.system, w.cwiseProduct(w)));
+  System unknown = *two.system;
+  unknown.rigid_modes = {};
+  EXPECT_TRUE(may_be_rigid(unknown, w.cwiseProduct(w)));
+}
