@@ -1,6 +1,5 @@
 #include "solver.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <sstream>
@@ -23,10 +22,6 @@ namespace {
 
 /// A residual below this is the limit of the matrix, not of the method.
 constexpr Real rounding = 1e-10;
-
-/// Rounding that leaves more than this belongs to a field that has run away, and says nothing of
-/// another: 0.05 to 4 in degenerate scenes, up to 1e-4 on slender, nearly incompressible beams.
-constexpr Real runaway_rounding = 1e-3;
 
 /// What the methods without a factor cost, over multigrid: more than it is ever allowed.
 constexpr double only_gradients = 1e6;
@@ -94,12 +89,6 @@ bool decided(const Solution& s) {
   return s.status == Status::converged || s.status == Status::no_equilibrium;
 }
 
-/// Whether no method comes nearer to the laws.
-bool is_rounding(const Certificate& c) {
-  const bool known = c.attainable < runaway_rounding;
-  return c.residual <= std::max(rounding, known ? c.attainable : 0);
-}
-
 /// t, made after s did not arrive, takes its place where it decides or is nearer to the laws; what
 /// both took counts. Returns how t ended.
 Status replace_if_better(Solution& s, Solution t) {
@@ -128,7 +117,7 @@ Status replace_if_better(Solution& s, Solution t) {
 void try_without_factor(const ContactProblem& problem, const Settings& settings, Observer* observer,
                         FloatingMotions& floating, Solution& s) {
   if (decided(s)) return;
-  if (is_rounding(s.certificate)) return;
+  if (s.certificate.residual <= rounding) return;
   Settings rest = without_factor(settings);
   rest.nbiter = bound_of(problem, settings) - s.iterations;
   if (rest.nbiter <= 0) return;
