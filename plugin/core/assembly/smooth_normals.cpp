@@ -17,8 +17,9 @@ constexpr Real leaning = M_SQRT1_2;   ///< cosine from the mean normal beyond wh
 /// Of the curvature, the jumps that begin to count, and those that count in full. Vertices that lie
 /// off an arc by a hundredth of its sagitta, as buildmesh moves them, make a tenth.
 constexpr Real jump = 0.3, clear_jump = 0.35;
-/// Of the jump, the changes of a side's own curvature that begin to make it none, and that do.
-constexpr Real smooth = 0.2, rough = 0.25;
+/// Of the jump, the changes of a side's own curvature that begin to make it none, and that do: at a
+/// joint of flat faces and arcs they are rounding, on a coarse ellipse from 0.1 on.
+constexpr Real smooth = 0.02, rough = 0.06;
 /// Of the jump: a change that sides do not differ by. Those of one curvature differ by 1e-10 of it.
 constexpr Real alike = 1e-5;
 constexpr Real infinite = std::numeric_limits<Real>::infinity();
@@ -156,6 +157,8 @@ class Estimator {
     for (Index r : next_[q]) {
       const auto& near = next_[p];
       if (r == static_cast<Index>(p) || std::binary_search(near.begin(), near.end(), r)) continue;
+      if (s_.d == 2 && rim_[r] && !flat_[r])
+        continue;  // at a free end the circle is its neighbour's
       changes.push_back(quadric_[q] && quadric_[r] ? difference(q, r) : infinite);
     }
     if (changes.empty()) return infinite;

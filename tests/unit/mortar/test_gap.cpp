@@ -72,6 +72,26 @@ TEST(MortarGap, BetweenMeshesOfOneSmoothSurfaceItVanishesLikeTheFourthPowerOfThe
   }
 }
 
+TEST(MortarGap, OnCoarseMeshesOfQuicklyVaryingCurvatureNoJumpOfItIsSeen) {
+  const auto inner = [](const Vec3& x) { return x[0] > 0.2 && x[0] < 0.8; };
+  const auto both = [](const Vec3& x) {
+    return x.head<2>().minCoeff() > 0.2 && x.head<2>().maxCoeff() < 0.8;
+  };
+  const auto ellipse = [](const Vec3& x) {
+    const Real t = M_PI * (0.9 - 0.8 * x[0]);
+    return Vec3(2 * std::cos(t), std::sin(t), 0);
+  };
+  const auto at = [&](int n) { return gap_noise(2, ellipse, n, true, false, inner); };
+  EXPECT_LT(at(6), 1.5e-3);  // one-sided normals: four times, and twice of the next
+  EXPECT_LT(at(12), 1.1e-4);
+  const auto free_form = [](const Vec3& x) {
+    const Real u = x[0], v = x[1];
+    return Vec3(u, v, 0.2 * std::sin(3 * u) * std::cos(2 * v) + u * v * v / 4);
+  };
+  EXPECT_LT(gap_noise(3, free_form, 12, true, false, both), 5e-5);  // one-sided: 1.3e-4
+  EXPECT_LT(gap_noise(3, free_form, 24, true, false, both), 4e-6);  // 1.4e-5
+}
+
 TEST(MortarGap, AlongTheNormalOfTheSlaveBetweenParallelPlanes) {
   for (int d : {2, 3})
     for (bool quadratic : {false, true})
