@@ -95,10 +95,10 @@ inline KN_<double> solve_together(Stack stack, const Call& call, SharedScene& sh
   Solution solution = solve_together(shared, problem, call, start_of(call, shared),
                                      out.history || speaks ? &progress : nullptr);
   const Traffic traffic = traffic_so_far(domain) - before;
-  const Solution local = on_local_dofs(shared, solution);
+  Solution local = on_local_dofs(shared, solution);
   const Vector field = shared.scene->system->to_global(local.x, now.u0);
   const std::string turned = runaway(shared, solution, field);
-  if (!turned.empty()) solution.status = Status::runaway;
+  if (!turned.empty()) solution.status = local.status = Status::runaway;
   if (verb > 0) report_end(solution);
   report_traffic(domain, traffic, solution.iterations, verb);
   std::string unheld = report_motions(shared, solution, verb);
@@ -106,7 +106,7 @@ inline KN_<double> solve_together(Stack stack, const Call& call, SharedScene& sh
   if (verb > 0 && !turned.empty()) line() << turned << std::endl;
   if (solution.status != Status::converged && !out.status)
     refuse_unconverged(solution, call.settings, unheld);
-  write_together(shared, on_local_dofs(shared, solution), progress, out);
+  write_together(shared, local, progress, out);
   const long n = shared.scene->ndof();
   KN<double>* u = Add2StackOfPtr2Free(stack, new KN<double>(n));
   if (speaks) warn_of_large_displacements(shared, field, verb);
