@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "condensed/undetermined.h"
+#include "statics/undetermined.h"
 #include "model/certificate.h"
 
 namespace frictioncg {

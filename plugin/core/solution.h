@@ -1,4 +1,6 @@
 #pragma once
+#include <cmath>
+
 #include "model/certificate.h"
 #include "settings.h"
 
@@ -60,6 +62,13 @@ struct Solution {
 };
 
 /// Bound on the iterations of a call that names none.
-Index default_iterations(const ContactProblem& problem);
+inline Index default_iterations(const ContactProblem& problem) {
+  return 10000 + 20 * problem.nodes() + static_cast<Index>(20 * std::sqrt(problem.dofs()));
+}
+
+/// Bound on the iterations of a call, all layers together.
+inline Index bound_of(const ContactProblem& problem, const Settings& settings) {
+  return settings.nbiter > 0 ? settings.nbiter : default_iterations(problem);
+}
 
 }  // namespace frictioncg

@@ -6,9 +6,9 @@
 
 #include "answer.h"
 #include "condensed/condensed.h"
-#include "condensed/equilibrium.h"
-#include "condensed/rigid_motions.h"
-#include "condensed/undetermined.h"
+#include "statics/equilibrium.h"
+#include "statics/rigid_motions.h"
+#include "statics/undetermined.h"
 #include "gradient/fixed_point.h"
 #include "gradient/projected_cg.h"
 #include "gradient/sorp.h"
@@ -31,11 +31,6 @@ constexpr double only_gradients = 1e6;
 Settings without_factor(Settings settings) {
   settings.method = settings.newton ? Method::gcx : Method::gc3;
   return settings;
-}
-
-/// Bound on the iterations of a call, all layers together.
-Index bound_of(const ContactProblem& problem, const Settings& settings) {
-  return settings.nbiter > 0 ? settings.nbiter : default_iterations(problem);
 }
 
 Layer layer_of(Method method) {
@@ -151,10 +146,6 @@ Plan make_plan(const ContactProblem& problem, const Settings& settings) {
   plan.fixed_point = plan.law == Law::coulomb;
   plan.regularization = plan.law != Law::frictionless && smooths_friction(settings);
   return plan;
-}
-
-Index default_iterations(const ContactProblem& problem) {
-  return 10000 + 20 * problem.nodes() + static_cast<Index>(20 * std::sqrt(problem.dofs()));
 }
 
 std::unique_ptr<TrescaSolver> make_tresca_solver(const ContactProblem& problem,

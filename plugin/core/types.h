@@ -9,6 +9,7 @@ namespace frictioncg {
 using Real = double;
 using Index = int;
 using Vector = Eigen::VectorXd;
+using DenseMatrix = Eigen::MatrixXd;
 using Matrix = Eigen::SparseMatrix<Real, Eigen::RowMajor, Index>;  ///< both halves, sorted rows
 
 /// The input breaks a rule of the interface; what() is one sentence for the user.

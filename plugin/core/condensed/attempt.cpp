@@ -33,8 +33,8 @@ bool newton_from(const Vector& x, const CondensedProblem& problem, Index max_ste
   return run(newton, max_steps, a);
 }
 
-bool newton_from(const std::vector<SemismoothNewton::Branch>& branches,
-                 const CondensedProblem& problem, Index max_steps, Attempt& a) {
+bool newton_from(const Branches& branches, const CondensedProblem& problem, Index max_steps,
+                 Attempt& a) {
   SemismoothNewton newton(problem);
   newton.start_from(branches);
   return run(newton, max_steps, a);

@@ -6,8 +6,8 @@ namespace frictioncg {
 
 /// How an attempt at the laws on the contact dofs ended.
 struct Attempt {
-  Vector x;                                        ///< contact_dofs; empty where nothing was found
-  std::vector<SemismoothNewton::Branch> branches;  ///< of x, where Newton's method found it
+  Vector x;           ///< contact_dofs; empty where nothing was found
+  Branches branches;  ///< of x, where Newton's method found it
   bool solved = false;
   bool undetermined = false;  ///< a motion is free, and x has the least
   Index steps = 0;            ///< of Newton's method, solved or not
@@ -19,7 +19,7 @@ struct Attempt {
 bool newton_from(const Vector& x, const CondensedProblem& problem, Index max_steps, Attempt& a);
 
 /// The same from given branches.
-bool newton_from(const std::vector<SemismoothNewton::Branch>& branches,
-                 const CondensedProblem& problem, Index max_steps, Attempt& a);
+bool newton_from(const Branches& branches, const CondensedProblem& problem, Index max_steps,
+                 Attempt& a);
 
 }  // namespace frictioncg

@@ -1,6 +1,6 @@
 #include "condensed/bounded_pressure.h"
 
-#include "condensed/undetermined.h"
+#include "statics/undetermined.h"
 
 namespace frictioncg {
 
@@ -25,8 +25,8 @@ struct Layout {
 
 /// S_TT with stiffness against its kernel, the motions along the obstacle.
 DenseMatrix held_along(const CondensedProblem& problem, const DenseMatrix& W, const Layout& dofs) {
-  std::vector<SemismoothNewton::Branch> glued(problem.laws.nodes());
-  for (SemismoothNewton::Branch& b : glued) b.stick = false;
+  Branches glued(problem.laws.nodes());
+  for (Branch& b : glued) b.stick = false;
   const DenseMatrix Z = left_free(W, problem.laws, glued).bottomRows(problem.D.size());
   const Vector root = problem.D(dofs.T).cwiseSqrt();
   DenseMatrix M = problem.S(dofs.T, dofs.T);

@@ -1,6 +1,6 @@
 #pragma once
 #include "condensed/condensed_problem.h"
-#include "condensed/equilibrium.h"
+#include "statics/equilibrium.h"
 
 namespace frictioncg {
 

@@ -9,8 +9,8 @@
 #include "condensed/interior_point.h"
 #include "condensed/proximal.h"
 #include "condensed/regularized.h"
-#include "condensed/rigid_motions.h"
-#include "condensed/undetermined.h"
+#include "statics/rigid_motions.h"
+#include "statics/undetermined.h"
 #include "statics/floating.h"
 
 namespace frictioncg {
@@ -56,7 +56,7 @@ Solution CondensedSolver::solve(const ContactProblem& problem, const Settings& s
                                 const Vector& x0, Observer* observer) {
   Run run{problem,
           settings,
-          settings.nbiter > 0 ? settings.nbiter : default_iterations(problem),
+          bound_of(problem, settings),
           Vector::Zero(problem.dofs()),
           problem.increment.F,
           Vector::Zero(problem.contact_dofs()),

@@ -3,7 +3,7 @@
 
 #include "condensed/attempt.h"
 #include "condensed/elimination.h"
-#include "condensed/equilibrium.h"
+#include "statics/equilibrium.h"
 #include "solution.h"
 
 namespace frictioncg {
@@ -43,7 +43,7 @@ class CondensedSolver {
 
   SystemPtr system_;
   std::unique_ptr<Elimination> elimination_;
-  std::vector<SemismoothNewton::Branch> last_;  ///< of the last answer: where an increment starts
+  Branches last_;  ///< of the last answer: where an increment starts
 };
 
 }  // namespace frictioncg

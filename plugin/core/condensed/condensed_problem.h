@@ -6,8 +6,6 @@
 
 namespace frictioncg {
 
-using DenseMatrix = Eigen::MatrixXd;
-
 /// A contact problem on the contact dofs alone, after elimination of the interior:
 ///   r = f - (S + springs D) x, laws of contact and friction on (x, r) node by node.
 struct CondensedProblem {

@@ -1,7 +1,6 @@
 #pragma once
-#include <vector>
-
 #include "condensed/condensed_problem.h"
+#include "model/branch.h"
 
 namespace frictioncg {
 
@@ -21,27 +20,19 @@ class SemismoothNewton {
  public:
   enum class Outcome { converged, cycled, stalled, singular, exhausted, ran_away };
 
-  /// The branch of the laws that a node is on.
-  struct Branch {
-    bool closed = true, stick = true;
-    Real g = 0, w = 0;
-    Real sign = 1;  ///< of r_N, where contact is bilateral
-    Eigen::Vector2d d = Eigen::Vector2d::Zero();
-  };
-
   explicit SemismoothNewton(const CondensedProblem& problem);
 
   void start_from_stick();                            ///< every node closed, x_T = 0
   void start_from(const Vector& x, const Vector& r);  ///< the branches that (x, r) is on
 
-  void start_from(const std::vector<Branch>& branches) { branch_ = branches; }
+  void start_from(const Branches& branches) { branch_ = branches; }
 
   /// At most max_steps steps; converged where the laws hold to rounding. ran_away: from stick, and
   /// the forces that violate the laws grow.
   Outcome solve(Index max_steps);
 
   const Vector& x() const { return x_; }
-  const std::vector<Branch>& branches() const { return branch_; }
+  const Branches& branches() const { return branch_; }
   Index steps() const { return steps_; }
   Real residual() const { return residual_; }  ///< of the laws on S: their share of the certificate
   /// The last step left a motion free, and took the least.
@@ -62,7 +53,7 @@ class SemismoothNewton {
 
   const CondensedProblem& problem_;
   Vector c_;  ///< m, one scalar per node, so that the tangential frame does not matter
-  std::vector<Branch> branch_;
+  Branches branch_;
   Vector x_, r_;
   std::vector<Index> unknown_;
   DenseMatrix M_;

@@ -36,7 +36,7 @@ Faces::Faces(const ContactProblem& problem)
 
 void Faces::start_from_stick() {
   for (std::size_t i = 0; i < face_.size(); ++i) {
-    face_[i] = Face();
+    face_[i] = Branch();
     const Index node = static_cast<Index>(i);
     face_[i].closed = increment_.bilateral || std::isfinite(increment_.gap[node]);
     face_[i].stick = face_[i].closed && law_of(increment_, node).has_friction();
@@ -49,7 +49,7 @@ void Faces::start_from(const Vector& x, const Vector& b_C) {
     const Index N = normal(i), t = system_.tangents(i), first = system_.first[i];
     const Real closing = system_.weight[first] * (increment_.gap[i] - x[first]);
     const bool closed = law_of(increment_, i).closed(closing, b_C[N]);
-    face_[i] = Face();
+    face_[i] = Branch();
     face_[i] = branch(i, closed, tangent(b_C, N + 1, t), limit(i, closed ? b_C[N] : 0), x);
     face_[i].sign = increment_.bilateral && b_C[N] < 0 ? -1 : 1;
   }
@@ -60,7 +60,7 @@ void Faces::start_from(const Vector& x, const Vector& b_C) {
 Real Faces::limit(Index i, Real b_N) const { return law_of(increment_, i).limit(b_N); }
 
 Eigen::Vector2d Faces::slip_force(Index i, const Vector& x, const Vector& b_C) const {
-  const Face& face = face_[i];
+  const Branch& face = face_[i];
   Real g = face.g;
   if (increment_.law == Law::coulomb && !lagged_)
     g = face.closed ? face.sign * increment_.mu[i] * b_C[normal(i)] : 0;
@@ -75,8 +75,9 @@ Eigen::Vector2d Faces::friction(Index i, const Vector& x, const Vector& b_C) con
 }
 
 /// The branch of friction for the force f and the limit g.
-Face Faces::branch(Index i, bool closed, const Eigen::Vector2d& f, Real g, const Vector& x) const {
-  Face next = face_[i];
+Branch Faces::branch(Index i, bool closed, const Eigen::Vector2d& f, Real g,
+                     const Vector& x) const {
+  Branch next = face_[i];
   next.closed = closed;
   next.g = g;
   next.w = 0;
@@ -95,10 +96,10 @@ Face Faces::branch(Index i, bool closed, const Eigen::Vector2d& f, Real g, const
   return next;
 }
 
-void Faces::start_from(const std::vector<Face>& faces) {
+void Faces::start_from(const Branches& faces) {
   face_ = faces;
   for (std::size_t i = 0; i < face_.size(); ++i) {
-    Face& face = face_[i];
+    Branch& face = face_[i];
     if (increment_.bilateral) face.closed = true;
     if (!std::isfinite(increment_.gap[static_cast<Index>(i)])) face.closed = face.stick = false;
   }
@@ -108,11 +109,11 @@ void Faces::start_from(const std::vector<Face>& faces) {
 Index Faces::choose(const Vector& x, const Vector& b_C) {
   Index changed = 0;
   for (Index i = 0; i < system_.nodes(); ++i) {
-    const Face& now = face_[i];
+    const Branch& now = face_[i];
     const Index N = normal(i);
     const bool closed =
         increment_.bilateral || (now.closed ? b_C[N] > 0 : x[system_.first[i]] > increment_.gap[i]);
-    Face next =
+    Branch next =
         branch(i, closed, friction(i, x, b_C), limit(i, closed && now.closed ? b_C[N] : 0), x);
     next.sign = increment_.bilateral && b_C[N] < 0 ? -1 : 1;
     changed += next.closed != now.closed || next.stick != now.stick;
@@ -125,7 +126,7 @@ Index Faces::choose(const Vector& x, const Vector& b_C) {
 void Faces::update_rows() {
   W_.clear();
   for (Index i = 0; i < system_.nodes(); ++i) {
-    const Face& face = face_[i];
+    const Branch& face = face_[i];
     const Index N = normal(i), t = system_.tangents(i);
     fixed_[N] = face.closed;
     std::fill(fixed_.begin() + N + 1, fixed_.begin() + N + 1 + t, face.stick);
@@ -155,7 +156,7 @@ void Faces::residual(const Vector& x, const Vector& b_C, Eigen::Ref<Vector> s_C)
 void Faces::jacobian(const Vector& z, const Vector& Az_C, Eigen::Ref<Vector> Jz_C) const {
   const bool coupled = increment_.law == Law::coulomb && !lagged_;
   for (Index i = 0; i < system_.nodes(); ++i) {
-    const Face& face = face_[i];
+    const Branch& face = face_[i];
     const Index N = normal(i), t = system_.tangents(i);
     Jz_C[N] = face.closed ? 0 : Az_C[N];
     if (face.stick) {
@@ -172,7 +173,7 @@ void Faces::jacobian(const Vector& z, const Vector& Az_C, Eigen::Ref<Vector> Jz_
 Real Faces::violation(const Vector& x, const Vector& b_C) const {
   Real sum = 0;
   for (Index i = 0; i < system_.nodes(); ++i) {
-    const Face& face = face_[i];
+    const Branch& face = face_[i];
     const Index first = system_.first[i], N = normal(i), t = system_.tangents(i);
     const Real D = system_.weight[first];
     if (face.closed && !increment_.bilateral) {

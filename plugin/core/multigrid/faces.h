@@ -1,22 +1,9 @@
 #pragma once
+#include "model/branch.h"
 #include "model/law.h"
 #include "multigrid/hierarchy.h"
 
 namespace frictioncg {
-
-/// The branch of the laws that a contact node is on. b = F - Ax is the force of the body on the
-/// obstacle:
-///   open    b_N = 0, and b_T = 0 (a given limit acts there, too)
-///   closed  x_N = gap
-///   stick   x_T = 0
-///   slip    b_T = f,  f = g d + w (I - dd') x_T,  g = sign mu b_N or given
-struct Face {
-  bool closed = true, stick = true;
-  Real sign = 1;  ///< of b_N, where contact is bilateral
-  Real g = 0;     ///< sliding limit when the branch was chosen [force]
-  Real w = 0;     ///< [force/length]
-  Eigen::Vector2d d = Eigen::Vector2d::Zero();
-};
 
 /// The faces of all contact nodes, and what they make of the linear system: which dofs they fix,
 /// and the rows of slip. Vectors of the contact dofs (contact_dofs) carry the suffix C.
@@ -30,8 +17,8 @@ class Faces {
   void start_from_stick();  ///< every node that can close closed, every one with friction in stick
   void start_from(const Vector& x, const Vector& b_C);  ///< the branches that any (x, b) is on
 
-  void start_from(const std::vector<Face>& faces);  ///< m, of another increment
-  const std::vector<Face>& all() const { return face_; }
+  void start_from(const Branches& faces);  ///< m, of another increment
+  const Branches& all() const { return face_; }
 
   /// The branches that the laws ask for at x, b; the number of nodes whose branch changed.
   Index choose(const Vector& x, const Vector& b_C);
@@ -61,12 +48,12 @@ class Faces {
   Real limit(Index i, Real b_N) const;
   Eigen::Vector2d slip_force(Index i, const Vector& x, const Vector& b_C) const;
   Eigen::Vector2d friction(Index i, const Vector& x, const Vector& b_C) const;
-  Face branch(Index i, bool closed, const Eigen::Vector2d& f, Real g, const Vector& x) const;
+  Branch branch(Index i, bool closed, const Eigen::Vector2d& f, Real g, const Vector& x) const;
   void update_rows();
 
   const System& system_;
   const Increment& increment_;
-  std::vector<Face> face_;
+  Branches face_;
   Vector c_;    ///< m [force/length]: of the choice between stick and slip
   Vector c_D_;  ///< m, weight of the tangents: that of the certificate
   std::vector<char> fixed_;

@@ -50,7 +50,7 @@ InexactNewton::InexactNewton(const ContactProblem& problem, Hierarchy& hierarchy
       springs_(Vector::Zero(system_.contact_dofs())) {}
 
 Status InexactNewton::solve(Real tol, Index max_iterations, const Vector& x0,
-                            const std::vector<Face>& start) {
+                            const Branches& start) {
   goal_ = tol * driving_norm(system_, problem_.increment);
   max_iterations_ = max_iterations;
   x_ = x0.size() > 0 ? x0 : Vector(Vector::Zero(system_.dofs()));

@@ -18,8 +18,7 @@ class InexactNewton {
   /// too, from stick. Friction is to follow the slip to about tol, too, where rounding allows it.
   /// converged: by the certificate; max_iterations; stagnated: neither a tighter
   /// Gamma nor a new start reduces the violation.
-  Status solve(Real tol, Index max_iterations, const Vector& x0,
-               const std::vector<Face>& start = {});
+  Status solve(Real tol, Index max_iterations, const Vector& x0, const Branches& start = {});
 
   /// For a caller who has another method, which costs as much as so many cycles. Ends, stagnated,
   /// as soon as the residual of a linear system does not fall as it does by a good hierarchy, or so
@@ -33,7 +32,7 @@ class InexactNewton {
   const Vector& x() const { return x_; }
   /// not_positive_definite: n, the direction.
   Vector negative() const { return inner_.indefinite() ? inner_.last() : Vector(); }
-  const std::vector<Face>& faces() const { return faces_.all(); }
+  const Branches& faces() const { return faces_.all(); }
   Index iterations() const { return iterations_; }  ///< cycles
   Index updates() const { return updates_; }        ///< of the faces
   /// newton: the first cycle after an update of the faces; conjugate: the others.
@@ -65,7 +64,7 @@ class InexactNewton {
   Vector springs_;   ///< contact_dofs [force/length]: proximal, 0 until faces left a motion free
   Vector accepted_;  ///< n, the last x that the certificate lets pass; or empty
   Vector rest_;      ///< n, x where they are at rest
-  std::vector<Face> faces_at_rest_;
+  Branches faces_at_rest_;
   Real last_force_ = 0;             ///< of the springs, when they were released last
   Real Gamma_ = 0.3;                ///< residual over violation at which faces are chosen anew
   Real goal_ = 0, least_goal_ = 0;  ///< [norm_D]

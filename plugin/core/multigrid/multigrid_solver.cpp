@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "clock.h"
-#include "condensed/equilibrium.h"
-#include "condensed/undetermined.h"
+#include "statics/equilibrium.h"
+#include "statics/undetermined.h"
 #include "multigrid/inexact_newton.h"
 #include "statics/floating.h"
 

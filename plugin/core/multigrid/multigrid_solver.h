@@ -35,7 +35,7 @@ class MultigridSolver {
   SystemPtr system_;
   std::unique_ptr<Hierarchy> hierarchy_;
   Eigen::MatrixXd motions_;  ///< n x k: rigid motions that A leaves free
-  std::vector<Face> last_;   ///< of the last answer: where an increment starts
+  Branches last_;            ///< of the last answer: where an increment starts
   double setup_ = 0;         ///< CPU seconds, until they are reported
 };
 

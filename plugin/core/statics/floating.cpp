@@ -10,8 +10,6 @@ namespace frictioncg {
 
 namespace {
 
-using DenseMatrix = Eigen::MatrixXd;
-
 constexpr Real dependent = 1e-13;    ///< of the largest <Dw,w>: a candidate that the others make up
 constexpr Real nearly_rigid = 1e-6;  ///< <Aw,w>/<Dw,w>, with what rounding leaves of small bodies
 constexpr Real rigid = 1e-12;        ///< the same, of motions that are made and tried
@@ -110,13 +108,13 @@ Bodies bodies_of(const Matrix& A) {
   return bodies;
 }
 
-Eigen::MatrixXd floating_motions(const System& system) {
+DenseMatrix floating_motions(const System& system) {
   const RigidModes& candidates = system.body_modes ? system.body_modes : system.rigid_modes;
   if (!candidates || system.largest(system.dofs()) == 0) return DenseMatrix(system.dofs(), 0);
   return floating_motions(system, candidates());
 }
 
-Eigen::MatrixXd floating_motions(const System& system, const Eigen::MatrixXd& M) {
+DenseMatrix floating_motions(const System& system, const DenseMatrix& M) {
   const Index n = system.dofs();
   DenseMatrix W(n, 0);
   if (M.rows() != n || M.cols() == 0 || !M.allFinite()) return W;
@@ -158,8 +156,8 @@ bool may_be_rigid(const System& system, const Vector& w) {
   return rest <= bent * bent * size;
 }
 
-Eigen::MatrixXd motions_of_interior(const Eigen::MatrixXd& W, Index interior,
-                                    const std::vector<Index>& units) {
+DenseMatrix motions_of_interior(const DenseMatrix& W, Index interior,
+                                const std::vector<Index>& units) {
   const Index n = static_cast<Index>(W.rows()), k = static_cast<Index>(W.cols());
   const Index count = static_cast<Index>(units.size());
   DenseMatrix Z = W;

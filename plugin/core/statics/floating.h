@@ -1,6 +1,4 @@
 #pragma once
-#include <Eigen/Core>
-
 #include <optional>
 
 #include "model/system.h"
@@ -13,24 +11,24 @@ Bodies bodies_of(const Matrix& A);
 /// The rigid motions that A leaves free, body by body, among the candidates of the system: n x k,
 /// <Dw,w> = 1. No columns where the system knows no candidates, or has none of n rows. Costs a
 /// product with A for each candidate and for each motion of each body.
-Eigen::MatrixXd floating_motions(const System& system);
+DenseMatrix floating_motions(const System& system);
 
 /// These motions, made when they are first asked for.
 class FloatingMotions {
  public:
   explicit FloatingMotions(SystemPtr system) : system_(std::move(system)) {}
-  const Eigen::MatrixXd& operator()() {
+  const DenseMatrix& operator()() {
     if (!motions_) motions_ = floating_motions(*system_);
     return *motions_;
   }
 
  private:
   const SystemPtr system_;
-  std::optional<Eigen::MatrixXd> motions_;
+  std::optional<DenseMatrix> motions_;
 };
 
 /// The same among candidates that are made already.
-Eigen::MatrixXd floating_motions(const System& system, const Eigen::MatrixXd& candidates);
+DenseMatrix floating_motions(const System& system, const DenseMatrix& candidates);
 
 /// Whether w moves each body by a combination of the candidates; true where the system knows none.
 /// A body may be so slender that its bending costs next to nothing, and A cannot tell.
@@ -39,7 +37,7 @@ bool may_be_rigid(const System& system, const Vector& w);
 /// Of motions W (n x k) the combinations that move none of the dofs from `interior` on: one for
 /// each of `units`, where it is 1, and 0 at the others. No columns where there are more or less of
 /// them.
-Eigen::MatrixXd motions_of_interior(const Eigen::MatrixXd& W, Index interior,
-                                    const std::vector<Index>& units);
+DenseMatrix motions_of_interior(const DenseMatrix& W, Index interior,
+                                const std::vector<Index>& units);
 
 }  // namespace frictioncg

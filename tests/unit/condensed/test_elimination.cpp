@@ -3,7 +3,7 @@
 
 #include <numeric>
 
-#include "bodies.h"
+#include "../statics/bodies.h"
 #include "by_hand.h"
 #include "core/condensed/cholmod_elimination.h"
 #include "core/condensed/ordering.h"

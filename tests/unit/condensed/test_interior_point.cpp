@@ -4,7 +4,7 @@
 #include "../sparse_scene.h"
 #include "../statics.h"
 #include "../verifier.h"
-#include "bodies.h"
+#include "../statics/bodies.h"
 #include "core/condensed/interior_point.h"
 #include "core/solver.h"
 

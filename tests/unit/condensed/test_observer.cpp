@@ -3,7 +3,7 @@
 
 #include "../scene.h"
 #include "../statics.h"
-#include "bodies.h"
+#include "../statics/bodies.h"
 #include "core/condensed/interior_point.h"
 #include "core/condensed/proximal.h"
 #include "core/condensed/regularized.h"

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "../statics.h"
-#include "bodies.h"
+#include "../statics/bodies.h"
 #include "core/condensed/proximal.h"
 
 using namespace frictioncg;

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "../random_scene.h"
-#include "bodies.h"
+#include "../statics/bodies.h"
 #include "by_hand.h"
 #include "core/model/certificate.h"
 #include "core/condensed/semismooth_newton.h"

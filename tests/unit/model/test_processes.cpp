@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "../multigrid/scene_in_blocks.h"
-#include "core/condensed/equilibrium.h"
-#include "core/condensed/undetermined.h"
+#include "core/statics/equilibrium.h"
+#include "core/statics/undetermined.h"
 #include "core/multigrid/multigrid_solver.h"
 #include "core/statics/floating.h"
 

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "../statics.h"
-#include "core/condensed/equilibrium.h"
+#include "core/statics/equilibrium.h"
 
 using namespace frictioncg;
 using namespace frictioncg::test;

@@ -1,7 +1,7 @@
 // Rigid motions of each body, out of candidates for all of them as one.
 #include <gtest/gtest.h>
 
-#include "../condensed/bodies.h"
+#include "bodies.h"
 #include "core/statics/floating.h"
 
 using namespace frictioncg;

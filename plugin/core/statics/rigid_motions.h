@@ -1,5 +1,5 @@
 #pragma once
-#include "condensed/condensed_problem.h"
+#include "model/system.h"
 
 namespace frictioncg {
 

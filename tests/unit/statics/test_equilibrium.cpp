@@ -2,10 +2,10 @@
 #include <gtest/gtest.h>
 
 #include "bodies.h"
-#include "by_hand.h"
+#include "../condensed/by_hand.h"
 #include "core/condensed/bounded_pressure.h"
-#include "core/condensed/equilibrium.h"
-#include "core/condensed/rigid_motions.h"
+#include "core/statics/equilibrium.h"
+#include "core/statics/rigid_motions.h"
 #include "core/solver.h"
 
 using namespace frictioncg;

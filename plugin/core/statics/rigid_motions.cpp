@@ -1,4 +1,6 @@
-#include "condensed/rigid_motions.h"
+#include "statics/rigid_motions.h"
+
+#include <Eigen/Dense>
 
 #include <cmath>
 

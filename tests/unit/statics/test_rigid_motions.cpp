@@ -4,7 +4,7 @@
 #include "../random_scene.h"
 #include "bodies.h"
 #include "core/condensed/cholmod_elimination.h"
-#include "core/condensed/rigid_motions.h"
+#include "core/statics/rigid_motions.h"
 
 using namespace frictioncg;
 using namespace frictioncg::test;

@@ -1,4 +1,6 @@
-#include "condensed/equilibrium.h"
+#include "statics/equilibrium.h"
+
+#include <Eigen/Dense>
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,6 @@
-#include "condensed/undetermined.h"
+#include "statics/undetermined.h"
+
+#include <Eigen/Dense>
 
 #include <cmath>
 
@@ -28,13 +30,13 @@ DenseMatrix of_all_processes(const System& system, const DenseMatrix& R) {
 }  // namespace
 
 DenseMatrix left_free(const DenseMatrix& W, const ContactProblem& problem,
-                      const std::vector<SemismoothNewton::Branch>& branches) {
+                      const Branches& branches) {
   if (W.cols() == 0) return W;
   const DenseMatrix W_C = W.bottomRows(problem.contact_dofs());
   const Index k = static_cast<Index>(W.cols());
   DenseMatrix barred = DenseMatrix::Zero(std::max<Index>(problem.contact_dofs(), k), k);
   for (Index i = 0; i < problem.nodes(); ++i) {
-    const SemismoothNewton::Branch& b = branches[i];
+    const Branch& b = branches[i];
     const Index N = problem.system->first[i] - problem.interior(), t = problem.tangents(i);
     const Real unit = std::sqrt(problem.system->D[problem.system->first[i]]);
     const auto slide = W_C.middleRows(N + 1, t);
@@ -51,14 +53,14 @@ DenseMatrix left_free(const DenseMatrix& W, const ContactProblem& problem,
   return W.lazyProduct(svd.matrixV().rightCols(W.cols() - held));
 }
 
-std::vector<SemismoothNewton::Branch> branches_of(const ContactProblem& problem, const Vector& x,
-                                                  const Certificate& certificate) {
+Branches branches_of(const ContactProblem& problem, const Vector& x,
+                     const Certificate& certificate) {
   const System& system = *problem.system;
   const Vector& r = certificate.r;
   const Real none = std::max(forceless, margin * certificate.attainable) * certificate.scale;
-  std::vector<SemismoothNewton::Branch> branches(problem.nodes());
+  Branches branches(problem.nodes());
   for (Index i = 0; i < problem.nodes(); ++i) {
-    SemismoothNewton::Branch& b = branches[i];
+    Branch& b = branches[i];
     const Index N = system.first[i], t = problem.tangents(i);
     const NodeLaw law = law_of(problem.increment, i);
     const Real closing = system.weight[N] * (problem.increment.gap[i] - x[N]);

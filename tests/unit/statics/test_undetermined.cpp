@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "bodies.h"
-#include "core/condensed/rigid_motions.h"
-#include "core/condensed/undetermined.h"
+#include "core/statics/rigid_motions.h"
+#include "core/statics/undetermined.h"
 #include "core/solver.h"
 #include "core/statics/floating.h"
 
@@ -124,9 +124,9 @@ TEST(Undetermined, WhatBranchesBarDoesNotDependOnTheUnits) {
       const ContactProblem p = problem_of(o);
       const DenseMatrix W = floating_motions(*p.system);
       ASSERT_EQ(W.cols(), d == 2 ? 3 : 6);
-      std::vector<SemismoothNewton::Branch> branches(p.nodes());
+      Branches branches(p.nodes());
       const auto set = [&](bool closed, bool stick) {
-        for (SemismoothNewton::Branch& b : branches) {
+        for (Branch& b : branches) {
           b.closed = closed;
           b.stick = stick;
           b.g = 0;
@@ -310,7 +310,6 @@ TEST(Undetermined, BranchesBarTheMotionsThatTheyStandAgainst) {
   o.cells = 2;
   const ContactProblem p = problem_of(o);
   const DenseMatrix W = rigid_motions(*p.system, 100000);
-  using Branch = SemismoothNewton::Branch;
   std::vector<Branch> branches(p.nodes());  // all closed and stuck
   EXPECT_EQ(left_free(W, p, branches).cols(), 0);
   for (Branch& b : branches) b.stick = false;  // closed, free to slide: two slides and a turn

@@ -1,18 +1,18 @@
 #pragma once
-#include "condensed/semismooth_newton.h"
 #include "solution.h"
+#include "model/branch.h"
 
 namespace frictioncg {
 
 /// The rigid motions (span of W, n x k) that the branches of the contact nodes leave free: closed
 /// nodes keep x_N, stuck nodes x_T, sliding nodes the direction of x_T.   n x (0 .. k)
 DenseMatrix left_free(const DenseMatrix& W, const ContactProblem& problem,
-                      const std::vector<SemismoothNewton::Branch>& branches);
+                      const Branches& branches);
 
 /// The branches that an answer is on. A node that touches without a force is open: nothing keeps it
 /// there.
-std::vector<SemismoothNewton::Branch> branches_of(const ContactProblem& problem, const Vector& x,
-                                                  const Certificate& certificate);
+Branches branches_of(const ContactProblem& problem, const Vector& x,
+                     const Certificate& certificate);
 
 /// Takes the undetermined motions of s out of s.x, where the laws allow it within tol.
 void leave_least(const ContactProblem& problem, Real tol, Solution& s);
