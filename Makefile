@@ -46,9 +46,9 @@ UNIT      := $(filter-out tests/unit/standalone/%,$(wildcard tests/unit/*.cpp te
 IDP       := $(wildcard edp/*.idp)
 SCRIPTS   := $(wildcard tests/edp/*.edp)
 EXAMPLES  := $(filter-out %-mpi.edp,$(wildcard examples/*.edp))
-# Under several processes: where `make mpi` has been
+# Under several processes: tests/run leaves them out where `make mpi` has not been
 WITH_MPI   = $(wildcard $(BUILD)/frictionCG-mpi.so)
-SHARED     = $(if $(WITH_MPI),$(wildcard tests/mpi/*.edp examples/*-mpi.edp) tests/mpi/scarce tests/mpi/limited)
+SHARED    := $(wildcard tests/mpi/*.edp examples/*-mpi.edp) tests/mpi/scarce tests/mpi/limited
 PAGES     := README.md $(wildcard edp/doc/*.md)
 BENCHES   := $(wildcard tests/bench/*.cpp)
 OWN       := $(CORE) $(HEADERS) $(wildcard plugin/*.cpp plugin/mpi/*.cpp plugin/mpi/*.h tests/unit/*.cpp tests/unit/*.h \
@@ -61,8 +61,8 @@ export FF_PROGRAM
 export FF_PROGRAM_MPI := $(if $(FREEFEM),$(FF_PREFIX)/bin/)FreeFem++-mpi
 RUN       := $(FF_PROGRAM) -nw -v 0
 
-.PHONY: all core mpi help setup demo check unit scripts shared examples pages bench scaling report format lint sanitize coverage \
-        install fresh mutants clean
+.PHONY: all core mpi help setup setup-mpi demo check unit scripts shared examples pages bench scaling report format lint \
+        sanitize coverage install fresh mutants clean
 
 all: $(BUILD)/frictionCG.so $(IDP:edp/%=$(BUILD)/%) ## build the plugin
 
@@ -109,9 +109,11 @@ MPICXX       ?= mpicxx
 MPI_FLAGS     = $(patsubst -I%,-isystem %,$(filter-out -W%,$(PETSC_FLAGS)) $(shell $(MPICXX) --showme:compile))
 MPI_LIBS      = $(PETSC_LIBS) $(shell $(MPICXX) --showme:link)
 
-mpi: setup ## the plugin of several processes, on PETSc
-	@$(MAKE) --no-print-directory setup PACKAGES="$(MPI_PACKAGES)"
+mpi: setup setup-mpi ## the plugin of several processes, on PETSc
 	@$(MAKE) --no-print-directory -j$$(nproc) all $(BUILD)/frictionCG-mpi.so >/dev/null
+
+setup-mpi:
+	@$(MAKE) --no-print-directory setup PACKAGES="$(MPI_PACKAGES)"
 
 $(BUILD)/distributed/%.o: plugin/mpi/%.cpp Makefile
 	@mkdir -p $(@D)
@@ -148,10 +150,9 @@ demo: setup ## the block of the paper: displacement, contact forces, and their p
 	@$(MAKE) --no-print-directory -j$$(nproc) all >/dev/null
 	cd $(BUILD) && $(RUN) $(CURDIR)/examples/block.edp
 
-check: setup ## all tests
+check: setup ## all tests; those of several processes after `make mpi`
 	@$(MAKE) --no-print-directory -j$$(nproc) all $(BUILD)/unit_tests $(BUILD)/two_springs \
 	  $(BUILD)/scarce.so $(WITH_MPI) >/dev/null
-	@$(if $(WITH_MPI),,echo "left out: tests of several processes; \`make mpi\` adds them")
 	@bash tests/run $(BUILD)/unit_tests $(BUILD)/two_springs tests/figures tests/scarce/one $(SCRIPTS) \
 	  $(EXAMPLES) $(PAGES) $(SHARED)
 
@@ -163,7 +164,7 @@ scripts: all ## scripted tests in FreeFEM only
 
 shared: mpi ## scripted tests and examples under several processes only
 	@$(MAKE) --no-print-directory $(BUILD)/scarce.so >/dev/null
-	@bash tests/run $(wildcard tests/mpi/*.edp examples/*-mpi.edp) tests/mpi/scarce tests/mpi/limited
+	@bash tests/run $(SHARED)
 
 examples: all ## every example, on coarse meshes
 	@bash tests/run $(EXAMPLES)
