@@ -85,9 +85,24 @@ OWN_NEW   := -Wl,-Bsymbolic-functions
 # The compiler writes what each object includes beside it, so that a header rebuilds what reads it.
 DEPENDS   := -MMD -MP
 
-$(BUILD)/core/%.o: plugin/core/%.cpp Makefile
+# What nearly every file reads, Eigen above all, is compiled once. `PRECOMPILED=` does without: no file needs it.
+PRECOMPILED := precompiled.h
+CORE_PCH     = $(PRECOMPILED:%=$(BUILD)/core/%)
+UNIT_PCH     = $(PRECOMPILED:%=$(BUILD)/unit/%)
+# where ccache preprocesses, it reads the compiled one too
+READ        := -fpch-preprocess -include
+
+$(BUILD)/core/precompiled.h.gch: plugin/core/precompiled.h Makefile
+	@mkdir -p $(@D) && cp $< $(@D)
+	$(CXX) $(FLAGS) $(CORE_FLAGS) -x c++-header $< -o $@
+
+$(BUILD)/unit/precompiled.h.gch: tests/unit/precompiled.h plugin/core/precompiled.h Makefile
+	@mkdir -p $(@D) && cp $< $(@D)
+	$(CXX) $(FLAGS) -O1 -Iplugin -Itests -x c++-header $< -o $@
+
+$(BUILD)/core/%.o: plugin/core/%.cpp Makefile $(CORE_PCH:=.gch)
 	@mkdir -p $(@D)
-	$(CXX) $(FLAGS) $(DEPENDS) $(CORE_FLAGS) -c $< -o $@
+	$(CXX) $(FLAGS) $(DEPENDS) $(CORE_FLAGS) $(addprefix $(READ) ,$(CORE_PCH)) -c $< -o $@
 
 # FreeFEM's own operator new confuses this one warning.
 $(BUILD)/frictionCG.o: plugin/frictionCG.cpp Makefile
@@ -179,9 +194,9 @@ $(BUILD)/unit_tests: $(OBJECTS) $(UNIT:tests/%.cpp=$(BUILD)/%.o)
 # test_faults.cpp counts allocations, and makes them fail
 WRAP := -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
-$(BUILD)/unit/%.o: tests/unit/%.cpp Makefile
+$(BUILD)/unit/%.o: tests/unit/%.cpp Makefile $(UNIT_PCH:=.gch)
 	@mkdir -p $(@D)
-	$(CXX) $(FLAGS) $(DEPENDS) -O1 -Iplugin -Itests -c $< -o $@
+	$(CXX) $(FLAGS) $(DEPENDS) -O1 -Iplugin -Itests $(addprefix $(READ) ,$(UNIT_PCH)) -c $< -o $@
 
 -include $(OBJECTS:.o=.d) $(UNIT:tests/%.cpp=$(BUILD)/%.d) $(BUILD)/frictionCG.d $(MPI_OBJECTS:.o=.d)
 
@@ -221,7 +236,7 @@ format: ## clang-format on our own code
 	clang-format -i $(OWN)
 
 lint: ## no warning, clang-tidy, the core free of FreeFEM and of output, no include against the order of its folders
-	@$(MAKE) --no-print-directory -j$$(nproc) CI=1 BUILD=$(BUILD)/lint all $(BUILD)/lint/unit_tests >/dev/null
+	@$(MAKE) --no-print-directory -j$$(nproc) CI=1 PRECOMPILED= BUILD=$(BUILD)/lint all $(BUILD)/lint/unit_tests >/dev/null
 	@! grep -rlE 'ff\+\+|freefem|<iostream>|printf' plugin/core
 	@above="answer|cost|solver"; for folder in condensed gradient multigrid statics assembly model; do \
 	  ! grep -rnE "#include \"($$above)" plugin/core/$$folder || exit 1; above="$$above|$$folder/"; done
