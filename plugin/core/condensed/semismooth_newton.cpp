@@ -5,13 +5,12 @@
 #include <set>
 
 #include "condensed/single_precision.h"
-#include "model/law.h"
+#include "model/certificate.h"
 
 namespace frictioncg {
 
 namespace {
-constexpr Real singular = 1e-13;   ///< reciprocal condition number at which a motion counts as free
-constexpr Real load_share = 0.01;  ///< of the unit of the residual, as in the certificate
+constexpr Real singular = 1e-13;  ///< reciprocal condition number at which a motion counts as free
 constexpr Real rounding_margin = 100;  ///< S carries what the elimination has left
 constexpr Real solved = 1e-12;         ///< residual at which a node that grazes is on either branch
 constexpr Real settled = 1e-9;         ///< residual that may be rounding, once the branches stay
@@ -51,9 +50,7 @@ SemismoothNewton::SemismoothNewton(const CondensedProblem& problem)
 
 void SemismoothNewton::start_from_stick() {
   from_stick_ = true;
-  std::fill(branch_.begin(), branch_.end(), Branch());
-  for (Index i = 0; i < problem_.laws.nodes(); ++i)
-    branch_[i].closed = std::isfinite(problem_.laws.increment.gap[i]);
+  branch_ = all_stick(problem_.laws.increment);
 }
 
 void SemismoothNewton::start_from(const Vector& x, const Vector& r) {
@@ -93,20 +90,10 @@ SemismoothNewton::Outcome SemismoothNewton::solve(Index max_steps) {
 void SemismoothNewton::choose_branches(const Vector& x, const Vector& r) {
   const ContactProblem& laws = problem_.laws;
   for (Index i = 0; i < laws.nodes(); ++i) {
-    Branch& b = branch_[i];
-    const Index N = problem_.normal(i), t = laws.tangents(i);
-    b.closed =
-        laws.increment.bilateral || r[N] + problem_.D[N] * (x[N] - laws.increment.gap[i]) > 0;
-    if (t == 0) continue;
-    b.sign = laws.increment.bilateral && r[N] < 0 ? -1 : 1;
-    b.g = law_of(laws.increment, i).limit(b.closed ? r[N] : 0);
-    const auto y = r.segment(N + 1, t) + c_[i] * x.segment(N + 1, t);
-    const Real norm = y.norm();
-    b.stick = norm <= b.g && (laws.increment.law == Law::tresca || b.closed);
-    if (b.stick) continue;
-    b.d.setZero();
-    if (norm > 0) b.d.head(t) = y / norm;
-    b.w = t == 2 && norm > b.g ? b.g * c_[i] / (norm - b.g) : 0;
+    const Index N = problem_.normal(i), size = laws.tangents(i) + 1;
+    const Real closing = problem_.D[N] * (laws.increment.gap[i] - x[N]);
+    branch_[i] = branch_at(law_of(laws.increment, i), closing, x.segment(N, size),
+                           r.segment(N, size), c_[i]);
   }
 }
 
@@ -167,9 +154,9 @@ bool SemismoothNewton::assemble() {
   }
   M_.diagonal().array() += problem_.springs;  // a slip row refers to normals that are no unknowns
   for_each_slip([&](const Branch& n, Index, Index p, Index t) {
+    const Eigen::Matrix2d W = n.stiffness();
     for (Index k = 0; k < t; ++k)
-      for (Index l = 0; l < t; ++l)
-        M_(p + k, p + l) += scale_[p + k] * scale_[p + l] * n.w * ((k == l) - n.d[k] * n.d[l]);
+      for (Index l = 0; l < t; ++l) M_(p + k, p + l) += scale_[p + k] * scale_[p + l] * W(k, l);
   });
   b_.array() *= scale_.array();
   return factor_.isZero(0);
@@ -217,31 +204,26 @@ Real SemismoothNewton::law_violation(const Vector& r) const {
   const ContactProblem& laws = problem_.laws;
   Real sum = 0;
   for (Index i = 0; i < laws.nodes(); ++i) {
-    const Index N = problem_.normal(i), t = laws.tangents(i);
-    const NodeLaw law = law_of(laws.increment, i);
-    const Real closing = problem_.D[N] * (laws.increment.gap[i] - x_[N]);
-    const Real normal = law.normal_residual(closing, r[N]);
-    sum += normal * normal / problem_.D[N];
-    if (t == 0) continue;
-    const Real c = problem_.D.segment(N + 1, t).mean();
-    sum += friction_residual(r.segment(N + 1, t), x_.segment(N + 1, t), c, law.limit(r[N]))
-               .squaredNorm() /
-           c;
+    const Index N = problem_.normal(i), size = laws.tangents(i) + 1;
+    const Violation v =
+        violation(law_of(laws.increment, i), laws.increment.gap[i], problem_.D.segment(N, size),
+                  x_.segment(N, size), r.segment(N, size));
+    sum += v.normal + v.friction;
   }
   return std::sqrt(sum);
 }
 
-/// The forces at work, in norm_D: as the certificate has them, a share of the load and the contact
-/// forces of the closed nodes; where there are none, the load.
+/// The forces at work, in norm_D; where there are none, the total load.
 Real SemismoothNewton::unit(const Vector& r) const {
   const Increment& increment = problem_.laws.increment;
-  Real sum = std::pow(load_share * increment.load_norm, 2);
+  Real contact = 0;
   for (Index i = 0; i < problem_.laws.nodes(); ++i) {
     const Index N = problem_.normal(i), size = problem_.laws.tangents(i) + 1;
     if (!branch_[i].closed) continue;
-    sum += (r.segment(N, size).array().square() / problem_.D.segment(N, size).array()).sum();
+    contact += (r.segment(N, size).array().square() / problem_.D.segment(N, size).array()).sum();
   }
-  return sum > 0 ? std::sqrt(sum) : increment.force_scale;
+  const Real work = forces_at_work(increment.load_norm, std::sqrt(contact));
+  return work > 0 ? work : increment.force_scale;
 }
 
 /// What S x cannot resolve of the residual, in the same units.

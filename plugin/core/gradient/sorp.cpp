@@ -119,15 +119,11 @@ Real Sorp::violation(const Vector& x, const Vector& g, Tangents tangents) {
   residual_ = problem_.increment.F - residual_;
   Real sum = (residual_.head(interior).array().square() / w.head(interior).array()).sum();
   for (Index i = 0; i < problem_.nodes(); ++i) {
-    const Index N = problem_.system->first[i], t = problem_.tangents(i);
-    const NodeLaw law{Law::tresca, problem_.increment.bilateral, g[i]};
-    const Real normal =
-        law.normal_residual(w[N] * (problem_.increment.gap[i] - x[N]), residual_[N]);
-    sum += normal * normal / w[N];
-    if (t == 0 || tangents == Tangents::stuck) continue;
-    sum += friction_residual(residual_.segment(N + 1, t), x.segment(N + 1, t), w[N + 1], g[i])
-               .squaredNorm() /
-           w[N + 1];
+    const Index N = problem_.system->first[i], size = problem_.tangents(i) + 1;
+    const Violation v = frictioncg::violation({Law::tresca, problem_.increment.bilateral, g[i]},
+                                              problem_.increment.gap[i], w.segment(N, size),
+                                              x.segment(N, size), residual_.segment(N, size));
+    sum += v.normal + (tangents == Tangents::sliding ? v.friction : 0);
   }
   return std::sqrt(sum);
 }

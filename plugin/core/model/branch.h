@@ -1,5 +1,7 @@
 #pragma once
-#include "types.h"
+#include <limits>
+
+#include "model/law.h"
 
 namespace frictioncg {
 
@@ -14,7 +16,25 @@ struct Branch {
   Real g = 0;     ///< sliding limit when the branch was chosen [force]
   Real w = 0;     ///< [force/length]
   Eigen::Vector2d d = Eigen::Vector2d::Zero();
+
+  /// Stick or slip at the limit g, by y = r_T + c x_T. Near the limit w grows without bound: up to
+  /// `most` times c.
+  void choose_friction(const Tangent& y, Real limit, Real c, Real most);
+
+  /// w (I - dd'), symmetric positive semi-definite
+  Eigen::Matrix2d stiffness() const {
+    return w * (Eigen::Matrix2d::Identity() - d * d.transpose());
+  }
 };
 using Branches = std::vector<Branch>;  ///< m
+
+/// The branch that a node is on at (x, r), both its normal, then its tangents. closing as in
+/// NodeLaw; c, most as above.
+Branch branch_at(const NodeLaw& law, Real closing, const Eigen::Ref<const Vector>& x,
+                 const Eigen::Ref<const Vector>& r, Real c,
+                 Real most = std::numeric_limits<Real>::infinity());
+
+/// Where every node that can close is closed, and every one of them with friction in stick.
+Branches all_stick(const Increment& increment);
 
 }  // namespace frictioncg

@@ -83,9 +83,8 @@ Real nearest_gap(const ContactProblem& problem, const Vector& x) {
 Real scale_of(const ContactProblem& problem, const Vector& x, const Vector& r, Real violation,
               Real rounding) {
   const Real load = problem.increment.load_norm, contact = contact_force_norm(problem, x, r);
-  const Real share = contact > 0 ? load_share : 1;
   if (std::hypot(load, contact) > rounding_margin * rounding)
-    return std::max(std::hypot(share * load, contact), rounding);
+    return std::max(forces_at_work(load, contact), rounding);
   const Real driving = std::max(driving_norm(*problem.system, problem.increment),
                                 norm_D(*problem.system, problem.increment.F - r));
   if (violation > rounding_margin * rounding)
@@ -95,26 +94,25 @@ Real scale_of(const ContactProblem& problem, const Vector& x, const Vector& r, R
 
 }  // namespace
 
+Real forces_at_work(Real load, Real contact) {
+  return std::hypot(contact > 0 ? load_share * load : load, contact);
+}
+
 Certificate certify(const ContactProblem& problem, const Vector& x) {
   const Vector& w = problem.system->weight;
   Certificate c;
-  const Vector size = residual_of(problem, x, c.r);
+  const Vector magnitude = residual_of(problem, x, c.r);
   const Real rounding =
-      std::hypot(problem.increment.rounding, epsilon * norm_D(*problem.system, size));
+      std::hypot(problem.increment.rounding, epsilon * norm_D(*problem.system, magnitude));
 
   const Index interior = problem.interior();
   c.equilibrium = (c.r.head(interior).array().square() / w.head(interior).array()).sum();
   for (Index i = 0; i < problem.nodes(); ++i) {
-    const Index N = problem.system->first[i], t = problem.tangents(i);
-    const NodeLaw law = law_of(problem.increment, i);
-    const Real closing = closing_force(problem, i, x);
-    const Real normal = law.normal_residual(closing, c.r[N]);
-    c.normal += normal * normal / w[N];
-    if (t == 0) continue;
-    const Real c_T = w[N + 1];
-    const Tangent friction = friction_residual(c.r.segment(N + 1, t), x.segment(N + 1, t), c_T,
-                                               law.limit(closing, c.r[N]));
-    c.friction += friction.squaredNorm() / c_T;
+    const Index N = problem.system->first[i], size = problem.tangents(i) + 1;
+    const Violation v = violation(law_of(problem.increment, i), problem.increment.gap[i],
+                                  w.segment(N, size), x.segment(N, size), c.r.segment(N, size));
+    c.normal += v.normal;
+    c.friction += v.friction;
   }
   Real squares[] = {c.equilibrium, c.normal, c.friction};
   problem.system->sum(squares, 3);

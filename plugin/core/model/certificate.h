@@ -31,6 +31,9 @@ struct Certificate {
   Vector r;              ///< n, F - Ax: minus the force of the obstacle on the body [force]
 };
 
+/// The forces at work, in norm_D, of an external load and of the contact forces of closed nodes.
+Real forces_at_work(Real load, Real contact);
+
 enum class NodeState : Index { none = 0, separated = 1, slip = 2, stick = 3 };
 
 Certificate certify(const ContactProblem& problem, const Vector& x);

@@ -61,4 +61,21 @@ inline Tangent friction_residual(const Tangent& r_T, const Tangent& x_T, Real c,
   return r_T - (g / norm) * y;
 }
 
+/// Squares, in norm_D, of what (x, r) miss of the laws at one node.
+struct Violation {
+  Real normal = 0, friction = 0;
+};
+
+/// w, x, r: of the normal of the node, then of its tangents; w as System::weight, which is c.
+inline Violation violation(const NodeLaw& law, Real gap, const Eigen::Ref<const Vector>& w,
+                           const Eigen::Ref<const Vector>& x, const Eigen::Ref<const Vector>& r) {
+  const Real closing = w[0] * (gap - x[0]), normal = law.normal_residual(closing, r[0]);
+  Violation v{normal * normal / w[0], 0};
+  const Index t = static_cast<Index>(w.size()) - 1;
+  if (t == 0) return v;
+  const Tangent friction = friction_residual(r.tail(t), x.tail(t), w[1], law.limit(closing, r[0]));
+  v.friction = friction.squaredNorm() / w[1];
+  return v;
+}
+
 }  // namespace frictioncg

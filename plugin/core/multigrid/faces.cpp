@@ -35,23 +35,16 @@ Faces::Faces(const ContactProblem& problem)
 }
 
 void Faces::start_from_stick() {
-  for (std::size_t i = 0; i < face_.size(); ++i) {
-    face_[i] = Branch();
-    const Index node = static_cast<Index>(i);
-    face_[i].closed = increment_.bilateral || std::isfinite(increment_.gap[node]);
-    face_[i].stick = face_[i].closed && law_of(increment_, node).has_friction();
-  }
+  face_ = all_stick(increment_);
   update_rows();
 }
 
 void Faces::start_from(const Vector& x, const Vector& b_C) {
   for (Index i = 0; i < system_.nodes(); ++i) {
-    const Index N = normal(i), t = system_.tangents(i), first = system_.first[i];
+    const Index first = system_.first[i], size = system_.tangents(i) + 1;
     const Real closing = system_.weight[first] * (increment_.gap[i] - x[first]);
-    const bool closed = law_of(increment_, i).closed(closing, b_C[N]);
-    face_[i] = Branch();
-    face_[i] = branch(i, closed, tangent(b_C, N + 1, t), limit(i, closed ? b_C[N] : 0), x);
-    face_[i].sign = increment_.bilateral && b_C[N] < 0 ? -1 : 1;
+    face_[i] = branch_at(law_of(increment_, i), closing, x.segment(first, size),
+                         b_C.segment(normal(i), size), c_[i], most_stiffness);
   }
   update_rows();
 }
@@ -65,7 +58,7 @@ Eigen::Vector2d Faces::slip_force(Index i, const Vector& x, const Vector& b_C) c
   if (increment_.law == Law::coulomb && !lagged_)
     g = face.closed ? face.sign * increment_.mu[i] * b_C[normal(i)] : 0;
   const Eigen::Vector2d x_T = tangent(x, system_.first[i] + 1, system_.tangents(i));
-  return g * face.d + face.w * (x_T - face.d.dot(x_T) * face.d);
+  return g * face.d + face.stiffness() * x_T;
 }
 
 /// The force of friction on the present branch: where it sticks, whatever b is.
@@ -79,20 +72,12 @@ Branch Faces::branch(Index i, bool closed, const Eigen::Vector2d& f, Real g,
                      const Vector& x) const {
   Branch next = face_[i];
   next.closed = closed;
-  next.g = g;
-  next.w = 0;
   const Index t = system_.tangents(i);
-  if (t == 0) return next;
-  const Eigen::Vector2d y = f + c_[i] * tangent(x, system_.first[i] + 1, t);
-  const Real norm = y.norm();
+  const Tangent y = f.head(t) + c_[i] * x.segment(system_.first[i] + 1, t);
+  if (t > 0) next.choose_friction(y, g, c_[i], most_stiffness);
   // slip does not reverse at once: on a motion that little resists it would do so for ever
-  const bool reverses = !face_[i].stick && y.dot(face_[i].d) < 0;
-  next.stick = g > 0 && (norm <= g || reverses);
-  if (next.stick) return next;
-  next.d.setZero();
-  if (norm > 0) next.d = y / norm;
-  const Real beyond = std::max(norm - g, g / most_stiffness);
-  if (t == 2 && g > 0) next.w = g * c_[i] / beyond;
+  const bool reverses = !face_[i].stick && y.dot(face_[i].d.head(t)) < 0;
+  next.stick = next.stick || (g > 0 && reverses);
   return next;
 }
 
@@ -131,8 +116,7 @@ void Faces::update_rows() {
     fixed_[N] = face.closed;
     std::fill(fixed_.begin() + N + 1, fixed_.begin() + N + 1 + t, face.stick);
     if (face.stick || face.w == 0) continue;
-    W_.push_back({system_.first[i] + 1,
-                  face.w * (Eigen::Matrix2d::Identity() - face.d * face.d.transpose())});
+    W_.push_back({system_.first[i] + 1, face.stiffness()});
   }
 }
 
@@ -165,7 +149,7 @@ void Faces::jacobian(const Vector& z, const Vector& Az_C, Eigen::Ref<Vector> Jz_
     }
     const Eigen::Vector2d z_T = tangent(z, system_.first[i] + 1, t);
     const Real mu = coupled && face.closed ? face.sign * increment_.mu[i] : 0;
-    const Eigen::Vector2d law = -mu * Az_C[N] * face.d + face.w * (z_T - face.d.dot(z_T) * face.d);
+    const Eigen::Vector2d law = face.stiffness() * z_T - mu * Az_C[N] * face.d;
     for (Index k = 0; k < t; ++k) Jz_C[N + 1 + k] = Az_C[N + 1 + k] + law[k];
   }
 }
@@ -173,20 +157,13 @@ void Faces::jacobian(const Vector& z, const Vector& Az_C, Eigen::Ref<Vector> Jz_
 Real Faces::violation(const Vector& x, const Vector& b_C) const {
   Real sum = 0;
   for (Index i = 0; i < system_.nodes(); ++i) {
-    const Branch& face = face_[i];
-    const Index first = system_.first[i], N = normal(i), t = system_.tangents(i);
-    const Real D = system_.weight[first];
-    if (face.closed && !increment_.bilateral) {
-      const Real tension = std::min(b_C[N], 0.0);
-      sum += tension * tension / D;
-    } else if (!face.closed) {
-      const Real penetration = std::max(x[first] - increment_.gap[i], 0.0);
-      sum += D * penetration * penetration;
-    }
-    if (t == 0) continue;
-    const Real g = limit(i, face.closed ? b_C[N] : 0);
-    const Eigen::Vector2d f = friction(i, x, b_C), x_T = tangent(x, first + 1, t);
-    sum += friction_residual(f, x_T, c_D_[i], g).squaredNorm() / c_D_[i];
+    const Index first = system_.first[i], t = system_.tangents(i);
+    Eigen::Vector3d r(face_[i].closed ? b_C[normal(i)] : 0, 0, 0);
+    r.tail(2) = friction(i, x, b_C);
+    const Violation v = frictioncg::violation(law_of(increment_, i), increment_.gap[i],
+                                              system_.weight.segment(first, t + 1),
+                                              x.segment(first, t + 1), r.head(t + 1));
+    sum += v.normal + v.friction;
   }
   return std::sqrt(system_.sum(sum));
 }

@@ -60,18 +60,11 @@ Branches branches_of(const ContactProblem& problem, const Vector& x,
   const Real none = std::max(forceless, margin * certificate.attainable) * certificate.scale;
   Branches branches(problem.nodes());
   for (Index i = 0; i < problem.nodes(); ++i) {
-    Branch& b = branches[i];
-    const Index N = system.first[i], t = problem.tangents(i);
-    const NodeLaw law = law_of(problem.increment, i);
+    const Index N = system.first[i], size = problem.tangents(i) + 1;
     const Real closing = system.weight[N] * (problem.increment.gap[i] - x[N]);
-    const bool pressed = law.closed(closing, r[N]) && r[N] > none * std::sqrt(system.weight[N]);
-    b.closed = law.bilateral || pressed;
-    b.g = law.limit(b.closed ? r[N] : 0);
-    b.stick = false;
-    if (t == 0 || b.g == 0) continue;
-    const Tangent y = r.segment(N + 1, t) + system.weight[N + 1] * x.segment(N + 1, t);
-    b.stick = y.norm() <= b.g;
-    b.d.head(t) = y / y.norm();
+    const Real touch = none * std::sqrt(system.weight[N]);
+    branches[i] = branch_at(law_of(problem.increment, i), std::max(closing, touch),
+                            x.segment(N, size), r.segment(N, size), system.weight[N + size - 1]);
   }
   return branches;
 }
