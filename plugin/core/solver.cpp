@@ -20,10 +20,11 @@ namespace frictioncg {
 
 namespace {
 
-/// A residual below this is the limit of the matrix, not of the method.
+/// A certificate below this is as good as the matrix allows: no other method is tried.
 constexpr Real rounding = 1e-10;
 
-/// What the methods without a factor cost, over multigrid: more than it is ever allowed.
+/// Where no factor can be had, the alternative to multigrid is a gradient method: multigrid may
+/// then cost so many times what it does as a rule, which is more than it ever does.
 constexpr double only_gradients = 1e6;
 
 /// The method that stands in for the condensed route, without a factor: not regularized either,
@@ -199,8 +200,8 @@ Solution Solver::by_condensation(const ContactProblem& problem, const Settings& 
     return iterate(problem, without_factor(settings), x0, observer, floating_);
   Solution s = condensed_->solve(problem, settings, x0, observer);
   if (settings.newton) try_without_factor(problem, settings, observer, floating_, s);
-  if (!told_) {
-    told_ = true;
+  if (!factor_reported_) {
+    factor_reported_ = true;
     const EliminationTimes& t = condensed_->elimination().times();
     s.times.order += t.order;
     s.times.factor += t.factor;

@@ -63,8 +63,8 @@ class Solver {
   std::unique_ptr<CondensedSolver> condensed_;
   double memory_needed_ = 0;  ///< by the condensed route, as far as it is known [bytes]
   bool factored_ = false;
-  bool told_ = false;        ///< what the factorization took
-  bool indefinite_ = false;  ///< A has no factor, whatever the memory
+  bool factor_reported_ = false;  ///< a solution has told what the factorization took
+  bool indefinite_ = false;       ///< A has no factor, whatever the memory
   std::unique_ptr<MultigridSolver> multigrid_;
 };
 

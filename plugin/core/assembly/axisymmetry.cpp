@@ -6,9 +6,11 @@ namespace frictioncg {
 
 namespace {
 
-/// Of a row's entries: rounding leaves 1e-15 of them in a sum that vanishes, rings leave (h/r)^2.
+/// The sum of a row vanishes where it is below this share of the entries: rounding leaves 1e-15 of
+/// them, rings leave (h/r)^2.
 constexpr Real noise = 1e-11;
-/// Rows whose entries do not cancel: Dirichlet conditions, and next to nothing but mass.
+/// A row whose sum is above this share of its entries is passed over: it is a Dirichlet condition,
+/// or next to nothing but mass.
 constexpr Real alone = 0.99;
 
 /// What a translation along the dof's own component meets in its row.

@@ -9,8 +9,9 @@ namespace frictioncg {
 
 namespace {
 
-/// Diagonal over off-diagonals from which a row is Dirichlet: stiffness contrasts stay below it,
-/// FreeFEM's smallest customary tgv (1e10 times the coefficients) above.
+/// A row is a Dirichlet condition where its diagonal is so many times its other entries. Contrasts
+/// of stiffness stay below it; FreeFEM's smallest customary tgv, 1e10 times the coefficients, is
+/// above.
 constexpr Real huge_ratio = 1e10;
 
 [[noreturn]] void refuse(const std::ostringstream& message) { throw IllegalInput(message.str()); }

@@ -8,11 +8,14 @@ namespace frictioncg {
 
 namespace {
 
-constexpr Real aligned = 1e-14;  ///< components of a direction below this are taken as 0
-constexpr Real blocked = 1e-6;   ///< projected normals shorter than this are no contact
-constexpr Real dependent =
-    1e-3;  ///< sine of the angle to the other normals below which one adds none
-constexpr Real parallel = 1e-12;  ///< sine of the angle that rounding makes
+/// A component of a direction below this is taken as 0.
+constexpr Real aligned = 1e-14;
+/// A normal of which the free components are shorter than this meets no obstacle.
+constexpr Real blocked = 1e-6;
+/// A normal depends on the others of its node where the sine of its angle to them is below this.
+constexpr Real dependent = 1e-3;
+/// Two normals are one where the sine of their angle is below this: rounding makes it.
+constexpr Real parallel = 1e-12;
 
 using Entries = std::vector<Eigen::Triplet<Real>>;
 

@@ -8,7 +8,8 @@
 
 namespace frictioncg {
 
-/// Over the largest gap or prescribed displacement: up to which two gaps are taken for one.
+/// Two gaps are one where they differ by less than this share of the largest gap or prescribed
+/// displacement.
 constexpr Real same_gap = 1e-9;
 
 namespace {

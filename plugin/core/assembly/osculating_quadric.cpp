@@ -12,13 +12,17 @@ namespace {
 
 using Vec3 = Eigen::Vector3d;
 
-/// Least over largest diagonal of R below which the vertices leave some of the curvature open; a
-/// third and twice of it do as well on random triangulations and on single layers.
+/// The vertices leave some of the curvature open where the least diagonal of R is below this share
+/// of the largest; a third and twice of it do as well on random triangulations and single layers.
 constexpr Real open = 1e-2;
-constexpr Real arrived = 1e-14;      ///< slope: rounding
-constexpr Real same = 1e-12;         ///< curvature
-constexpr int most_steps = 30;       ///< 4 to 6 are usual, 30 where the curvature is open
-constexpr Real leaning = M_SQRT1_2;  ///< cosine from the mean normal beyond which it is no surface
+/// The normal has arrived where the slope left in its frame is below this: rounding.
+constexpr Real arrived = 1e-14;
+/// Two curvatures are one where they differ by less than this share.
+constexpr Real same = 1e-12;
+/// 4 to 6 steps are usual, 30 are needed where the curvature is open.
+constexpr int most_steps = 30;
+/// A normal further from the mean one than 45 degrees (their cosine) is no normal of a surface.
+constexpr Real leaning = M_SQRT1_2;
 
 /// k of the principal curvatures of [c d; d f].
 Real along_normal(Real c, Real d, Real f) {

@@ -13,9 +13,11 @@ using Vec3 = Eigen::Vector3d;
 using Fields = Eigen::Matrix<Real, 3, Eigen::Dynamic, 0, 3, 6>;
 using Square = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
 
-/// Over the mean motion: what moves less is on the axis, where the motion has no direction.
+/// A point that moves by less than this share of the mean motion is on the axis, where the motion
+/// has no direction.
 constexpr Real at_rest = 0.05;
-constexpr Real kept = 0.9;  ///< of a normal, what is left of one that a motion may be tangential to
+/// A normal is made orthogonal to a motion only where this share of it is left.
+constexpr Real kept = 0.9;
 
 /// The generators of rigid motions, about the centre and over the extent of the points.
 class Motions {

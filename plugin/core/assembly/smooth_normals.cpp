@@ -12,15 +12,20 @@ namespace {
 
 using Vec3 = Eigen::Vector3d;
 
-constexpr Real parallel = 1 - 1e-14;  ///< cosine of angles that rounding makes
-constexpr Real leaning = M_SQRT1_2;   ///< cosine from the mean normal beyond which it is no surface
-/// Of the curvature, the jumps that begin to count, and those that count in full. Vertices that lie
-/// off an arc by a hundredth of its sagitta, as buildmesh moves them, make a tenth.
+/// Normals are parallel where their cosine is above this: rounding makes the rest.
+constexpr Real parallel = 1 - 1e-14;
+/// A normal further from the mean one than 45 degrees (their cosine) is no normal of a surface.
+constexpr Real leaning = M_SQRT1_2;
+/// A jump of the curvature begins to count from the first share of the curvature on, and counts in
+/// full from the second. Vertices that lie off an arc by a hundredth of its sagitta, as buildmesh
+/// moves them, make jumps of a tenth.
 constexpr Real jump = 0.3, clear_jump = 0.35;
-/// Of the jump, the changes of a side's own curvature that begin to make it none, and that do: at a
-/// joint of flat faces and arcs they are rounding, on a coarse ellipse from 0.1 on.
+/// A jump begins to count less where a side's own curvature changes by the first share of it, and
+/// is none from the second on: at a joint of flat faces and arcs such changes are rounding, on a
+/// coarse ellipse they are 0.1 of the jump and more.
 constexpr Real smooth = 0.02, rough = 0.06;
-/// Of the jump: a change that sides do not differ by. Those of one curvature differ by 1e-10 of it.
+/// Two sides change alike where their changes differ by less than this share of the jump. Sides of
+/// one curvature differ by 1e-10 of it.
 constexpr Real alike = 1e-5;
 constexpr Real infinite = std::numeric_limits<Real>::infinity();
 

@@ -11,7 +11,8 @@ namespace frictioncg {
 
 namespace {
 
-constexpr Real asymmetry = 1e-9;  ///< |a_ij - a_ji| over sqrt(a_ii a_jj) that is refused
+/// A is refused where |a_ij - a_ji| is more than this share of sqrt(a_ii a_jj).
+constexpr Real asymmetry = 1e-9;
 
 using Entry = Eigen::Triplet<Real, Index>;
 

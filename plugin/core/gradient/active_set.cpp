@@ -6,7 +6,7 @@
 namespace frictioncg {
 
 namespace {
-/// Rounding of gap and of rho v_N: a node this close to its gap has reached it.
+/// A node has reached its gap where it misses no more than this share of the gap and of the step.
 constexpr Real rounding = 1e-15;
 }  // namespace
 

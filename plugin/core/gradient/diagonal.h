@@ -1,27 +1,24 @@
 #pragma once
-#include "gradient/preconditioner.h"
+#include "gradient/residual_preconditioner.h"
 
 namespace frictioncg {
 
-/// C = I, diag(A) or diag(J''): r itself is kept.
-class DiagonalPreconditioner final : public Preconditioner {
+/// C = I, diag(A) or diag(J'').
+class DiagonalPreconditioner final : public ResidualPreconditioner {
  public:
-  DiagonalPreconditioner(const System& system, Precon kind);
-  void start(const Vector& r) override;
-  void set_contact(const Vector& r_C, const ContactPart& part) override;
-  void direction(Real gamma, Vector& v) override;
-  Curvature curvature(const Vector& v) override;
-  void advance(Real rho, const Vector& v, Vector& x) override;
-  void move_contact(const Vector& dx_C) override;
-  Real r_v(const Vector& v) const override { return r_.dot(v); }
-  Real free_norm() const override;
+  DiagonalPreconditioner(const System& system, Precon kind)
+      : ResidualPreconditioner(system),
+        on_hessian_(kind == Precon::hessian_diagonal),
+        C_(kind == Precon::none ? Vector::Ones(system.dofs()) : Vector(D_)) {}
 
  private:
+  void apply(const Vector& r, Vector& z) const override { z = r.cwiseQuotient(C_); }
+  void update(const ContactPart& part) override {
+    if (on_hessian_) C_.tail(part.hessian.size()) = D_.tail(part.hessian.size()) + part.hessian;
+  }
+
   const bool on_hessian_;
-  Vector C_;   ///< the diagonal
-  Vector r_;   ///< zero where masked
-  Vector Av_;  ///< of the last direction
-  Real interior_r_z_ = 0, interior_dr_z_ = 0;
+  Vector C_;  ///< the diagonal
 };
 
 }  // namespace frictioncg

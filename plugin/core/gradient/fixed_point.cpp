@@ -7,20 +7,30 @@ namespace frictioncg {
 
 namespace {
 
-/// eps over max|x|: energy error 0.46 eps/max|x|, below every tol; smaller costs more iterations.
+/// eps starts at this share of max|x|: it costs 0.46 eps/max|x| of error in energy, which is below
+/// every tol. A smaller eps takes more iterations.
 constexpr Real first_relative_eps = 1e-8;
-/// Of the first minimizations: mu F_N is known to a percent at best from sticking contact.
+/// The first minimizations need no smaller residual: sticking contact tells mu F_N to a percent.
 constexpr Real first_tolerance = 1e-2;
-/// The last minimization is more precise than tol: the certificate has two other shares.
+/// The last minimization may leave this share of tol: the certificate measures two other things.
 constexpr Real share = 1.0 / 3;
-constexpr Real first_precision = 0.1;   ///< contraction of the fixed point is 0.15 to 0.45
-constexpr Real least_precision = 1e-4;  ///< forces are less precise than the residual, at most so
-constexpr Real largest_cut = 1e-3;      ///< of the inner tolerance in one pass: g may be far yet
-constexpr Index patience = 15;          ///< passes without halving the mismatch
-constexpr Real better = 0.5;            ///< of a mismatch or certificate: what counts as progress
-constexpr Real met = 0.9;    ///< of the tolerance on g: the rest is left to the certificate's own
-constexpr Real slid_on = 2;  ///< growth of the displacement from which eps follows it
-constexpr Real eps_margin = 0.3;  ///< the error is about proportional to eps: that much below tol
+/// A minimization solves to this share of the mismatch |G(g) - g|: a pass reduces the mismatch to
+/// 0.15 to 0.45 of it. The share is halved, down to the least, where passes do not help: forces may
+/// be less precise than the residual.
+constexpr Real first_precision = 0.1, least_precision = 1e-4;
+/// A pass cuts the tolerance of the minimization by no more than this: g may be far off yet.
+constexpr Real largest_cut = 1e-3;
+/// A mismatch or a certificate counts as better below this share of the best one, and so many
+/// passes may go by without one.
+constexpr Real better = 0.5;
+constexpr Index patience = 15;
+/// g is settled where its mismatch is below this share of its tolerance: the certificate decides
+/// about the rest.
+constexpr Real settled = 0.9;
+/// eps follows the displacement once the body has slid so many times as far as it seemed.
+constexpr Real slid_on = 2;
+/// The error is about proportional to eps, which aims at this share of tol.
+constexpr Real eps_margin = 0.3;
 constexpr Real infinity = std::numeric_limits<Real>::infinity();
 
 }  // namespace
@@ -101,7 +111,7 @@ bool FixedPoint::improve(Real& last) {
 /// g := G(g), accelerated. False where g is settled to the tolerance.
 bool FixedPoint::update_sliding_limit() {
   const Real mismatch = measure_image();
-  if (mismatch <= met * finest() && inner_ <= finest()) return false;
+  if (mismatch <= settled * finest() && inner_ <= finest()) return false;
   const bool learnt = mismatch >= inner_;
   judge_progress(std::max(mismatch, inner_));  // a pass tells g no better than it was solved
   sharpen_pass(mismatch);

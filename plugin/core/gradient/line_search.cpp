@@ -7,14 +7,20 @@ namespace frictioncg {
 
 namespace {
 constexpr Real infinity = std::numeric_limits<Real>::infinity();
-constexpr Real overshoot = 0.5;   ///< J'(rho) over |J'(0)| from which (14) has overshot
-constexpr Real rigid = 1e-13;     ///< <Av,v>/<Dv,v> at which v counts as a rigid motion
-constexpr Real balanced = 1e-12;  ///< of the load along v: what friction misses of it by rounding
-constexpr Real further = 4;       ///< from step to step in search of a J' > 0
-/// Bracketed Newton goes on to rounding: of J'(0), and of the bracket.
+/// Step (14) has overshot where J' has risen beyond this share of |J'(0)|.
+constexpr Real overshoot = 0.5;
+/// v counts as a rigid motion where <Av,v>/<Dv,v> is no larger.
+constexpr Real rigid = 1e-13;
+/// Friction balances a load along v where it misses no more than this share: that is rounding.
+constexpr Real balanced = 1e-12;
+/// A search for J' > 0 goes so many times as far with each step.
+constexpr Real further = 4;
+/// Bracketed Newton goes on until J' is this share of J'(0), or the bracket this share of its end:
+/// rounding leaves no less.
 constexpr Real flat = 1e-14, narrow = 1e-15;
 constexpr int most_newton_steps = 100;
-constexpr Real false_position_precision = 1e-4;  ///< of rho: the paper's choice
+/// False position tells rho to this share of it, as the paper does.
+constexpr Real false_position_precision = 1e-4;
 constexpr int most_false_positions = 60;
 }  // namespace
 

@@ -11,15 +11,15 @@ namespace {
 
 constexpr Real infinity = std::numeric_limits<Real>::infinity();
 
-/// <Av,v>/<Dv,v> below which A is not positive semi-definite; rounding of a rigid motion leaves
-/// 1e-13 at most on the scenes of the tests.
+/// A is not positive semi-definite where <Av,v>/<Dv,v> is below this; rounding of a rigid motion
+/// leaves 1e-13 at most on the scenes of the tests.
 constexpr Real indefinite = -1e-11;
 
-/// The share of eps_0 that the violations which no release touches may have together.
+/// A release leaves violations alone that are together below this share of eps_0.
 constexpr Real unreleased = 0.1;
 
-/// omega of (16) where the settings leave it open: the paper's 1; without 1/eps in the matrix 1.5
-/// takes half the iterations (block.edp, measured).
+/// omega of (16) where the settings leave it open. GC1 to GC3 take the paper's 1. GCX has no 1/eps
+/// in its matrix: on the block, 1.5 takes half of the iterations of 1.
 constexpr Real papers_omega = 1, omega_of_faces = 1.5;
 
 Real relaxation(const Settings& settings, const ReleaseRule& rule) {
@@ -36,8 +36,8 @@ ProjectedCG::ProjectedCG(const ContactProblem& problem, const Settings& settings
       max_iterations_(max_iterations),
       observer_(observer),
       stiffness_(tangential_stiffness(*problem.system)),
-      rule_(make_release_rule(settings, *problem.system)),
-      P_(make_preconditioner(*problem.system, settings.precon, relaxation(settings, *rule_))),
+      rule_(settings, *problem.system),
+      P_(make_preconditioner(*problem.system, settings.precon, relaxation(settings, rule_))),
       line_search_(*problem.system, settings.step, settings.stop_on_step == 0),
       stopping_(settings),
       friction_(problem),
@@ -50,26 +50,26 @@ Outcome ProjectedCG::minimize(Vector& x, const Vector& g, Real eps, Tangents tan
   Outcome outcome;
   phi_ = regularized() ? Phi{settings_.reg, eps} : Phi{Regularization::polynomial, 0};
   it_.x.swap(x);
-  Turn turn = begin(g, tangents, bound);  // r = F - Ax - g phi'(x_T)
-  while (!turn.stop && outcome.status == Status::converged) {
+  Events events = begin(g, tangents, bound);  // r = F - Ax - g phi'(x_T)
+  while (!events.stop && outcome.status == Status::converged) {
     if (iterations_ >= max_iterations_) {
       outcome.status = Status::max_iterations;
       break;
     }
     ++iterations_;
-    const bool before = turn.released && outcome.steps.total() == 0, restart = turn.restart;
+    const bool before = events.released && outcome.steps.total() == 0, restart = events.restart;
     Line line;
     Real rho = 0, rho_gap = infinity;
     outcome.status = direct(restart, line);  // (12), (15)
     if (outcome.status == Status::converged)
       outcome.status = search(line, rho, rho_gap);  // (13), (14)
     if (outcome.status == Status::converged) {
-      turn = advance(line, rho, rho_gap);  // x += rho v; new contact
-      stop_or_release(turn, rho);          // stop, or release
+      events = advance(line, rho, rho_gap);  // x += rho v; new contact
+      stop_or_release(events, rho);          // stop, or release
     }
     if (outcome.status == Status::not_positive_definite) outcome.negative = v_;
-    turn.released |= before;
-    const StepLabel label = turn.label(restart);
+    events.released |= before;
+    const StepLabel label = events.label(restart);
     outcome.steps.add(label);
     if (observer_) observer_->iterate(iterations_, label, it_.x);
   }
@@ -78,7 +78,7 @@ Outcome ProjectedCG::minimize(Vector& x, const Vector& g, Real eps, Tangents tan
   return outcome;
 }
 
-StepLabel ProjectedCG::Turn::label(bool restarted) const {
+StepLabel ProjectedCG::Events::label(bool restarted) const {
   if (released) return StepLabel::release;
   if (expanded) return StepLabel::expansion;
   if (contact_hit) return StepLabel::contact_hit;
@@ -86,40 +86,40 @@ StepLabel ProjectedCG::Turn::label(bool restarted) const {
   return restarted ? StepLabel::restart : StepLabel::conjugate;
 }
 
-ProjectedCG::Turn ProjectedCG::begin(const Vector& g, Tangents tangents, Real bound) {
-  rule_->start();
+ProjectedCG::Events ProjectedCG::begin(const Vector& g, Tangents tangents, Real bound) {
+  rule_.start();
   stopping_.start(bound);
   least_ = stopping_.by_step() ? 0 : unreleased * bound / std::sqrt(Real(problem_.nodes()));
   it_.g = g;
-  it_.faces.start(it_.x, g, tangents, rule_->stick_is_a_face());
+  it_.faces.start(it_.x, g, tangents, rule_.stick_is_a_face());
   residual_.noalias() = problem_.system->A * it_.x;
   residual_ = problem_.increment.F - residual_;
   it_.rows.start(residual_);
   P_->start(residual_);
   v_.setZero();
-  Turn turn;
-  if (rule_->at_once()) turn.released = rule_->release(it_, least_);
+  Events events;
+  if (rule_.at_once()) events.released = rule_.release(it_, least_);
   update_friction();
-  stop_or_release(turn, 0);
-  turn.restart = true;
-  return turn;
+  stop_or_release(events, 0);
+  events.restart = true;
+  return events;
 }
 
 /// v = P r + gamma v, or P r alone: at a restart, where that is no descent, and where it would
 /// drive an open node at its gap into the obstacle. Stagnated where all is held: there is no way
 /// down.
 Status ProjectedCG::direct(bool restart, Line& line) {
-  const auto turn = [&](Real gamma) {
+  const auto set_direction = [&](Real gamma) {
     P_->direction(gamma, v_);
     line.r_v = P_->r_v(v_);
   };
   const Real gamma = restart || r_z_ <= 0 ? 0 : std::max(0.0, P_->dr_z() / r_z_);
-  turn(gamma);
-  if (gamma != 0 && line.r_v <= 0) turn(0);
+  set_direction(gamma);
+  if (gamma != 0 && line.r_v <= 0) set_direction(0);
   while (it_.faces.activate_blocked(it_.x, v_)) {
-    rule_->blocked();
+    rule_.blocked();
     update_friction();
-    turn(0);
+    set_direction(0);
   }
   r_z_ = P_->r_z();
   return line.r_v > 0 ? Status::converged : Status::stagnated;
@@ -135,42 +135,43 @@ Status ProjectedCG::search(Line& line, Real& rho, Real& rho_gap) {
   return std::isfinite(rho) ? Status::converged : Status::stagnated;
 }
 
-ProjectedCG::Turn ProjectedCG::advance(const Line& line, Real rho, Real rho_gap) {
-  Turn turn;
+ProjectedCG::Events ProjectedCG::advance(const Line& line, Real rho, Real rho_gap) {
+  Events events;
   P_->advance(rho, v_, it_.x);  // x += rho v, r -= rho A v
   it_.rows.advance(rho, v_);
-  if (rho >= rho_gap) turn.contact_hit = it_.faces.close_gaps(it_.x, v_, rho);
-  if (turn.contact_hit && rule_->expands()) {
+  if (rho >= rho_gap) events.contact_hit = it_.faces.close_gaps(it_.x, v_, rho);
+  if (events.contact_hit && rule_.stick_is_a_face()) {
     const Real gained = path_.follow(it_, *P_, friction_, line_search_, phi_, v_, rho, line);
-    turn.expanded = gained > 0;
+    events.expanded = gained > 0;
     rho += gained;
   }
-  if (rule_->stick_is_a_face())
-    turn.stick_frozen = come_to_rest(it_, v_, rho, stiffness_, std::sqrt(std::max(P_->r_z(), 0.0)));
+  if (rule_.stick_is_a_face())
+    events.stick_frozen =
+        come_to_rest(it_, v_, rho, stiffness_, std::sqrt(std::max(P_->r_z(), 0.0)));
   it_.rows.settle(*P_);
-  if (rule_->at_once()) turn.released = rule_->release(it_, least_);
-  turn.crossed = update_friction();
-  turn.restart =
-      turn.contact_hit || turn.stick_frozen || turn.crossed || (turn.released && rule_->restarts());
-  return turn;
+  if (rule_.at_once()) events.released = rule_.release(it_, least_);
+  events.crossed = update_friction();
+  events.restart = events.contact_hit || events.stick_frozen || events.crossed ||
+                   (events.released && rule_.restarts());
+  return events;
 }
 
 /// The stopping test, and the release of what the faces violate: again where a release has left
 /// nothing to do on the free dofs.
-void ProjectedCG::stop_or_release(Turn& turn, Real rho) {
+void ProjectedCG::stop_or_release(Events& events, Real rho) {
   const Real eps_0 = stopping_.eps_0();
   for (Index k = 0; k <= problem_.nodes(); ++k) {
     const Real violation = stopping_.by_step() ? 0 : it_.faces.violation(it_.rows.r(), it_.g);
-    const Real eps_1 = rule_->threshold(eps_0, violation);
+    const Real eps_1 = rule_.threshold(eps_0, violation);
     const Real left = stopping_.left(*P_, std::max(eps_0, eps_1), rho, v_, it_.x);
-    turn.stop = left <= eps_0 && std::hypot(left, violation) <= eps_0;
-    if (left > eps_1 || (turn.stop && !stopping_.by_step())) return;
-    if (!rule_->release(it_, least_)) return;
+    events.stop = left <= eps_0 && std::hypot(left, violation) <= eps_0;
+    if (left > eps_1 || (events.stop && !stopping_.by_step())) return;
+    if (!rule_.release(it_, least_)) return;
     it_.rows.settle(*P_);
     update_friction();
-    turn.released = true;
-    turn.restart |= rule_->restarts();
-    turn.stop = false;
+    events.released = true;
+    events.restart |= rule_.restarts();
+    events.stop = false;
     if (P_->r_z() > 0) return;
   }
 }

@@ -31,11 +31,11 @@ class ProjectedCG final : public TrescaSolver {
               Observer* observer);
 
   Outcome minimize(Vector& x, const Vector& g, Real eps, Tangents tangents, Real bound) override;
-  bool regularized() const override { return !rule_->stick_is_a_face(); }
+  bool regularized() const override { return !rule_.stick_is_a_face(); }
 
  private:
   /// What an iteration, or the start, has led to.
-  struct Turn {
+  struct Events {
     bool contact_hit = false, stick_frozen = false, released = false, crossed = false;
     bool expanded = false;
     bool restart = true;  ///< the direction of the next iteration
@@ -44,11 +44,11 @@ class ProjectedCG final : public TrescaSolver {
     StepLabel label(bool restarted) const;
   };
 
-  Turn begin(const Vector& g, Tangents tangents, Real bound);
+  Events begin(const Vector& g, Tangents tangents, Real bound);
   Status direct(bool restart, Line& line);
   Status search(Line& line, Real& rho, Real& rho_gap);
-  Turn advance(const Line& line, Real rho, Real rho_gap);
-  void stop_or_release(Turn& turn, Real rho);
+  Events advance(const Line& line, Real rho, Real rho_gap);
+  void stop_or_release(Events& events, Real rho);
   bool update_friction();
 
   const ContactProblem& problem_;
@@ -56,7 +56,7 @@ class ProjectedCG final : public TrescaSolver {
   const Index max_iterations_;
   Observer* const observer_;
   const Vector stiffness_;  ///< m, of A_TT
-  const std::unique_ptr<ReleaseRule> rule_;
+  ReleaseRule rule_;
   const std::unique_ptr<Preconditioner> P_;
   LineSearch line_search_;
   StoppingTest stopping_;

@@ -1,23 +1,70 @@
 #include "gradient/release_rule.h"
 
-#include "gradient/gc1.h"
-#include "gradient/gc2.h"
-#include "gradient/gc3.h"
-#include "gradient/gcx.h"
+#include <cmath>
 
 namespace frictioncg {
 
-std::unique_ptr<ReleaseRule> make_release_rule(const Settings& settings, const System& system) {
-  switch (settings.method) {
-    case Method::gc1:
-      return std::make_unique<Gc1>();
-    case Method::gc2:
-      return std::make_unique<Gc2>();
-    case Method::gcx:
-      return std::make_unique<Gcx>(system);
-    default:
-      return std::make_unique<Gc3>(settings.partial);
+namespace {
+
+/// GC3 lets go at a residual so many times smaller after a node was driven back; 3 to 100 differ by
+/// a few iterations.
+constexpr Real patience = 10;
+/// Gamma of MPRGP: the face is left where it has less to give than its release. 1 is Dostal's.
+constexpr Real proportion = 1;
+
+}  // namespace
+
+ReleaseRule::ReleaseRule(const Settings& settings, const System& system)
+    : at_once_(settings.method == Method::gc1 || settings.method == Method::gc2),
+      restarts_(settings.method != Method::gc2),
+      stick_is_a_face_(settings.method == Method::gcx),
+      partial_(settings.partial),
+      d_(stick_is_a_face_ ? system.contact_dofs() : 0) {}
+
+Real ReleaseRule::threshold(Real eps_0, Real violation) const {
+  if (at_once_) return 0;
+  return stick_is_a_face_ ? proportion * violation : now_ * eps_0;
+}
+
+bool ReleaseRule::release(Iterate& it, Real least) {
+  return stick_is_a_face_ ? release_by_step(it, least) : it.faces.open_tensile(it.rows.r(), least);
+}
+
+void ReleaseRule::blocked() { now_ /= patience; }
+
+bool ReleaseRule::release_by_step(Iterate& it, Real least) {
+  const Real beta_d = descent(it, least);
+  if (beta_d == 0) return false;
+  const Real rho = beta_d / it.rows.energy(d_);
+  for (Index i = 0; i < it.system.nodes(); ++i) {
+    const Index c = it.system.first[i] - it.system.interior(), t = it.system.tangents(i);
+    if (d_[c] != 0) it.faces.open_contact(i);
+    if (!d_.segment(c + 1, t).isZero(0)) it.faces.open_stick(i);
+    for (Index k = c; k <= c + t; ++k)
+      if (d_[k] != 0) it.rows.displace(it.x, k, rho * d_[k]);
   }
+  return true;
+}
+
+/// d := W^{-1} beta, W the weights; returns <beta, d>.
+Real ReleaseRule::descent(const Iterate& it, Real least) {
+  const Vector &r = it.rows.r(), &w = it.system.weight;
+  Real beta_d = 0;
+  d_.setZero();
+  for (Index i = 0; i < it.system.nodes(); ++i) {
+    const Index N = it.system.first[i], c = N - it.system.interior(), t = it.system.tangents(i);
+    const Real tension = it.faces.tension(i, r);
+    if (tension > least * std::sqrt(w[N])) {
+      d_[c] = -tension / w[N];
+      beta_d += tension * tension / w[N];
+    }
+    const Real excess = it.faces.stick_excess(i, r, it.g);
+    if (excess == 0 || excess <= least * std::sqrt(w[N + 1])) continue;
+    const auto r_T = r.segment(c + 1, t);
+    d_.segment(c + 1, t) = (excess / r_T.norm() / w[N + 1]) * r_T;
+    beta_d += excess * excess / w[N + 1];
+  }
+  return beta_d;
 }
 
 }  // namespace frictioncg

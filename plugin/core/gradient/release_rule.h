@@ -1,43 +1,68 @@
 #pragma once
-#include <memory>
-
 #include "gradient/iterate.h"
 
 namespace frictioncg {
 
 /// When, and how, the nodes are let go whose face violates the laws: contact under tension, stick
-/// beyond the sliding limit. It is what tells GC1, GC2, GC3 and GCX apart.
+/// beyond the sliding limit. This table is all that tells the methods apart (section 3):
+///
+///         nodes are let go                    then        stick     a step that meets a gap
+///   GC1   at each iteration                   restart     phi_eps   ends there
+///   GC2   at each iteration                   conjugate   phi_eps   ends there
+///   GC3   at |r_free| <= eps_1                restart     phi_eps   ends there
+///   GCX   at |r_free| <= |beta|, by a step    restart     a face    goes on, bent
+///
+/// GC1 is by Jeusette and Sonzogni, GC2 by Dilintas, GC3 the paper's own, with eps_1 = partial
+/// eps_0. Where the next direction of GC3 drives a released node back, the residual of the other
+/// nodes had released it, not its own force: the next release waits for a smaller residual.
+///
+/// GCX is an active-set method with proportioning, after Dostal's MPRGP, that minimizes J of (5)
+/// itself; no 1/eps enters its matrix. beta is what the faces violate: r_N where it is tensile,
+/// r_T (1 - g/|r_T|) where it exceeds the limit. A release is a step
+///   d = W^{-1} beta,  rho = <beta, d>/<A d, d>,  x += rho d.
+/// Along d each released node leaves its face straight into the feasible side, where J is the
+/// parabola J - rho <beta, d> + rho^2/2 <A d, d>: the step goes to its minimum. d lives on the
+/// contact dofs, so that the step costs A_CC, and half a pass for the interior.
+///
+/// Why GCX ends: J never rises. A release lowers it by at least c |beta|^2, c > 0 fixed by A alone,
+/// so |beta| at the releases tends to 0, and |r_free| <= |beta| with it: infinitely many releases
+/// would meet eps_0. After the last of them the faces only grow, at most 2m times. From there on it
+/// is a conjugate gradient on one face, which brings r_free below any bound: it cannot come to a
+/// stand at a kink x_T = 0 that is no minimum over x_T, because turning round there lowers J by an
+/// amount that the distance from the kink does not change.
 class ReleaseRule {
  public:
-  virtual ~ReleaseRule() = default;
+  ReleaseRule(const Settings& settings, const System& system);
 
-  /// At the start of a minimization.
-  virtual void start() {}
+  void start() { now_ = partial_; }  ///< of a minimization
 
-  /// Let go at each iteration, before anything is measured.
-  virtual bool at_once() const { return false; }
+  /// Nodes are let go at each iteration, before anything is measured.
+  bool at_once() const { return at_once_; }
+  /// A release is followed by v = P r, in place of conjugating.
+  bool restarts() const { return restarts_; }
+  /// Stick is a face, as contact is, in place of a regularized |x_T|; and a step that ends at a gap
+  /// goes on along the direction bent there, while J falls.
+  bool stick_is_a_face() const { return stick_is_a_face_; }
 
-  /// Else: the norm of the residual on the free dofs down to which the faces are kept, given the
-  /// final one, eps_0, and the violation (all in norm_D).
-  virtual Real threshold(Real eps_0, Real violation) const = 0;
+  /// The norm of the residual on the free dofs down to which the faces are kept, given the final
+  /// one, eps_0, and the violation (all in norm_D).
+  Real threshold(Real eps_0, Real violation) const;
 
   /// Lets go of the nodes that violate by more than `least` (norm_D). True if there is one; where x
   /// has moved, only on the contact dofs, through it.rows.
-  virtual bool release(Iterate& it, Real least) = 0;
-
-  /// After a release: start again from v = P r, in place of conjugating.
-  virtual bool restarts() const { return true; }
+  bool release(Iterate& it, Real least);
 
   /// The next direction would drive a released node back into the obstacle: it was held again.
-  virtual void blocked() {}
+  void blocked();
 
-  /// A step that ends at a gap goes on along the direction bent there, while J falls.
-  virtual bool expands() const { return false; }
+ private:
+  bool release_by_step(Iterate& it, Real least);
+  Real descent(const Iterate& it, Real least);
 
-  /// Stick is a face, as contact is, in place of a regularized |x_T|.
-  virtual bool stick_is_a_face() const { return false; }
+  const bool at_once_, restarts_, stick_is_a_face_;
+  const Real partial_;  ///< GC3: eps_1/eps_0, the paper's 100
+  Real now_ = 0;        ///< GC3: the same, less where nodes were driven back
+  Vector d_;            ///< GCX: contact_dofs
 };
-
-std::unique_ptr<ReleaseRule> make_release_rule(const Settings& settings, const System& system);
 
 }  // namespace frictioncg

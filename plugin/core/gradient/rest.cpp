@@ -11,7 +11,8 @@ namespace {
 /// A slip that changes the residual by less than this share of it cannot be told from rest. From
 /// 0.01 to 10 the iterations are the same: it matters where a node creeps to 0 without turning.
 constexpr Real creep = 0.1;
-constexpr Real rounding = 1e-12;  ///< of the cosine between x_T and v_T
+/// The cosine between x_T and v_T is known up to this: a node at its closest to 0 has turned.
+constexpr Real rounding = 1e-12;
 
 /// Came nearer to x_T = 0 along the step, and is closest to it, or past it.
 bool turned(const Tangent& x_T, const Tangent& v_T, Real rho) {

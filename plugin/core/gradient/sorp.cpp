@@ -11,7 +11,8 @@ namespace {
 /// The paper's optima are 1.58 to 1.96, scene by scene; 1.8 is best for its first example.
 constexpr Real usual_omega = 1.8;
 
-/// Sweeps after which the ratio of violation and change is measured anew: one product in 20.
+/// After so many sweeps the ratio of violation and change is measured anew: that costs one product
+/// in 20.
 constexpr Index measure_every = 20;
 
 }  // namespace

@@ -7,7 +7,7 @@ namespace frictioncg {
 
 namespace {
 constexpr Real infinity = std::numeric_limits<Real>::infinity();
-/// Iterations after which the ratio is measured anew: 20 halves of a pass in a thousand, no more.
+/// After so many iterations the ratio is measured anew, which costs half a pass over A.
 constexpr Index measure_every = 20;
 }  // namespace
 

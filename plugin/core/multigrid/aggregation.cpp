@@ -6,6 +6,19 @@
 
 namespace frictioncg {
 
+namespace {
+
+/// Keeps the strength of a row that no dof fills from being 0/0: near the least normal number of
+/// single precision.
+constexpr float least_float = 1e-37f;
+/// Couplings of less than this share of their diagonals are rounding in single precision.
+constexpr float no_coupling = 1e-6f;
+/// A threshold on the couplings that was halved to less than this excludes nothing of weight: all
+/// couplings count from there on.
+constexpr float no_threshold = 0.01f;
+
+}  // namespace
+
 template <int B>
 BlockGraph make_graph(const SymmetricBlocks<B>& A) {
   const Index rows = A.rows();
@@ -39,7 +52,7 @@ std::vector<float> coupling_strength(const SymmetricBlocks<B>& A) {
   for (Index i = 0; i < A.rows(); ++i) diagonal[i] = std::sqrt(norm2(A.diagonal_at(i)));
   for (Index i = 0; i < A.rows(); ++i)
     for (Index k = A.row[i]; k < A.row[i + 1]; ++k)
-      strength[k] = std::sqrt(norm2(A.at(k)) / (diagonal[i] * diagonal[A.col[k]] + 1e-37f));
+      strength[k] = std::sqrt(norm2(A.at(k)) / (diagonal[i] * diagonal[A.col[k]] + least_float));
   return strength;
 }
 
@@ -63,7 +76,7 @@ class StrongGraph {
     for (Index e = graph_.begin[i]; e < graph_.begin[i + 1]; ++e) {
       const Index j = graph_.neighbour[e];
       const float s = strength_[graph_.stored[e]];
-      if (s > 1e-6f && (s >= least_[i] || s >= least_[j])) visit(j, s);
+      if (s > no_coupling && (s >= least_[i] || s >= least_[j])) visit(j, s);
     }
   }
 
@@ -112,7 +125,7 @@ Aggregates aggregate_at(const BlockGraph& graph, const std::vector<float>& stren
 Aggregates aggregate(const BlockGraph& graph, const std::vector<float>& strength,
                      Coarsening coarsening) {
   for (float threshold = coarsening.threshold;; threshold /= 2) {
-    if (threshold < 0.01f) return aggregate_at(graph, strength, 0);
+    if (threshold < no_threshold) return aggregate_at(graph, strength, 0);
     Aggregates a = aggregate_at(graph, strength, threshold);
     if (float(a.count) * coarsening.ratio <= float(graph.rows())) return a;
   }

@@ -8,9 +8,12 @@ namespace frictioncg {
 
 namespace {
 
+/// A new direction is made orthogonal to so many of the last ones.
 constexpr std::size_t most_directions = 20;
-constexpr Real negative = 1e-10;   ///< -<Az,z>/<Dz,z> that is no rounding
-constexpr Real dependent = 1e-20;  ///< share of |Jz|^2 beside the directions before: rounding
+/// A is not positive semi-definite where -<Az,z>/<Dz,z> is larger: rounding makes no more.
+constexpr Real negative = 1e-10;
+/// A direction of which this share of |Jz|^2 is left beside the others is rounding.
+constexpr Real dependent = 1e-20;
 
 }  // namespace
 

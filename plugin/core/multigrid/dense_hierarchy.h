@@ -19,7 +19,8 @@ class DenseHierarchy final : public Hierarchy {
   Eigen::MatrixXd matrix(Index) const override { return truncated_; }  ///< by dofs
 
  private:
-  static constexpr Real shift = 1e-10;  ///< of the diagonal: far above rounding, far below A
+  /// The diagonal gets this share of itself in addition: far above rounding, far below A.
+  static constexpr Real shift = 1e-10;
 
   Eigen::MatrixXd A_, truncated_;
   std::vector<char> fixed_;

@@ -6,7 +6,12 @@ namespace frictioncg {
 
 namespace {
 
-constexpr Real most_stiffness = 100;  ///< of w over c: near the limit w grows without bound
+/// A slipping node resists a change of its direction by a stiffness w, which grows without bound as
+/// the force comes near its limit: it is cut off at so many times c.
+constexpr Real most_stiffness = 100;
+/// c is the stiffness of the body for this many waves along the contact, A_TT being that of one
+/// node.
+constexpr Real waves_of_c = 3;
 
 /// t <= 2 components of v from `first` on, then zeros.
 Eigen::Vector2d tangent(const Vector& v, Index first, Index t) {
@@ -30,7 +35,7 @@ Faces::Faces(const ContactProblem& problem)
   for (Index i = 0; i < problem.nodes(); ++i) {
     const Index t = problem.tangents(i);
     c_D_[i] = t == 0 ? 0 : system_.weight[system_.first[i] + 1];
-    c_[i] = std::min(1.0, 3 / waves) * c_D_[i];
+    c_[i] = std::min(1.0, waves_of_c / waves) * c_D_[i];
   }
 }
 

@@ -12,9 +12,13 @@ namespace frictioncg {
 
 namespace {
 
-constexpr Real shift = 1e-6;        ///< of the coarsest diagonal: the rounding of single precision
-constexpr Real stalled = 0.8;       ///< share of rows left by a coarsening that is not worth it
-constexpr std::size_t most = 4000;  ///< dofs beyond which no dense factorization is tried
+/// The coarsest matrix gets this share of its diagonal in addition: single precision rounds by as
+/// much, and motions that nothing holds would make it singular.
+constexpr Real shift = 1e-6;
+/// A coarsening that leaves more than this share of the rows is not worth a level.
+constexpr Real stalled = 0.8;
+/// A coarsest level of more dofs, which no coarsening made smaller, is smoothed and not factored.
+constexpr std::size_t most = 4000;
 
 /// Thin layers of elements (aspect 10: couplings of 0.01 beside 1) are not to be aggregated across;
 /// in 2D, where an aggregate has fewer neighbours, nor those of half that aspect.

@@ -6,9 +6,14 @@ namespace frictioncg {
 
 namespace {
 
-constexpr int power_steps = 8;       ///< from below: the damping stays stable some percent off
-constexpr float damping = 4.0f / 3;  ///< over the spectral radius, the usual choice for one step
-constexpr int vectors = 6;           ///< of a level, beside its matrices
+/// So many power steps tell the spectral radius, from below, to some percent: the damping stays
+/// stable with that.
+constexpr int power_steps = 8;
+/// The prolongation is smoothed by a Jacobi step of this over the spectral radius, the usual
+/// choice.
+constexpr float damping = 4.0f / 3;
+/// A level keeps so many vectors beside its matrices.
+constexpr int vectors = 6;
 
 template <class T>
 double bytes_of(const std::vector<T>& v) {

@@ -12,8 +12,10 @@ namespace frictioncg {
 
 namespace {
 
-constexpr Index most_iterations = 2000;  ///< what takes more is better left to another route
-constexpr Real usual_iterations = 50;    ///< what the route costs as a rule, set-up included
+/// What takes more cycles is better left to another route.
+constexpr Index most_iterations = 2000;
+/// The route costs so many cycles as a rule, set-up included: the unit of `allowance`.
+constexpr Real usual_iterations = 50;
 
 /// Of a matrix of this format [bytes].
 double storage(const Matrix& A) {

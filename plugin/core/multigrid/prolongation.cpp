@@ -9,8 +9,10 @@ namespace frictioncg {
 
 namespace {
 
-constexpr Real dependent = 1e-7;  ///< share of a mode left after projection below which it depends
-constexpr float lost = 1e-5f;     ///< share of a pivot left below which it is rounding
+/// A mode of which less than this share is left beside the others depends on them.
+constexpr Real dependent = 1e-7;
+/// A pivot of which less than this share is left is rounding.
+constexpr float lost = 1e-5f;
 
 /// The rows of each aggregate, one aggregate after the other.
 struct Members {

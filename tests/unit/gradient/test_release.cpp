@@ -1,7 +1,7 @@
 // When held nodes are let go, and what follows: what tells GC1, GC2, GC3 and GCX apart.
 #include <gtest/gtest.h>
 
-#include "core/gradient/gcx.h"
+#include "core/gradient/release_rule.h"
 #include "recorder.h"
 
 using namespace frictioncg;
@@ -197,7 +197,9 @@ TEST(Release, GcxStepsAlongWhatTheFacesViolateToTheMinimumOfJ) {
     EXPECT_NEAR(it.faces.violation(it.rows.r(), it.g), norm_D(*c.p.system, beta), 1e-12);
     const Vector direction = beta.cwiseQuotient(c.p.system->weight);
     const Real rho = beta.dot(direction) / direction.dot(c.p.system->A * direction);
-    Gcx rule(*c.p.system);
+    Settings settings;
+    settings.method = Method::gcx;
+    ReleaseRule rule(settings, *c.p.system);
     EXPECT_EQ(rule.threshold(1e-9, 0.7), 0.7);
     ASSERT_TRUE(rule.release(it, 0));
     EXPECT_LT((it.x - c.x0 - rho * direction).norm(), 1e-12 * (rho * direction).norm());

@@ -6,7 +6,8 @@ namespace frictioncg::mortar {
 
 namespace {
 
-/// Of a barycentric coordinate: about the gap over the height of the element.
+/// Weights move by no more than this share of a barycentric coordinate, which is about the gap over
+/// the height of the element.
 constexpr Real widest = 0.1;
 
 /// The vertices of the element behind a facet.

@@ -13,8 +13,14 @@ namespace frictioncg::mortar {
 namespace {
 
 constexpr Real infinite = std::numeric_limits<Real>::infinity();
-constexpr Real nothing = 1e-14;   ///< extent of a cell that rounding makes
-constexpr Real rounding = 1e-11;  ///< overlap of neighbours, over the smaller of the two
+/// A cell of a smaller extent, in reference coordinates, is what rounding makes of a common edge.
+constexpr Real nothing = 1e-14;
+/// Neighbours overlap by rounding up to this share of the smaller one; more than that, one of them
+/// hides the other.
+constexpr Real rounding = 1e-11;
+/// A point lies in a facet where no barycentric coordinate is below this: a point on the edge of
+/// two facets is to lie in one of them at least.
+constexpr Real on_edge = -1e-9;
 
 /// A master facet before a slave facet.
 struct Candidate {
@@ -133,7 +139,7 @@ bool Covering::shielded(Index f, const Vec2& xi, Real depth) {
     const Projection p = project(d_, base, master_.facet(m), X_);
     if (!p.inverts) continue;
     const Real distance = p.distance(xi);
-    if (p.at(xi).head(d_).minCoeff() >= -1e-9 && distance < 0 && distance > -depth) return true;
+    if (p.at(xi).head(d_).minCoeff() >= on_edge && distance < 0 && distance > -depth) return true;
   }
   return false;
 }

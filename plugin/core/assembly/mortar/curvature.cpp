@@ -9,8 +9,9 @@ namespace frictioncg::mortar {
 
 namespace {
 
-/// Of the turns beside it: a kink that turns so much more is no part of an arc.
-constexpr Real lone = 4;
+/// A joint that turns so many times as much as the joints beside it is a kink between straight
+/// flanks, and no part of an arc.
+constexpr Real kink = 4;
 
 /// Of each joint, whether the surface goes on over it: not over the edges of the body, and in 2D
 /// not over a kink between straight flanks, where it does not go on turning.
@@ -30,7 +31,7 @@ std::vector<char> smooth_joints(const Side& side) {
     for (Index f : side.joints[k].facet)
       for (Index other : of_facet[f])
         if (other >= 0 && other != static_cast<Index>(k)) beside = std::max(beside, turn[other]);
-    if (turn[k] > lone * beside) smooth[k] = false;
+    if (turn[k] > kink * beside) smooth[k] = false;
   }
   return smooth;
 }

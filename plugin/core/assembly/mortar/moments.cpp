@@ -6,10 +6,10 @@ namespace frictioncg::mortar {
 
 namespace {
 
-/// Of what the rows sum up: a mean point beside the normal by less is on it.
+/// A mean point lies on the normal where it misses by less than this share of what its row sums up.
 constexpr Real rounding = 1e-14;
-/// Largest change of a weight, over the weight. Fits change by 1e-2 and less; what asks for more
-/// lies further away than a facet is long, and gets a part.
+/// A weight changes by no more than this share of it. Fits change by 1e-2 and less; what asks for
+/// more lies further away than a facet is long, and gets a part.
 constexpr Real most = 0.3;
 
 /// One row of P: its nodes on the master, seen along the normal.

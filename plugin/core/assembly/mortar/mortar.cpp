@@ -13,7 +13,10 @@ namespace frictioncg::mortar {
 
 namespace {
 
-constexpr Real negligible = 1e-15;  ///< weights that rounding makes
+/// A weight below this is what rounding leaves of zero: the weights of a row sum up to 1.
+constexpr Real negligible = 1e-15;
+/// The cells of a facet that is covered as a whole fill it up to this share: cutting rounds.
+constexpr Real uncovered = 1e-9;
 
 using Entries = std::vector<Eigen::Triplet<Real, Index>>;
 
@@ -82,7 +85,7 @@ void Assembly::add_pair(Index p, const Side& slave, const Side& master, const Co
   for (Index f = 0; f < slave.facets(); ++f) {
     const std::vector<Cell>& cells = cover.cells[f];
     if (cells.empty()) continue;
-    if (cover.fraction[f] < 1 - 1e-9) ++s.partly_covered;
+    if (cover.fraction[f] < 1 - uncovered) ++s.partly_covered;
     const Part part{slave, master, f, cells};
     const Moments moments = integration.over(part);
     add_facet(part, moments, ownership_.carriers[p][f]);

@@ -13,8 +13,10 @@ namespace frictioncg::mortar {
 
 namespace {
 
-constexpr Real barely = 1e-3;       ///< covered share below which one vertex stands for the facet
-constexpr Real mostly_free = 0.02;  ///< held part of a normal that is projected away
+/// One vertex stands for a facet of which less than this share is covered.
+constexpr Real barely = 1e-3;
+/// A held part of a normal up to this length is projected away; beyond it the node carries no law.
+constexpr Real mostly_free = 0.02;
 
 Index label_position(const Surface& surface, long label) {
   const auto at = std::find(surface.labels.begin(), surface.labels.end(), label);
@@ -198,8 +200,8 @@ void Ownership::choose_carriers(Index p, const Side& slave, const Cover& cover) 
   find_stand_ins(p, slave, false);
 }
 
-/// Of the kept vertices, that with the largest covered measure stays. (A total order: that nodes
-/// kept elsewhere are removed here leads to no circle.)
+/// Keeps the vertex with the largest covered measure alone, and among equals the one of the highest
+/// number. Such an order has no circle, so that removed nodes cannot depend on each other in one.
 void Ownership::keep_strongest(const Facet& facet, std::array<bool, 3>& kept) const {
   int strongest = -1;
   const auto strength = [&](int v) {
@@ -210,7 +212,8 @@ void Ownership::keep_strongest(const Facet& facet, std::array<bool, 3>& kept) co
   for (int v = 0; v < 3; ++v) kept[v] = v == strongest;
 }
 
-/// Breadth first from the facets with carriers, over ridges; facets of one patch only, or of all.
+/// A facet without carriers gets those of the nearest facet that has some, found breadth first over
+/// the ridges: within its own patch, or anywhere.
 void Ownership::find_stand_ins(Index p, const Side& slave, bool within_patch) {
   std::vector<std::vector<Index>> neighbours(slave.facets());
   for (const Joint& joint : slave.joints) {

@@ -9,7 +9,12 @@ namespace frictioncg::mortar {
 
 namespace {
 
+/// A leaf of the tree holds at most so many facets.
 constexpr Index leaf_size = 4;
+/// Unit normals whose sum is shorter than this point in all directions: the sum has no axis.
+constexpr Real no_axis = 1e-6;
+/// The angles that bound a cosine are rounded: a facet is passed over only beyond this margin.
+constexpr Real rounding = 1e-9;
 
 Real angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
@@ -53,7 +58,7 @@ void FacetTree::bound(Node& node) const {
     sum += planes_[order_[k]].normal;
   }
   node.angle = M_PI;  // every direction
-  if (sum.norm() < 1e-6) return;
+  if (sum.norm() < no_axis) return;
   node.axis = sum.normalized();
   Real angle = 0;
   for (Index k = node.begin; k < node.end; ++k)
@@ -66,7 +71,7 @@ bool FacetTree::may_meet(const Node& node, const Column& column) const {
   const Plane& base = column.base;
   if (column.only_facing && node.angle < M_PI) {
     const Real most = std::min(M_PI, angle_between(node.axis, base.normal) + node.angle);
-    if (std::cos(most) > facing + 1e-9) return false;
+    if (std::cos(most) > facing + rounding) return false;
   }
   const Vec3 centre = node.box.center() - base.origin, half = node.box.sizes() / 2;
   const auto outside = [&](const Vec3& axis, Real low, Real high) {

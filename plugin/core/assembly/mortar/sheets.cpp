@@ -9,9 +9,11 @@ namespace frictioncg::mortar {
 
 namespace {
 
-/// A step between two surfaces, over the size of the slave facet, from which they are two.
+/// Two surfaces are apart where the step between them is above this share of the slave facet's
+/// size.
 constexpr Real step = 0.02;
-/// From facet to facet also over the distance: seen along two normals it is not quite the same.
+/// From facet to facet, the step is to be above this share of the distance, too: seen along two
+/// normals, one distance is not quite the same.
 constexpr Real much_farther = 0.25;
 
 /// A cell with the plane of its master facet, seen along the normal of the slave facet.

@@ -8,7 +8,8 @@ namespace frictioncg::mortar {
 
 namespace {
 
-/// Cosine of 30 degrees and a little: of 12 edges of a circle, the coarsest that counts as one.
+/// A surface goes on over a joint of 30 degrees and a little (their cosine): 12 edges are the
+/// coarsest circle that counts as one.
 constexpr Real arc_step = 0.86;
 
 int position(const Side& side, Index f, Index vertex) {

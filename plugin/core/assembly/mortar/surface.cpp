@@ -19,6 +19,9 @@ Shape shape_functions(int d, bool quadratic, const Vec3& lambda) {
 
 namespace {
 
+/// A triangle whose area is below this share of the square of its longest edge is a segment.
+constexpr Real degenerate = 1e-14;
+
 [[noreturn]] void refuse(const Facet& facet, const Vec3& at) {
   std::ostringstream m;
   m << "a facet of label " << facet.label << " at (" << at[0] << ", " << at[1] << ", " << at[2]
@@ -41,7 +44,7 @@ Plane plane_of(int d, const Facet& facet, const std::vector<Vec3>& X) {
     const Vec3 e2 = X[facet.node[2]] - p.origin;
     const Vec3 n = e1.cross(e2);
     p.size = std::max({e1.norm(), e2.norm(), (e2 - e1).norm()});
-    if (!(n.norm() > 1e-14 * p.size * p.size)) refuse(facet, p.origin);
+    if (!(n.norm() > degenerate * p.size * p.size)) refuse(facet, p.origin);
     p.measure = n.norm() / 2;
     p.normal = n.normalized();
     p.B.row(0) = e2.cross(n).transpose() / n.squaredNorm();
