@@ -31,31 +31,23 @@ inline Index bound_on_iterations(double nbiter) {
 /// An option without effect is refused: it would let the user believe in what does not happen. The
 /// core sees values alone; here what is given counts, be it the default.
 inline void refuse_without_effect(const Arguments& args, const Settings& s) {
-  const bool newton = takes_newton_steps(s), smooth = smooths_friction(s);
-  const auto rule = [&](Parameter p, bool has_effect, const char* because) {
-    if (!args.has(p) || has_effect) return;
-    const std::string name = parameters[p].name, method = name_of(s.method, methods);
-    throw IllegalInput(name + " has no meaning with method=\"" + method + "\"" + because);
-  };
-  for (Parameter p : {p_reg, p_regeps, p_precon, p_omega, p_step})
-    rule(p, !newton,
-         condenses(s) ? ", whose answer is not regularized; add method=\"GC3\" or newton=false"
-                      : ", whose answer is not regularized; leave it out, or the method");
-  for (Parameter p : {p_reg, p_regeps})
-    rule(p, smooth, ", which does not regularize; leave it out");
-  rule(p_step, smooth, ", which has no such line search; leave it out");
-  rule(p_precon, s.method != Method::sorp,
-       ", which neither regularizes nor preconditions; leave it out");
-  for (Parameter p : {p_newton, p_polish}) rule(p, condenses(s), "; leave it out, or the method");
-  rule(p_memory, may_factor(s), "; leave it out, or the method");
-  if (args.has(p_omega) && !relaxes(s))
-    throw IllegalInput(std::string("omega has no meaning with precon=\"") +
-                       name_of(s.precon, preconditioners) +
-                       "\", which does not relax; leave it out, or take an SSOR");
+  constexpr std::pair<Parameter, Option> options[] = {
+      {p_reg, Option::reg},       {p_regeps, Option::regeps}, {p_precon, Option::precon},
+      {p_omega, Option::omega},   {p_step, Option::step},     {p_newton, Option::newton},
+      {p_polish, Option::newton}, {p_memory, Option::memory}};
+  for (const auto& [p, option] : options) {
+    const char* const because = args.has(p) ? without_effect(option, s) : nullptr;
+    if (!because) continue;
+    const bool of_precon = p == p_omega && !takes_newton_steps(s);
+    throw IllegalInput(std::string(parameters[p].name) + " has no meaning with " +
+                       (of_precon ? std::string("precon=\"") + name_of(s.precon, preconditioners)
+                                  : std::string("method=\"") + name_of(s.method, methods)) +
+                       "\"" + because);
+  }
 }
 
 /// The settings of a call. Refused here is what a script alone can say: zeros, which stand for the
-/// defaults in the core, and its units.
+/// defaults in the core.
 inline Settings read_settings(Stack stack, const Arguments& args) {
   Settings s;
   s.method = args.chosen(stack, p_method, methods, s.method);
@@ -68,11 +60,8 @@ inline Settings read_settings(Stack stack, const Arguments& args) {
   s.tol = args.value(stack, p_tol, s.tol);
   if (args.has(p_nbiter)) s.nbiter = bound_on_iterations(args.value(stack, p_nbiter, 0.0));
   s.memory = 1e9 * args.value(stack, p_memory, s.memory / 1e9);
-  require(!args.has(p_regeps) || (s.regeps > 0 && std::isfinite(s.regeps)), p_regeps, s.regeps,
-          "the regularization is a length > 0; leave it out to scale it from the scene");
-  require(!args.has(p_omega) || (s.omega >= least_omega && s.omega < 2), p_omega, s.omega,
-          "a relaxation parameter lies between 0.01 and 2");
-  require(s.memory > 0, p_memory, s.memory / 1e9, "the memory bound is a number of GB > 0");
+  require(!args.has(p_regeps) || s.regeps != 0, p_regeps, 0, "leave it out to have the default");
+  require(!args.has(p_omega) || s.omega != 0, p_omega, 0, "leave it out to have the default");
   refuse_without_effect(args, s);
   validate(s);
   return s;

@@ -66,33 +66,45 @@ void validate_load(const Increment& increment, const System& system) {
          smallest, " and ", largest, " are lost to the range of numbers: choose other units");
 }
 
-/// The options that differ from their defaults, each with whether the method heeds it.
+/// Options that differ from their defaults, and have no effect.
 void refuse_without_effect(const Settings& s) {
   const Settings standard;
-  const bool newton = takes_newton_steps(s), smooths = smooths_friction(s);
-  const auto rule = [](bool differs, bool has_effect, const char* name, const char* remedy) {
-    if (differs && !has_effect) refuse(name, " has no effect with this method; ", remedy);
+  const auto rule = [&](bool differs, const char* name, Option option) {
+    const char* const because = differs ? without_effect(option, s) : nullptr;
+    if (because) refuse(name, " has no effect with this method", because);
   };
-  const char* const unregularized =
-      "its answer is not regularized: leave it out, or take GC1 to GC3";
-  rule(s.reg != standard.reg, smooths, "reg", unregularized);
-  rule(s.regeps != standard.regeps, smooths, "regeps", unregularized);
-  rule(s.step != standard.step, smooths, "step", "it has no such line search: leave it out");
-  rule(s.precon != standard.precon, !newton && s.method != Method::sorp, "precon",
-       "it does not precondition: leave it out");
+  rule(s.reg != standard.reg, "reg", Option::reg);
+  rule(s.regeps != standard.regeps, "regeps", Option::regeps);
+  rule(s.step != standard.step, "step", Option::step);
+  rule(s.precon != standard.precon, "precon", Option::precon);
+  rule(s.omega != standard.omega, "omega", Option::omega);
+  rule(s.newton != standard.newton, "newton", Option::newton);
+  rule(s.memory != standard.memory, "memory", Option::memory);
   if (s.precon == Precon::multigrid && condenses(s))
     refuse(
         "precon=\"multigrid\" preconditions A, and this method iterates on the contact dofs; take "
         "method=\"GC3\" or \"GCX\"");
-  rule(s.omega != standard.omega, !newton && relaxes(s), "omega",
-       "it does not relax: leave it out, or take an SSOR");
-  rule(s.newton != standard.newton, condenses(s), "newton",
-       "it does not condense: leave it out, or the method");
-  rule(s.memory != standard.memory, may_factor(s), "memory",
-       "it makes no factor: leave it out, or the method");
 }
 
 }  // namespace
+
+const char* without_effect(Option option, const Settings& s) {
+  const bool condensed = condenses(s), smooths = smooths_friction(s);
+  const char* const none = nullptr;
+  if (option == Option::newton) return condensed ? none : "; leave it out, or the method";
+  if (option == Option::memory) return may_factor(s) ? none : "; leave it out, or the method";
+  if (takes_newton_steps(s))
+    return condensed ? ", whose answer is not regularized; leave it out, or add method=\"GC3\" or "
+                       "newton=false"
+                     : ", whose answer is not regularized; leave it out, or the method";
+  if (option == Option::omega)
+    return relaxes(s) ? none : ", which does not relax; leave it out, or take an SSOR";
+  if (option == Option::precon)
+    return s.method != Method::sorp ? none : ", which does not precondition; leave it out";
+  if (option == Option::step)
+    return smooths ? none : ", which has no such line search; leave it out";
+  return smooths ? none : ", which does not regularize; leave it out";
+}
 
 void validate(const System& s) {
   validate_layout(s);
@@ -146,14 +158,15 @@ void validate(const Settings& s) {
   if (!(s.tol > 0 && s.tol < 1)) refuse("tol = ", s.tol, "; the tolerance lies between 0 and 1");
   if (!(s.regeps >= 0 && std::isfinite(s.regeps)))
     refuse("regeps = ", s.regeps,
-           "; the regularization is a length > 0: leave it out (0) to scale it from the scene");
+           "; the regularization is a length > 0; leave it out to scale it from the scene");
   if (s.omega != 0 && !(s.omega >= least_omega && s.omega < 2))
-    refuse("omega = ", s.omega, "; a relaxation lies between ", least_omega,
-           " and 2: leave it out (0) to take that of the method");
+    refuse("omega = ", s.omega, "; a relaxation parameter lies between ", least_omega,
+           " and 2; leave it out to take that of the method");
   if (s.nbiter < 0)
     refuse("nbiter = ", s.nbiter,
            "; the bound on the iterations is >= 1: leave it out (0) to take that of the scene");
-  if (!(s.memory > 0)) refuse("memory = ", s.memory, "; the memory bound is a number of bytes > 0");
+  if (!(s.memory > 0))
+    refuse("memory = ", s.memory / 1e9, "; the memory bound is a number of GB > 0");
   if (!(s.partial >= 1) || !std::isfinite(s.partial))
     refuse("partial = ", s.partial, "; partial convergence is looser than tol: a factor >= 1");
   if (!(s.stop_on_step >= 0 && s.stop_on_step < 1))

@@ -21,6 +21,13 @@ void validate(const System& system);
 /// Sizes, signs, finite values, and loads whose squares neither overflow nor vanish.
 void validate(const Increment& increment, const System& system);
 
+/// Options that some methods do not heed.
+enum class Option { reg, regeps, precon, omega, step, newton, memory };
+
+/// What is wrong with giving the option, after "... has no effect with this method"; null where it
+/// has one.
+const char* without_effect(Option option, const Settings& settings);
+
 /// Ranges, and options without effect: they would let the caller believe in what does not happen.
 void validate(const Settings& settings);
 
