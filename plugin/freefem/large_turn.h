@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "../core/model/system.h"
 #include "rigid_motion.h"
 
 namespace frictioncg {
@@ -90,6 +91,11 @@ struct StandAgainst {
     nq += q * n;
     qq += q * q;
     moved += way.squaredNorm();
+  }
+  void sum(const System& system) {
+    Real* const parts[] = {nn.data(), nq.data(), &qq, &moved};
+    const Index counts[] = {9, 3, 1, 1};
+    for (int k = 0; k < 4; ++k) system.sum(parts[k], counts[k]);
   }
   /// Contact itself holds the body against the turn: a floor or a slope, 0.3 and more of the way.
   /// Errors of normals make a few hundredths, surfaces of revolution and faces of a crack nothing.

@@ -1,6 +1,7 @@
 #pragma once
 #include "freefem.h"
 
+#include <numeric>
 #include <set>
 
 #include "large_turn.h"
@@ -17,50 +18,69 @@ inline std::set<Index> bodies_at(const Scene& scene, Index k, const std::vector<
   return joined;
 }
 
-inline void add(const BoundaryNode& node, const RigidMotion& m, StandAgainst& normals) {
-  const std::array<Real, 3>& n = node.point.normal;
-  normals.add({n[0], n[1], n[2]}, {node.x.x, node.x.y, node.x.z}, m);
-}
-
 /// Whether contact holds a body against its turn: by a node that sticks to another body or to the
-/// obstacle (between the faces of one body, such as a crack, it holds nothing of its motion), or by
-/// the normals of those that touch.
-inline bool held_by_contact(const Scene& scene, const std::vector<NodeState>& state,
-                            const std::vector<Index>& body, const LargeTurn& turn) {
+/// obstacle, or by the normals of those that touch. nodes: the contact nodes of the scene that the
+/// states belong to; counts: whether one of them says something about the body; system: sums over
+/// its processes.
+template <class Counts>
+bool held_by_contact(const Scene& scene, const std::vector<Index>& nodes,
+                     const std::vector<NodeState>& state, const System& system,
+                     const LargeTurn& turn, const Counts& counts) {
   StandAgainst normals;
-  for (Index k = 0; k < scene.system->nodes(); ++k) {
-    if (state[k] == NodeState::separated) continue;
-    const std::set<Index> joined = bodies_at(scene, k, body);
-    if (!joined.count(turn.body) || (joined.size() < 2 && scene.pairing)) continue;
-    if (state[k] == NodeState::stick && scene.system->system()->tangents(k) > 0) return true;
-    add(scene.contact_point(k), turn.motion, normals);
+  Real sticks = 0;
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    if (state[k] == NodeState::separated || !counts(nodes[k])) continue;
+    if (state[k] == NodeState::stick && scene.system->system()->tangents(nodes[k]) > 0) sticks = 1;
+    const BoundaryNode& node = scene.contact_point(nodes[k]);
+    const std::array<Real, 3>& n = node.point.normal;
+    normals.add({n[0], n[1], n[2]}, {node.x.x, node.x.y, node.x.z}, turn.motion);
   }
-  return normals.holds();
+  normals.sum(system);
+  return system.sum(sticks) > 0 || normals.holds();
 }
 
-/// Of a converged field: the body that has turned by more than small rotations can mean, hardly
-/// strained, although neither supports nor friction hold it; in words, or empty. The whole
-/// displacement counts, not the increment: the laws are those of the mesh as it is given.
+/// Of a field u (d values a node): the body that has turned by more than small rotations can mean,
+/// hardly strained, although neither supports nor friction hold it; in words, or empty. field_of:
+/// a motion of the system's dofs as u; held: by contact.
+template <class FieldOf, class Held>
+std::string runaway(const std::vector<NodePlace>& nodes, int d, const Vector& u,
+                    const System& system, const FieldOf& field_of, const Held& held) {
+  const std::vector<LargeTurn> turns = large_turns(nodes, d, u);
+  if (turns.empty()) return "";
+  const DenseMatrix W = floating_motions(system);
+  std::vector<Vector> motions;
+  for (Index k = 0; k < W.cols(); ++k) motions.push_back(field_of(W.col(k)));
+  const auto bodies = by_body(nodes);
+  for (const LargeTurn& turn : turns)
+    if (!held(turn) &&
+        leave_free_to_turn(motions, bodies.at(turn.body), d, turn.motion.w.normalized()))
+      return describe(turn, d);
+  return "";
+}
+
+/// The same of a converged field. The whole displacement counts, not the increment: the laws are
+/// those of the mesh as it is given. Between the faces of one body, such as a crack, contact holds
+/// nothing of its motion.
 inline std::string runaway(const Scene& scene, const Solution& s, const Vector& field) {
   if (s.status != Status::converged || field.size() == 0) return "";
   const Real most = std::sqrt(scene.d) * field.lpNorm<Eigen::Infinity>();
   if (!(most > small_turn * scene.least_gyration())) return "";
   const std::vector<NodePlace> places = scene.places();
-  const std::vector<LargeTurn> turns = large_turns(places, scene.d, field);
-  if (turns.empty()) return "";
-  std::vector<Index> body(scene.ndof(), -1);
+  std::vector<Index> body(scene.ndof(), -1), nodes(scene.system->nodes());
   for (const NodePlace& n : places)
     for (int c = 0; c < scene.d; ++c) body[n.dof[c]] = n.body;
-  const Eigen::MatrixXd W = floating_motions(*scene.system->system());
-  std::vector<Vector> motions;
-  for (Index k = 0; k < W.cols(); ++k)
-    motions.push_back(scene.system->to_global(W.col(k), Vector::Zero(scene.ndof())));
-  const auto bodies = by_body(places);
-  for (const LargeTurn& turn : turns)
-    if (!held_by_contact(scene, s.state, body, turn) &&
-        leave_free_to_turn(motions, bodies.at(turn.body), scene.d, turn.motion.w.normalized()))
-      return describe(turn, scene.d);
-  return "";
+  std::iota(nodes.begin(), nodes.end(), 0);
+  const System& system = *scene.system->system();
+  const auto field_of = [&](const Vector& w) {
+    return scene.system->to_global(w, Vector::Zero(scene.ndof()));
+  };
+  const auto held = [&](const LargeTurn& turn) {
+    return held_by_contact(scene, nodes, s.state, system, turn, [&](Index k) {
+      const std::set<Index> joined = bodies_at(scene, k, body);
+      return joined.count(turn.body) && (joined.size() >= 2 || !scene.pairing);
+    });
+  };
+  return runaway(places, scene.d, field, system, field_of, held);
 }
 
 /// A motion of the local dofs in words.

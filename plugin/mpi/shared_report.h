@@ -118,46 +118,23 @@ inline std::string describe(const SharedScene& shared, const Vector& motion) {
   return describe_motion(sample.nodes, shared.scene->d, sample.u);
 }
 
-/// As held_by_contact, by the numbers of SampledMotion.   Collective.
-inline bool held_by_contact(const SharedScene& shared, const std::vector<NodeState>& state,
-                            const LargeTurn& turn) {
-  const Bodies bodies = shared.A->bodies();
-  StandAgainst normals;
-  Real sticks = 0;
-  for (std::size_t k = 0; k < state.size(); ++k) {
-    const Index i = static_cast<Index>(k);
-    if (state[k] == NodeState::separated || bodies.of[shared.system->first[i]] != turn.body)
-      continue;
-    if (state[k] == NodeState::stick && shared.system->tangents(i) > 0) sticks = 1;
-    add(shared.scene->contact_point(shared.numbering().own_nodes[k]), turn.motion, normals);
-  }
-  const Domain& domain = *shared.domain;
-  domain.sum(normals.nn.data(), 9);
-  domain.sum(normals.nq.data(), 3);
-  Real sums[] = {normals.qq, normals.moved, sticks};
-  domain.sum(sums, 3);
-  normals.qq = sums[0];
-  normals.moved = sums[1];
-  return sums[2] > 0 || normals.holds();
-}
-
-/// As in one process.   Collective.
+/// As in one process, by the numbers of SampledMotion.   Collective.
 inline std::string runaway(const SharedScene& shared, const Solution& own, const Vector& field) {
   if (own.status != Status::converged) return "";
-  const int d = shared.scene->d;
   const SampledMotion sample(shared, field);
-  const std::vector<LargeTurn> turns = large_turns(sample.nodes, d, sample.u);
-  if (turns.empty()) return "";
-  const Eigen::MatrixXd W = floating_motions(*shared.system);
-  std::vector<Vector> motions;
-  for (Index k = 0; k < W.cols(); ++k)
-    motions.push_back(SampledMotion(shared, field_of(shared, W.col(k))).u);
-  const auto bodies = by_body(sample.nodes);
-  for (const LargeTurn& turn : turns)
-    if (!held_by_contact(shared, own.state, turn) &&
-        leave_free_to_turn(motions, bodies.at(turn.body), d, turn.motion.w.normalized()))
-      return describe(turn, d);
-  return "";
+  const Bodies bodies = shared.A->bodies();
+  const std::vector<Index>& nodes = shared.numbering().own_nodes;
+  const auto field_in_sample = [&](const Vector& w) {
+    return SampledMotion(shared, field_of(shared, w)).u;
+  };
+  const auto held = [&](const LargeTurn& turn) {
+    std::set<Index> of_body;
+    for (std::size_t k = 0; k < nodes.size(); ++k)
+      if (bodies.of[shared.system->first[Index(k)]] == turn.body) of_body.insert(nodes[k]);
+    return held_by_contact(*shared.scene, nodes, own.state, *shared.system, turn,
+                           [&](Index k) { return of_body.count(k) > 0; });
+  };
+  return runaway(sample.nodes, shared.scene->d, sample.u, *shared.system, field_in_sample, held);
 }
 
 /// The motions that a call leaves open; the first of them that nothing holds, or empty. Collective.
