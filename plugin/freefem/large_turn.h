@@ -50,9 +50,7 @@ inline Real least_gyration(const std::vector<NodePlace>& nodes, int d) {
       const Eigen::Vector3d arm = position(n) - mean;
       inertia += arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose();
     }
-    const Real about_axis =
-        d == 2 ? inertia(2, 2)
-               : Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia).eigenvalues()[0];
+    const Real about_axis = d == 2 ? inertia(2, 2) : eigenpairs(inertia).values[0];
     least = std::min(least, std::sqrt(std::max<Real>(0, about_axis) / Real(body.size())));
   }
   return least;
@@ -73,7 +71,7 @@ inline bool leave_free_to_turn(const std::vector<Vector>& motions,
     turns.rightCols(1) = turn.normalized();
   }
   if (turns.cols() == 0) return false;
-  const Eigen::VectorXd c = turns.completeOrthogonalDecomposition().solve(axis);
+  const Eigen::VectorXd c = least_squares(turns, axis);
   return (turns * c - axis).norm() < 0.5;
 }
 
@@ -101,7 +99,7 @@ struct StandAgainst {
   /// Errors of normals make a few hundredths, surfaces of revolution and faces of a crack nothing.
   bool holds() const {
     constexpr Real clearly = 0.1;  // of the way
-    const Real left = qq - nq.dot(nn.completeOrthogonalDecomposition().solve(nq));
+    const Real left = qq - nq.dot(Vector(least_squares(nn, nq)));
     return left > clearly * clearly * moved;
   }
 };

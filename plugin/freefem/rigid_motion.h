@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "../core/linear_algebra.h"
 #include "../core/types.h"
 
 namespace frictioncg {
@@ -110,7 +111,7 @@ inline RigidMotion nearest_rigid_motion(const std::vector<NodePlace>& nodes, int
     inertia += arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose();
     moment += arm.cross(displacement_at(n, d, u));
   }
-  motion.w = inertia.completeOrthogonalDecomposition().solve(moment);
+  motion.w = least_squares(inertia, moment);
   Real most = 0;
   for (const NodePlace& n : nodes) {
     const Eigen::Vector3d v = displacement_at(n, d, u);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "linear_algebra.h"
+
 namespace frictioncg {
 
 namespace {
@@ -102,7 +104,7 @@ bool Frames::add_normal(Frame& f, Index point) const {
   if (before > 0) {  // what it adds to the normals before
     Eigen::Matrix<Real, 3, Eigen::Dynamic, 0, 3, 3> others(3, before);
     for (int k = 0; k < before; ++k) others.col(k) = free_part(points_[f.nodes[k].point]);
-    rest -= others * others.colPivHouseholderQr().solve(rest);
+    rest -= others * least_squares(others, rest);
   }
   if (before == f.free || rest.norm() < dependent)
     throw ConflictingObstacles(point, "the node of dof " + std::to_string(p.dof[0]),
@@ -171,8 +173,8 @@ void Frames::dualize(Frame& f) const {
     for (int k = 0; k < f.free; ++k)
       f.from_local.col(k) = free.row(k).transpose() / free.row(k).squaredNorm();
   } else {
-    const Eigen::MatrixXd rows = free.topRows(f.free);
-    f.from_local.leftCols(f.free) = rows.completeOrthogonalDecomposition().pseudoInverse();
+    f.from_local.leftCols(f.free) =
+        least_squares(free.topRows(f.free), DenseMatrix::Identity(f.free, f.free));
   }
 }
 

@@ -1,10 +1,9 @@
 #include "assembly/osculating_quadric.h"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/Householder>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+
+#include "linear_algebra.h"
 
 namespace frictioncg {
 
@@ -34,16 +33,11 @@ Real along_normal(Real c, Real d, Real f) {
 /// Fits   z = a x + b y + (c x^2 + 2 d x y + f y^2 + k z^2)/2   with weights |e|^-2, turns the axes
 /// until a = b = 0, and takes k from the step before. Lengths are over that of the farthest point.
 /// Of curvature that the points leave open, beside a and b, it takes the least, or what develops.
+template <int d>
 class Fit {
  public:
-  Fit(int d, const std::vector<Vec3>& points)
-      : d_(d),
-        points_(points),
-        slopes_(points.size(), d - 1),
-        bends_(points.size(), d == 2 ? 1 : 3),
-        right_(points.size()) {
+  explicit Fit(const std::vector<Vec3>& points) : points_(points) {
     for (const Vec3& e : points) size_ = std::max(size_, e.norm());
-    solver_.setThreshold(open);
   }
   std::optional<Quadric> from(const Vec3& mean) {
     n_ = mean;
@@ -51,89 +45,125 @@ class Fit {
     for (int step = 0; step < most_steps; ++step) {
       set_axes();
       const Real before = k_;
-      const Vector slope = solve();
+      solve();
+      const auto slope = found_.template head<slopes>();
       n_ -= slope[0] * s1_;
-      if (d_ == 3) n_ -= slope[1] * s2_;
+      if constexpr (d == 3) n_ -= slope[1] * s2_;
       n_.normalize();
       if (!(n_.dot(mean) > leaning)) return {};
-      if (slope.lpNorm<1>() < arrived && std::abs(k_ - before) < same) break;
+      if (slope.template lpNorm<1>() < arrived && std::abs(k_ - before) < same) break;
     }
     return quadric();
   }
 
  private:
+  static constexpr int slopes = d - 1, bends = d == 2 ? 1 : 3, unknowns = slopes + bends;
+  using Bends = Eigen::Matrix<Real, bends, bends>;
+  static constexpr int some = 8;  ///< points at once: a column of them fits vector registers
+
   /// The first tangent turns with the normal: the curvature of the step before keeps its meaning.
   void set_axes() {
-    if (d_ == 2) s1_ = Vec3::UnitZ().cross(n_);
-    if (d_ == 3) s1_ = (s1_ - s1_.dot(n_) * n_).normalized();
+    if (d == 2) s1_ = Vec3::UnitZ().cross(n_);
+    if (d == 3) s1_ = (s1_ - s1_.dot(n_) * n_).normalized();
     s2_ = n_.cross(s1_);
   }
-  void set_rows() {
-    for (Index j = 0; j < right_.size(); ++j) {
-      const Vec3 e = points_[j] / size_;
-      const Real x = e.dot(s1_), y = e.dot(s2_), z = e.dot(n_), weight = 1 / e.squaredNorm();
-      if (d_ == 2) {
-        slopes_(j, 0) = weight * x;
-        bends_(j, 0) = weight * x * x / 2;
-      } else {
-        slopes_.row(j) << weight * x, weight * y;
-        bends_.row(j) << weight * x * x / 2, weight * x * y / M_SQRT2, weight * y * y / 2;
+  /// What the fit says of one point: factors of the unknowns, and the right side.
+  Eigen::Matrix<Real, 1, unknowns + 1> row_of(const Vec3& point) const {
+    const Vec3 e = point / size_;
+    const Real x = e.dot(s1_), y = e.dot(s2_), z = e.dot(n_), right = z - k_ * z * z / 2;
+    Eigen::Matrix<Real, 1, unknowns + 1> row;
+    if constexpr (d == 2) row << x, x * x / 2, right;
+    if constexpr (d == 3) row << x, y, x * x / 2, x * y / M_SQRT2, y * y / 2, right;
+    return row / e.squaredNorm();
+  }
+  /// R of the rows of all points, with their right sides turned along, by Householder reflections.
+  void triangulate() {
+    R_.setZero();
+    for (std::size_t j = 0; j < points_.size();) {
+      rows_.setZero();
+      for (int i = 0; i < some && j < points_.size(); ++i) rows_.row(i) = row_of(points_[j++]);
+      for (int c = 0; c < unknowns; ++c) {
+        const Real before = R_(c, c), rest = rows_.col(c).squaredNorm();
+        if (rest == 0) continue;
+        R_(c, c) = -std::copysign(std::sqrt(before * before + rest), before);
+        const Real head = before - R_(c, c), factor = 1 / (R_(c, c) * head);
+        for (int l = c + 1; l <= unknowns; ++l) {
+          const Real part = factor * (head * R_(c, l) + rows_.col(c).dot(rows_.col(l)));
+          R_(c, l) += part * head;
+          rows_.col(l) += part * rows_.col(c);
+        }
       }
-      right_[j] = weight * (z - k_ * z * z / 2);
     }
   }
-  /// Finds the curvature by what is orthogonal to the slopes; returns these.
-  Vector solve() {
-    set_rows();
-    const Index s = slopes_.cols(), rest = std::max<Index>(right_.size() - s, 0);
-    qr_.compute(slopes_);
-    bends_.applyOnTheLeft(qr_.householderQ().adjoint());
-    right_.applyOnTheLeft(qr_.householderQ().adjoint());
-    q_.setZero(bends_.cols());
-    if (rest > 0) q_ = solver_.compute(bends_.bottomRows(rest)).solve(right_.tail(rest));
-    if (d_ == 3 && rest > 0 && solver_.rank() == 2) develop(bends_.bottomRows(rest));
-    k_ = d_ == 2 ? q_[0] : along_normal(q_[0], q_[1] / M_SQRT2, q_[2]);
-    return qr_.matrixQR().topRows(s).triangularView<Eigen::Upper>().solve(
-        Vector(right_.head(s) - bends_.topRows(s) * q_));
+  /// Finds slopes and curvature. What R has of curvature alone is orthogonal to the slopes.
+  void solve() {
+    triangulate();
+    const int rest = std::clamp(static_cast<int>(points_.size()) - slopes, 0, bends);
+    Bends rows = R_.template block<bends, bends>(slopes, slopes);
+    rows.bottomRows(bends - rest).setZero();  // of no point
+    const int rank = rank_of(rows);
+    if (rank < bends) {
+      found_.template tail<bends>() =
+          least_squares(rows, R_.template block<bends, 1>(slopes, unknowns), open);
+      if (d == 3 && rank == 2) develop(rows);
+    }
+    for (int k = (rank < bends ? slopes : unknowns) - 1; k >= 0; --k) {
+      Real right = R_(k, unknowns);
+      for (int l = k + 1; l < unknowns; ++l) right -= R_(k, l) * found_[l];
+      found_[k] = right / R_(k, k);
+    }
+    q_.head<bends>() = found_.template tail<bends>();
+    k_ = along_normal(q_[0], q_[1] / M_SQRT2, q_[2]);
+  }
+  /// By what each column adds to those before, the largest first.
+  static int rank_of(Bends rows) {
+    Real first = 0;
+    for (int rank = 0; rank < bends; ++rank) {
+      int largest = 0;
+      for (int c = 1; c < bends; ++c)
+        if (rows.col(c).squaredNorm() > rows.col(largest).squaredNorm()) largest = c;
+      const Real size = rows.col(largest).norm();
+      if (rank == 0) first = size;
+      if (!(size > open * first)) return rank;
+      const Eigen::Matrix<Real, bends, 1> direction = rows.col(largest) / size;
+      rows -= direction * (direction.transpose() * rows);
+    }
+    return bends;
   }
   /// Two rows of vertices leave one curvature open: that which makes c f = d^2, as on a cylinder or
   /// a cone. q + t v, v what is open.
-  void develop(const Eigen::MatrixXd& rows) {
-    const Eigen::Matrix3d normal_equations = rows.transpose() * rows;
-    const Vec3 v =
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(normal_equations).eigenvectors().col(0);
-    const Real two = v[0] * v[2] - v[1] * v[1] / 2, zero = q_[0] * q_[2] - q_[1] * q_[1] / 2;
-    const Real one = q_[0] * v[2] + q_[2] * v[0] - q_[1] * v[1], root = one * one - 4 * two * zero;
+  void develop(const Bends& rows) {
+    auto q = found_.template tail<bends>();
+    const auto v = eigenpairs(rows.transpose() * rows).vectors.col(0).eval();
+    const Real two = v[0] * v[2] - v[1] * v[1] / 2, zero = q[0] * q[2] - q[1] * q[1] / 2;
+    const Real one = q[0] * v[2] + q[2] * v[0] - q[1] * v[1], root = one * one - 4 * two * zero;
     if (!(root >= 0) || one == 0) return;
-    q_ -= 2 * zero / (one + std::copysign(std::sqrt(root), one)) * v;
+    q -= 2 * zero / (one + std::copysign(std::sqrt(root), one)) * v;
   }
   Quadric quadric() const {
     Quadric found;
     found.normal = n_;
     found.k = k_ / size_;
-    found.curvature = q_[0] * s1_ * s1_.transpose();
-    if (d_ == 3)
-      found.curvature += q_[1] / M_SQRT2 * (s1_ * s2_.transpose() + s2_ * s1_.transpose()) +
-                         q_[2] * s2_ * s2_.transpose();
-    found.curvature /= size_;
+    found.curvature = (q_[0] * s1_ * s1_.transpose() + q_[2] * s2_ * s2_.transpose() +
+                       q_[1] / M_SQRT2 * (s1_ * s2_.transpose() + s2_ * s1_.transpose())) /
+                      size_;
     return found;
   }
 
-  const int d_;
   const std::vector<Vec3>& points_;
   Real size_ = 0, k_ = 0;
   Vec3 n_, s1_, s2_;
-  Eigen::MatrixXd slopes_, bends_;
-  Vector right_, q_;  ///< q: c, sqrt(2) d, f; 2D: c
-  Eigen::HouseholderQR<Eigen::MatrixXd> qr_;
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver_;
+  Eigen::Matrix<Real, unknowns, unknowns + 1> R_;
+  Eigen::Matrix<Real, some, unknowns + 1> rows_;
+  Eigen::Matrix<Real, unknowns, 1> found_;
+  Vec3 q_ = Vec3::Zero();  ///< c, sqrt(2) d, f; 2D: c, 0, 0
 };
 
 }  // namespace
 
 std::optional<Quadric> osculating_quadric(int d, const std::vector<Vec3>& around,
                                           const Vec3& mean) {
-  return Fit(d, around).from(mean);
+  return d == 2 ? Fit<2>(around).from(mean) : Fit<3>(around).from(mean);
 }
 
 }  // namespace frictioncg

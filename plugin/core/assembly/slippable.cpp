@@ -1,9 +1,9 @@
 #include "assembly/slippable.h"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+
+#include "linear_algebra.h"
 
 namespace frictioncg {
 
@@ -77,20 +77,20 @@ Eigen::MatrixXd slippable(const Motions& motions, const std::vector<PointNormal>
   constexpr Real rounding = 1e-12;  // points on a line do not tell the rotation about it
   const Square Q = both.leftCols(k),
                M = both.rightCols(k) + rounding * motions.total() * Square::Identity(k, k);
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> found(Q, M);
+  const Eigenpairs found = eigenpairs(Q, M);
   Index count = 0;
-  while (count < k && found.eigenvalues()[count] <= motions.allowed()) ++count;
-  return found.eigenvectors().leftCols(count);
+  while (count < k && found.values[count] <= motions.allowed()) ++count;
+  return found.vectors.leftCols(count);
 }
 
 /// Takes off what a normal has along the directions in which motions move its point, the strongest
 /// first: at most d - 1.
 void make_tangential(int d, const Fields& w, Real mean, PointNormal& p) {
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(w, Eigen::ComputeThinU);
+  const Eigenpairs along = eigenpairs(w * w.transpose());
   Vec3 n = p.normal;
-  for (Index c = 0; c < std::min<Index>(d - 1, svd.singularValues().size()); ++c) {
-    if (svd.singularValues()[c] < at_rest * mean) break;
-    const Vec3 u = svd.matrixU().col(c);
+  for (Index c = 2; c > 3 - d; --c) {
+    if (along.values[c] < std::pow(at_rest * mean, 2)) break;
+    const Vec3 u = along.vectors.col(c);
     n -= n.dot(u) * u;
   }
   if (n.norm() > kept) p.normal = n.normalized();

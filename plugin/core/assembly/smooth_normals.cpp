@@ -138,8 +138,11 @@ class Estimator {
   Real difference(Index p, Index q) const {
     const Quadric &a = *quadric_[p], &b = *quadric_[q];
     if (a.normal == b.normal) return (a.curvature - b.curvature).norm();
+    const Vec3 axis = b.normal.cross(a.normal);
     const Eigen::Matrix3d turn =
-        Eigen::Quaterniond::FromTwoVectors(b.normal, a.normal).toRotationMatrix();
+        Eigen::Quaterniond(1 + b.normal.dot(a.normal), axis.x(), axis.y(), axis.z())
+            .normalized()
+            .toRotationMatrix();
     return (a.curvature - turn * b.curvature * turn.transpose()).norm();
   }
   /// The largest jump of curvature at a fan, and how much it counts: 0 where it is none.

@@ -1,5 +1,6 @@
 #include "condensed/bounded_pressure.h"
 
+#include "factorization.h"
 #include "statics/undetermined.h"
 
 namespace frictioncg {
@@ -42,8 +43,9 @@ Vector bounds(const CondensedProblem& problem, const DenseMatrix& W) {
   const Layout dofs(problem);
   const Increment& increment = problem.laws.increment;
   const Index m = problem.laws.nodes();
-  const Eigen::LLT<DenseMatrix> factor(held_along(problem, W, dofs));
-  if (dofs.T.empty() || factor.info() != Eigen::Success) return {};
+  DenseMatrix S_TT = held_along(problem, W, dofs);
+  const Cholesky factor(S_TT);
+  if (dofs.T.empty() || !factor.found()) return {};
   const DenseMatrix S_TN = problem.S(dofs.T, dofs.N);
   const DenseMatrix H = factor.solve(S_TN);  // transposed
   const Vector b = problem.f(dofs.T) - S_TN * increment.gap;
@@ -57,7 +59,7 @@ Vector bounds(const CondensedProblem& problem, const DenseMatrix& W) {
       const Index first = dofs.begin[j], t = dofs.begin[j + 1] - first;
       M(i, j) -= increment.mu[j] * H.col(i).segment(first, t).norm();
     }
-  const Vector p = M.partialPivLu().solve(N0);
+  const Vector p = LU(M).solve(N0);
   if (!p.allFinite() || !(p.array() > 0).all()) return {};
   return (1 + margin) * p;  // M p > 0 with p > 0: the sum of what follows from N0 is finite
 }

@@ -72,8 +72,8 @@ CentralPath::CentralPath(const CondensedProblem& problem)
 bool CentralPath::start() {
   M_ = K_;
   M_.diagonal().array() += first_shift;
-  const Eigen::LLT<DenseMatrix> llt(M_);
-  if (llt.info() != Eigen::Success) return false;
+  const Cholesky llt(M_);
+  if (!llt.found()) return false;
   Vector b = f_;
   for (Index i = 0; i < nodes_; ++i) b[normal(i)] += first_shift * gap_[i];
   at_.y = llt.solve(b);
@@ -147,30 +147,27 @@ bool CentralPath::factor() {
   if (!(M_.diagonal().minCoeff() > 0) || !M_.allFinite()) return false;
   scale_ = M_.diagonal().cwiseSqrt().cwiseInverse();
   M_ = scale_.asDiagonal() * M_ * scale_.asDiagonal();
-  if (symmetric_) {
-    llt_.compute(M_);
-    return llt_.info() == Eigen::Success;
-  }
+  if (symmetric_) return llt_.emplace(M_).found();
   single_.reset();
   if (M_.rows() >= large && !fine_)
     single_ = std::make_unique<const SinglePrecision>(M_);
   else
-    lu_.compute(M_);
+    lu_.emplace(M_);
   return true;
 }
 
 /// dy = M^{-1} b
 Vector CentralPath::solve(const Vector& b) {
   const Vector scaled = scale_.cwiseProduct(b);
-  if (symmetric_) return scale_.cwiseProduct(llt_.solve(scaled));
+  if (symmetric_) return scale_.cwiseProduct(llt_->solve(scaled));
   if (single_) {
     const Vector y = single_->solve(scaled);
     if (y.size() > 0) return scale_.cwiseProduct(y);
     fine_ = true;
     single_.reset();
-    lu_.compute(M_);
+    lu_.emplace(M_);
   }
-  return scale_.cwiseProduct(lu_.solve(scaled));
+  return scale_.cwiseProduct(lu_->solve(scaled));
 }
 
 /// The step of the linear laws.

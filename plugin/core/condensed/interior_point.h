@@ -1,10 +1,10 @@
 #pragma once
-#include <Eigen/Cholesky>
-
 #include <memory>
+#include <optional>
 
 #include "condensed/attempt.h"
 #include "condensed/single_precision.h"
+#include "factorization.h"
 
 namespace frictioncg {
 
@@ -56,9 +56,9 @@ class CentralPath {
   std::vector<char> closes_, rubs_;
   bool symmetric_ = true;
   DenseMatrix K_, M_;
-  Vector scale_;  ///< of M, D^{-1/2}
-  Eigen::LLT<DenseMatrix> llt_;
-  Eigen::PartialPivLU<DenseMatrix> lu_;
+  Vector scale_;                 ///< of M, D^{-1/2}
+  std::optional<Cholesky> llt_;  ///< in M, as are lu and, beside it, single
+  std::optional<LU> lu_;
   std::unique_ptr<const SinglePrecision> single_;
   bool fine_ = false;     ///< single precision does not do any more
   Vector alpha_, omega_;  ///< m: dr_N = alpha + omega dx_N

@@ -46,7 +46,7 @@ void CentralPath::linearize_friction(Index i, Real tau, const Point* before) {
     c -= before->t[i] * dr - dg * dx;
   }
   const Small I = Small::Identity(d, d);
-  const Small inverse = Small(t * I + r * x.transpose() / g).inverse();
+  const Small inverse = (I - r * x.transpose() / (g * t + r.dot(x))) / t;
   friction_.a.segment(T, d) = inverse * (c - r * (rest / g));
   friction_.e.segment(T, d) = inverse * (x + r * (t / g)) * mu_[i];
   friction_.B.block(T, 0, d, d) = inverse * (g * I - r * r.transpose() / g);

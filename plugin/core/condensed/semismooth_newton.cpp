@@ -5,6 +5,8 @@
 #include <set>
 
 #include "condensed/single_precision.h"
+#include "factorization.h"
+#include "linear_algebra.h"
 #include "model/certificate.h"
 
 namespace frictioncg {
@@ -180,22 +182,19 @@ void SemismoothNewton::for_each_slip(Visit visit) const {
 /// the solution of least norm: the load may be in balance with it.
 Vector SemismoothNewton::solve_branches() {
   if (assemble()) {
-    const Eigen::LLT<Eigen::Ref<DenseMatrix>> llt(M_);
-    if (llt.info() == Eigen::Success && llt.rcond() > singular)
-      return scale_.asDiagonal() * llt.solve(b_);
+    const Cholesky llt(M_);
+    if (llt.found() && llt.rcond() > singular) return scale_.asDiagonal() * llt.solve(b_);
   } else {
     if (b_.size() >= large) {
       const Vector y = SinglePrecision(M_).solve(b_);
       if (y.size() > 0) return scale_.asDiagonal() * y;
     }
-    const Eigen::PartialPivLU<Eigen::Ref<DenseMatrix>> lu(M_);
+    const LU lu(M_);
     if (lu.rcond() > singular) return scale_.asDiagonal() * lu.solve(b_);
   }
   assemble();
   undetermined_ = true;
-  Eigen::CompleteOrthogonalDecomposition<DenseMatrix> cod;
-  cod.setThreshold(singular);
-  return scale_.asDiagonal() * cod.compute(M_).solve(b_);
+  return scale_.asDiagonal() * least_squares(M_, b_, singular);
 }
 
 /// What is left of the laws on S, in norm_D, with c = diag(A): a small algorithmic c would flatter

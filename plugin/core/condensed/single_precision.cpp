@@ -7,6 +7,8 @@ namespace {
 constexpr Real digit = 0.1, refined = 1e-13;
 }  // namespace
 
+SinglePrecision::SinglePrecision(const DenseMatrix& M) : M_(M), lu_(M.cast<float>()) {}
+
 Vector SinglePrecision::solve(const Vector& b) const {
   Vector y = Vector::Zero(b.size()), r = b;
   Real before = r.norm();

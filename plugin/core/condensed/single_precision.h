@@ -9,7 +9,7 @@ namespace frictioncg {
 /// stays where it is, and as it is, as long as this lives.
 class SinglePrecision {
  public:
-  explicit SinglePrecision(const DenseMatrix& M) : M_(M), lu_(M.cast<float>()) {}
+  explicit SinglePrecision(const DenseMatrix& M);
 
   /// M^{-1} b to rounding; empty where M is too ill-conditioned for it.
   Vector solve(const Vector& b) const;

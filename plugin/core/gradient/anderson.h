@@ -1,8 +1,7 @@
 #pragma once
-#include <Eigen/QR>
 #include <algorithm>
 
-#include "types.h"
+#include "linear_algebra.h"
 
 namespace frictioncg {
 
@@ -19,7 +18,7 @@ class Anderson {
     last_image_ = image;
     const Index used = std::min(count_, depth);
     if (used == 0) return image;
-    const Vector theta = df_.leftCols(used).completeOrthogonalDecomposition().solve(f);
+    const Vector theta = least_squares(df_.leftCols(used), f);
     return image - dimage_.leftCols(used) * theta;
   }
 
@@ -40,7 +39,7 @@ class Anderson {
 
   Index count_ = 0;
   Vector last_f_, last_image_;
-  Eigen::MatrixXd df_, dimage_;  ///< differences of residuals and of images, one column a pass
+  DenseMatrix df_, dimage_;  ///< differences of residuals and of images, one column a pass
 };
 
 }  // namespace frictioncg

@@ -1,10 +1,9 @@
 #include "statics/equilibrium.h"
 
-#include <Eigen/Dense>
-
 #include <algorithm>
 #include <cmath>
 
+#include "linear_algebra.h"
 #include "statics/floating.h"
 
 namespace frictioncg {
@@ -103,7 +102,7 @@ class NearestInCone {
   }
 
   Vector least_squares() const {
-    Vector best = unit_columns().colPivHouseholderQr().solve(target_);
+    Vector best = frictioncg::least_squares(unit_columns(), target_);
     for (std::size_t k = 0; k < columns_.size(); ++k) best[k] /= columns_[k].norm();
     return best;
   }
@@ -115,8 +114,7 @@ class NearestInCone {
     for (std::size_t k = 0; k < columns_.size(); ++k) rest -= weight_[k] * columns_[k];
     if (columns_.empty()) return rest;
     const DenseMatrix G = unit_columns();
-    const Eigen::ColPivHouseholderQR<DenseMatrix> qr(G);
-    return rest - G * qr.solve(rest);
+    return rest - G * frictioncg::least_squares(G, rest);
   }
 
   const Vector target_;

@@ -1,10 +1,10 @@
 #include "statics/floating.h"
 
-#include <Eigen/Dense>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+
+#include "linear_algebra.h"
 
 namespace frictioncg {
 
@@ -22,19 +22,19 @@ constexpr Real still = 1e-10;  ///< over the largest displacement: what does not
 /// and D. Those nearly in the kernel, <Dw,w> = 1. size_of_all: below its rounding a candidate is 0.
 DenseMatrix candidates_of_a_body(const DenseMatrix& in_A, const DenseMatrix& in_D,
                                  Real size_of_all) {
-  const Eigen::SelfAdjointEigenSolver<DenseMatrix> sizes(in_D);
-  const Vector& size = sizes.eigenvalues();
+  const Eigenpairs sizes = eigenpairs(in_D);
+  const Vector& size = sizes.values;
   const Index k = static_cast<Index>(size.size());
   Index first = 0;
   const Real least = dependent * std::max(size[k - 1], size_of_all);
   while (first < k && !(size[first] > least)) ++first;
-  const DenseMatrix V = sizes.eigenvectors().rightCols(k - first) *
+  const DenseMatrix V = sizes.vectors.rightCols(k - first) *
                         size.tail(k - first).cwiseSqrt().cwiseInverse().asDiagonal();
   if (V.cols() == 0) return V;
-  const Eigen::SelfAdjointEigenSolver<DenseMatrix> ritz(V.transpose() * in_A * V);
+  const Eigenpairs ritz = eigenpairs(V.transpose() * DenseMatrix(in_A * V));
   Index count = 0;
-  while (count < V.cols() && ritz.eigenvalues()[count] <= nearly_rigid) ++count;
-  return V * ritz.eigenvectors().leftCols(count);
+  while (count < V.cols() && ritz.values[count] <= nearly_rigid) ++count;
+  return V * ritz.vectors.leftCols(count);
 }
 
 /// The motions of a body, or of several that a coupling joins in A, each given to take(), which
@@ -148,8 +148,7 @@ bool may_be_rigid(const System& system, const Vector& w) {
   all << M, w;
   Real size = 0, rest = 0;
   for (const DenseMatrix& G : gram(system, bodies, all, system.D.asDiagonal() * all)) {
-    const Vector c = G.topLeftCorner(k, k).completeOrthogonalDecomposition().solve(
-        Vector(G.topRightCorner(k, 1)));
+    const Vector c = least_squares(G.topLeftCorner(k, k), G.topRightCorner(k, 1));
     size += G(k, k);
     rest += G(k, k) - G.topRightCorner(k, 1).col(0).dot(c);
   }
@@ -162,20 +161,15 @@ DenseMatrix motions_of_interior(const DenseMatrix& W, Index interior,
   const Index count = static_cast<Index>(units.size());
   DenseMatrix Z = W;
   if (k > 0 && interior < n) {
-    const Eigen::ColPivHouseholderQR<DenseMatrix> moves(W.bottomRows(n - interior).transpose());
-    const Real least = still * W.cwiseAbs().maxCoeff();
-    Index rank = 0;
-    while (rank < std::min(k, n - interior) && std::abs(moves.matrixR()(rank, rank)) > least)
-      ++rank;
-    const DenseMatrix Q = moves.householderQ();
-    Z = W * Q.rightCols(k - rank);
+    Z = W * null_space(W.bottomRows(n - interior), still * W.cwiseAbs().maxCoeff());
     Z.bottomRows(n - interior).setZero();
   }
-  if (Z.cols() != count) return DenseMatrix(n, 0);
+  if (count == 0 || Z.cols() != count) return DenseMatrix(n, 0);
   DenseMatrix at_units(count, count);
   for (Index j = 0; j < count; ++j) at_units.row(j) = Z.row(units[j]);
-  const Eigen::FullPivLU<DenseMatrix> inverse(at_units);
-  return inverse.isInvertible() ? DenseMatrix(Z * inverse.inverse()) : DenseMatrix(n, 0);
+  const DenseMatrix I = DenseMatrix::Identity(count, count), inverse = solve(at_units, I);
+  const bool regular = (at_units * inverse - I).norm() < 0.5;  // of fewer dimensions: 1 and more
+  return regular ? DenseMatrix(Z * inverse) : DenseMatrix(n, 0);
 }
 
 }  // namespace frictioncg

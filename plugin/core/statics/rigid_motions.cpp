@@ -1,8 +1,9 @@
 #include "statics/rigid_motions.h"
 
-#include <Eigen/Dense>
-
 #include <cmath>
+
+#include "factorization.h"
+#include "linear_algebra.h"
 
 namespace frictioncg {
 
@@ -28,12 +29,6 @@ DenseMatrix arbitrary(Index n, Index columns, Index first = 0) {
   return W;
 }
 
-void orthonormalize(DenseMatrix& W) {
-  const Index columns = static_cast<Index>(W.cols());
-  W = Eigen::HouseholderQR<DenseMatrix>(W).householderQ() *
-      DenseMatrix::Identity(W.rows(), columns);
-}
-
 }  // namespace
 
 DenseMatrix rigid_motions(const DenseMatrix& S, const Vector& D) {
@@ -47,20 +42,17 @@ DenseMatrix rigid_motions(const DenseMatrix& S, const Vector& D) {
   };
   for (Real shift = first_shift; shift <= greatest_shift; shift *= 100) {
     scaled(shift);
-    const Eigen::LLT<Eigen::Ref<DenseMatrix>> factor(M);  // in place
-    if (factor.info() != Eigen::Success) continue;
+    const Cholesky factor(M);
+    if (!factor.found()) continue;
     for (Index block = std::min(n, first_block);; block = std::min(n, 2 * block)) {
       DenseMatrix W = arbitrary(n, block);
-      for (int k = 0; k < sweeps; ++k) {
-        W = factor.solve(W);
-        orthonormalize(W);
-      }
+      for (int k = 0; k < sweeps; ++k) W = orthonormal(factor.solve(W));
       const DenseMatrix V = scale.asDiagonal() * W;
-      const Eigen::SelfAdjointEigenSolver<DenseMatrix> ritz(V.transpose() * (S * V));
+      const Eigenpairs ritz = eigenpairs(V.transpose() * (S * V));
       Index count = 0;
-      while (count < block && ritz.eigenvalues()[count] <= rigid) ++count;
+      while (count < block && ritz.values[count] <= rigid) ++count;
       if (count == block && block < n) continue;
-      return V * ritz.eigenvectors().leftCols(count);
+      return V * ritz.vectors.leftCols(count);
     }
   }
   return DenseMatrix(n, 0);

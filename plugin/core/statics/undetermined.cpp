@@ -1,8 +1,8 @@
 #include "statics/undetermined.h"
 
-#include <Eigen/Dense>
-
 #include <cmath>
+
+#include "linear_algebra.h"
 
 namespace frictioncg {
 
@@ -10,14 +10,6 @@ namespace {
 constexpr Real forbidden = 1e-9;  ///< part of a unit motion that the laws stand against
 constexpr Real forceless = 1e-9;  ///< of the forces at work: a touch that bears no more bears none
 constexpr Real margin = 10;       ///< over what rounding leaves of a force
-
-/// R of the QR factorization of rows (m x k, m >= k).
-DenseMatrix triangle(const DenseMatrix& rows) {
-  return Eigen::HouseholderQR<DenseMatrix>(rows)
-      .matrixQR()
-      .topRows(rows.cols())
-      .triangularView<Eigen::Upper>();
-}
 
 /// The triangle of the rows of all processes, from that of each (k x k).
 DenseMatrix of_all_processes(const System& system, const DenseMatrix& R) {
@@ -34,7 +26,7 @@ DenseMatrix left_free(const DenseMatrix& W, const ContactProblem& problem,
   if (W.cols() == 0) return W;
   const DenseMatrix W_C = W.bottomRows(problem.contact_dofs());
   const Index k = static_cast<Index>(W.cols());
-  DenseMatrix barred = DenseMatrix::Zero(std::max<Index>(problem.contact_dofs(), k), k);
+  DenseMatrix barred = DenseMatrix::Zero(problem.contact_dofs(), k);
   for (Index i = 0; i < problem.nodes(); ++i) {
     const Branch& b = branches[i];
     const Index N = problem.system->first[i] - problem.interior(), t = problem.tangents(i);
@@ -45,12 +37,8 @@ DenseMatrix left_free(const DenseMatrix& W, const ContactProblem& problem,
     if (!b.stick && b.g > 0 && t == 2)
       barred.row(N + 1) = unit * (b.d[1] * slide.row(0) - b.d[0] * slide.row(1));
   }
-  // a QR of our own before it: the one inside JacobiSVD frees twice where memory runs out
   const DenseMatrix R = of_all_processes(*problem.system, triangle(barred));
-  const Eigen::JacobiSVD<DenseMatrix, Eigen::NoQRPreconditioner> svd(R, Eigen::ComputeFullV);
-  Index held = 0;
-  while (held < svd.singularValues().size() && svd.singularValues()[held] > forbidden) ++held;
-  return W.lazyProduct(svd.matrixV().rightCols(W.cols() - held));
+  return W.lazyProduct(null_space(R, forbidden));
 }
 
 Branches branches_of(const ContactProblem& problem, const Vector& x,
@@ -84,7 +72,7 @@ Vector least(const Vector& x, const DenseMatrix& motions, const System& system) 
   Vector part = weighted.transpose().lazyProduct(x);
   system.sum(size.data(), static_cast<Index>(size.size()));
   system.sum(part.data(), static_cast<Index>(part.size()));
-  return x - motions.lazyProduct(size.ldlt().solve(part));
+  return x - motions.lazyProduct(Vector(least_squares(size, part)));
 }
 
 }  // namespace frictioncg

@@ -1,6 +1,6 @@
 #include "assembly/mortar/across_gap.h"
 
-#include <Eigen/LU>
+#include "linear_algebra.h"
 
 namespace frictioncg::mortar {
 
@@ -24,7 +24,7 @@ Eigen::VectorXd shift(const std::vector<Index>& vertices, const std::vector<Vec3
   Eigen::MatrixXd edges(d, d);
   for (int k = 0; k < d; ++k) edges.col(k) = (X[vertices[k]] - X[vertices[d]]).head(d);
   Eigen::VectorXd c(d + 1);
-  c.head(d) = edges.partialPivLu().solve(Eigen::VectorXd(e.head(d)));
+  c.head(d) = least_squares(edges, e.head(d));
   c[d] = -c.head(d).sum();
   return c;
 }

@@ -1,6 +1,6 @@
 #include "assembly/mortar/moments.h"
 
-#include <Eigen/QR>
+#include "linear_algebra.h"
 
 namespace frictioncg::mortar {
 
@@ -29,9 +29,7 @@ class Row {
     Eigen::Matrix3d M = Eigen::Matrix3d::Zero();
     for (Matrix::InnerIterator it(P_, i_); it; ++it)
       M += std::abs(it.value()) * place(it.col()) * place(it.col()).transpose();
-    Eigen::CompleteOrthogonalDecomposition<Eigen::Matrix3d> inverse;
-    inverse.setThreshold(1e-6);  // of M: in 2D its rank is 1, in 3D it is 2
-    const Vec3 b = inverse.compute(M).solve(e);
+    const Vec3 b = least_squares(M, e, 1e-6);  // of M: in 2D its rank is 1, in 3D it is 2
     Real largest = 0;
     for (Matrix::InnerIterator it(P_, i_); it; ++it)
       largest = std::max(largest, std::abs(b.dot(place(it.col()))));

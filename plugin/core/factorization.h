@@ -1,0 +1,35 @@
+#pragma once
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include "types.h"
+
+namespace frictioncg {
+
+// The factorizations of large dense matrices, compiled once, as those of linear_algebra.h are.
+
+/// M = LL' in the place of M.
+class Cholesky {
+ public:
+  explicit Cholesky(DenseMatrix& M);
+  bool found() const { return llt_.info() == Eigen::Success; }  ///< M is positive definite
+  Real rcond() const;
+  Vector solve(const Vector& b) const;
+  DenseMatrix solve(const DenseMatrix& B) const;
+
+ private:
+  Eigen::LLT<Eigen::Ref<DenseMatrix>> llt_;
+};
+
+/// PM = LU in the place of M.
+class LU {
+ public:
+  explicit LU(DenseMatrix& M);
+  Real rcond() const;
+  Vector solve(const Vector& b) const;
+
+ private:
+  Eigen::PartialPivLU<Eigen::Ref<DenseMatrix>> lu_;
+};
+
+}  // namespace frictioncg

@@ -1,0 +1,50 @@
+#include "linear_algebra.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <Eigen/SVD>
+
+namespace frictioncg {
+
+DenseMatrix least_squares(const DenseRef& A, const DenseRef& B, Real threshold) {
+  Eigen::CompleteOrthogonalDecomposition<DenseMatrix> decomposition;
+  if (threshold > 0) decomposition.setThreshold(threshold);
+  return decomposition.compute(A).solve(B);
+}
+
+DenseMatrix solve(const DenseRef& A, const DenseRef& B) {
+  return Eigen::FullPivLU<DenseMatrix>(A).solve(B);
+}
+
+Eigenpairs eigenpairs(const DenseRef& A) {
+  const Eigen::SelfAdjointEigenSolver<DenseMatrix> found(A);
+  return {found.eigenvalues(), found.eigenvectors()};
+}
+
+Eigenpairs eigenpairs(const DenseRef& A, const DenseRef& M) {
+  const Eigen::GeneralizedSelfAdjointEigenSolver<DenseMatrix> found(A, M);
+  return {found.eigenvalues(), found.eigenvectors()};
+}
+
+DenseMatrix triangle(const DenseRef& A) {
+  const Eigen::HouseholderQR<DenseMatrix> qr(A);
+  const Eigen::Index k = A.cols(), rows = std::min(A.rows(), k);
+  DenseMatrix R = DenseMatrix::Zero(k, k);
+  R.topRows(rows) = qr.matrixQR().topRows(rows).triangularView<Eigen::Upper>();
+  return R;
+}
+
+DenseMatrix orthonormal(const DenseRef& A) {
+  return Eigen::HouseholderQR<DenseMatrix>(A).householderQ() *
+         DenseMatrix::Identity(A.rows(), A.cols());
+}
+
+DenseMatrix null_space(const DenseRef& A, Real tolerance) {
+  // a QR of our own before it: the one inside JacobiSVD frees twice where memory runs out
+  const Eigen::JacobiSVD<DenseMatrix, Eigen::NoQRPreconditioner> svd(triangle(A),
+                                                                     Eigen::ComputeFullV);
+  return svd.matrixV().rightCols(A.cols() - (svd.singularValues().array() > tolerance).count());
+}
+
+}  // namespace frictioncg
