@@ -76,7 +76,6 @@ class Arguments {
   explicit Arguments(const basicAC_F0& args) {
     refuse_domain(args);
     args.SetNameParam(parameter_count, parameters, named_);
-    if (has(p_newton) && has(p_polish)) refuse(p_polish, "is the former name of newton; give one");
     if (has(p_init) && has(p_start)) refuse(p_start, "is another name of init; give one");
   }
   /// Before FreeFEM looks for the type of domain, which frictionCG-mpi alone has.

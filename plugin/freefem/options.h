@@ -32,9 +32,9 @@ inline Index bound_on_iterations(double nbiter) {
 /// core sees values alone; here what is given counts, be it the default.
 inline void refuse_without_effect(const Arguments& args, const Settings& s) {
   constexpr std::pair<Parameter, Option> options[] = {
-      {p_reg, Option::reg},       {p_regeps, Option::regeps}, {p_precon, Option::precon},
-      {p_omega, Option::omega},   {p_step, Option::step},     {p_newton, Option::newton},
-      {p_polish, Option::newton}, {p_memory, Option::memory}};
+      {p_reg, Option::reg},      {p_regeps, Option::regeps}, {p_precon, Option::precon},
+      {p_omega, Option::omega},  {p_step, Option::step},     {p_newton, Option::newton},
+      {p_memory, Option::memory}};
   for (const auto& [p, option] : options) {
     const char* const because = args.has(p) ? without_effect(option, s) : nullptr;
     if (!because) continue;
@@ -54,7 +54,7 @@ inline Settings read_settings(Stack stack, const Arguments& args) {
   s.reg = args.chosen(stack, p_reg, regularizations, s.reg);
   s.precon = args.chosen(stack, p_precon, preconditioners, s.precon);
   s.step = args.chosen(stack, p_step, steps, s.step);
-  s.newton = args.value(stack, args.has(p_newton) ? p_newton : p_polish, s.newton);
+  s.newton = args.value(stack, p_newton, s.newton);
   s.regeps = args.value(stack, p_regeps, s.regeps);
   s.omega = args.value(stack, p_omega, s.omega);
   s.tol = args.value(stack, p_tol, s.tol);

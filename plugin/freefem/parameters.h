@@ -27,7 +27,6 @@ enum Parameter {
   p_start,
   p_method,
   p_newton,
-  p_polish,
   p_reg,
   p_regeps,
   p_precon,
@@ -69,7 +68,6 @@ inline basicAC_F0::name_and_type parameters[] = {
     {"start", &typeid(KN_<double>)},     // the same, where macro_ddm.idp takes the name init
     {"method", &typeid(string*)},        //
     {"newton", &typeid(bool)},           // condensed: on the laws themselves
-    {"polish", &typeid(bool)},           // its former name
     {"reg", &typeid(string*)},           //
     {"regeps", &typeid(double)},         // [length]
     {"precon", &typeid(string*)},        //

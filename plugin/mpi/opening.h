@@ -26,7 +26,7 @@ inline void refuse_options(const Arguments& args) {
   };
   const char* const own =
       "belongs to methods of one process; with domain= there is multigrid alone";
-  for (Parameter p : {p_newton, p_polish, p_reg, p_regeps, p_precon, p_omega, p_step, p_memory})
+  for (Parameter p : {p_newton, p_reg, p_regeps, p_precon, p_omega, p_step, p_memory})
     refuse(p, own);
   refuse(p_distance, "is that of two bodies; there is one, and an obstacle");
   refuse(p_times, "is of one process; measure around the call, by mpiWtime()");
