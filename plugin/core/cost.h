@@ -16,7 +16,8 @@ struct Costs {
 /// only the dense matrices on the contact dofs count against it.
 Costs estimate_costs(const System& system);
 
-/// The same of what nothing interrupts: to order, factor and condense, and to set a hierarchy up.
+/// About the seconds of what nothing interrupts: ordering, factorization and condensation, and the
+/// set-up of a hierarchy.
 double seconds_of_factor(const System& system);
 double seconds_of_hierarchy(const System& system);
 

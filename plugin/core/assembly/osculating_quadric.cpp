@@ -32,7 +32,8 @@ Real along_normal(Real c, Real d, Real f) {
 
 /// Fits   z = a x + b y + (c x^2 + 2 d x y + f y^2 + k z^2)/2   with weights |e|^-2, turns the axes
 /// until a = b = 0, and takes k from the step before. Lengths are over that of the farthest point.
-/// Of curvature that the points leave open, beside a and b, it takes the least, or what develops.
+/// Where the points leave some of the curvature open, the fit takes the least curvature, or a
+/// developable surface.
 template <int d>
 class Fit {
  public:

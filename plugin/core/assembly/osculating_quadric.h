@@ -27,8 +27,8 @@ struct Quadric {
 /// circles, spheres and cylinders, whatever the facets, and of second order in their size on other
 /// smooth surfaces; a mean of the facets' normals is of first order, a wedge at each vertex.
 ///
-/// Where they leave the quadric open (one layer of facets) the curvature is what it need be.
-/// Nothing where no quadric fits within 45 degrees of `mean`.
+/// Where the vertices leave the quadric open (one layer of facets), it is curved no more than it
+/// has to be. Nothing is returned where no quadric fits within 45 degrees of `mean`.
 std::optional<Quadric> osculating_quadric(int d, const std::vector<Eigen::Vector3d>& around,
                                           const Eigen::Vector3d& mean);
 

@@ -112,8 +112,8 @@ class Estimator {
     }
     return all;
   }
-  /// By the vertices of its facets and of the next ones: those of its own alone leave some quadrics
-  /// in 3D nearly open, where a vertex has few. In 2D they do at ends only.
+  /// Fits a quadric to the vertices of the fan's facets and of the next ones. A vertex with few
+  /// facets would leave it nearly open in 3D; in 2D only the ends do.
   std::optional<Quadric> fit(std::size_t p) const {
     const Vec3& mean = s_.fans[p].mean;
     if (mean.squaredNorm() == 0) return {};
@@ -134,7 +134,7 @@ class Estimator {
     return osculating_quadric(s_.d, around, mean);
   }
 
-  /// Of the curvatures, the normal of q turned to that of p.
+  /// How much the curvatures at p and q differ, once the normal of q is turned to that of p.
   Real difference(Index p, Index q) const {
     const Quadric &a = *quadric_[p], &b = *quadric_[q];
     if (a.normal == b.normal) return (a.curvature - b.curvature).norm();

@@ -38,8 +38,8 @@ struct FanNormal {
 /// does not: exact if a vertex lies on the joint. A lone kink has the bisector of its sides.
 std::vector<FanNormal> smooth_normals(const Faceted& surface);
 
-/// The normal in the middle of edge ab, a chord: of an arc between the normals of its ends. mean:
-/// what it is where both ends have it, too.
+/// The normal in the middle of edge ab, if the edge is the chord of an arc between the normals of
+/// its ends. Where both ends have the normal `mean`, so has the middle.
 Eigen::Vector3d arc_normal(const Eigen::Vector3d& n_a, const Eigen::Vector3d& n_b,
                            const Eigen::Vector3d& edge, const Eigen::Vector3d& mean);
 

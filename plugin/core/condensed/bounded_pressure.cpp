@@ -7,8 +7,10 @@ namespace frictioncg {
 
 namespace {
 
-constexpr Real least_share = 1e-6;  ///< of the mean |N0|: every node has a bound above 0
-constexpr Real margin = 1e-6;       ///< of p, for what rounding leaves of H
+/// The |N0| of each node gets this share of their mean in addition, so that its bound is above 0.
+constexpr Real least_share = 1e-6;
+/// The bounds are raised by this share of them, for what rounding leaves of H.
+constexpr Real margin = 1e-6;
 
 /// The dofs of contact: normal ones, and tangential ones node by node.
 struct Layout {
@@ -24,7 +26,7 @@ struct Layout {
   std::vector<Index> begin;  ///< m + 1, in T
 };
 
-/// S_TT with stiffness against its kernel, the motions along the obstacle.
+/// S_TT, with a stiffness added against the motions along the obstacle, which are its kernel.
 DenseMatrix held_along(const CondensedProblem& problem, const DenseMatrix& W, const Layout& dofs) {
   Branches glued(problem.laws.nodes());
   for (Branch& b : glued) b.stick = false;
@@ -38,7 +40,7 @@ DenseMatrix held_along(const CondensedProblem& problem, const DenseMatrix& W, co
   return M;
 }
 
-/// p, m; empty where there is none.
+/// Bounds p (m) on the pressure of each node; empty where there are none.
 Vector bounds(const CondensedProblem& problem, const DenseMatrix& W) {
   const Layout dofs(problem);
   const Increment& increment = problem.laws.increment;

@@ -16,7 +16,6 @@ class ActiveSet {
   void start(Vector& x, const Vector& g, Tangents tangents, bool stick_is_a_face);
 
   bool contact(Index i) const { return contact_[i]; }
-  bool stick(Index i) const { return stick_[i]; }
   /// x_T of node i is fixed at 0, by its face or by Tangents::stuck.
   bool at_rest(Index i) const { return stuck_ || stick_[i]; }
 

@@ -43,7 +43,7 @@ class FixedPoint {
   Anderson anderson_;
   Real relative_eps_;  ///< eps over the displacement scale, where eps is ours to choose
   Real inner_ = 0;     ///< bound of the next minimization, over the certificate's scale
-  Real precision_;     ///< of a minimization, over the mismatch of g that it is to improve
+  Real precision_;     ///< a minimization solves to this share of the mismatch of g
   Real best_;          ///< least mismatch |G(g) - g| so far, over the scale
   Index since_best_ = 0;
   bool damped_ = false;

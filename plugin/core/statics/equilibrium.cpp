@@ -10,14 +10,20 @@ namespace frictioncg {
 
 namespace {
 
-constexpr Real rounding = 1e-9;      ///< of a load, up to which it counts as balanced
-constexpr Real most_pressure = 1e6;  ///< over the load: larger forces are neither held nor excluded
-constexpr Real any_pressure = 1e9;   ///< over the load: what takes this much is excluded at once
-constexpr Real most_displacement =
-    1e4;                            ///< over load / stiffness: likewise, of what A w would take
-constexpr Real no_descent = 1e-14;  ///< cosine up to which a column does not lead to the target
-constexpr int most_rounds =
-    300;  ///< 2D ends by itself; tangents to cones in 3D converge like Newton
+/// A load is balanced where no more than this share of it is left.
+constexpr Real rounding = 1e-9;
+/// Forces of more than so many times the load are none that a body can bear: a balance that takes
+/// them does not hold the load, and a motion that nothing but they could stop is a proof.
+constexpr Real most_pressure = 1e6;
+/// The search for a balance ends as soon as only forces of so many times the load could make one.
+constexpr Real any_pressure = 1e9;
+/// A can take the pull of a motion that is not quite rigid by a displacement of up to so many times
+/// load / stiffness: the motion is then no proof.
+constexpr Real most_displacement = 1e4;
+/// A column leads to the target only where its cosine to it is above this.
+constexpr Real no_descent = 1e-14;
+/// In 2D the rounds end by themselves; in 3D tangents to the cones converge like Newton's method.
+constexpr int most_rounds = 300;
 
 /// The point of a cone, given by columns that come one by one, that is nearest to a target
 /// (nonnegative least squares of Lawson and Hanson).

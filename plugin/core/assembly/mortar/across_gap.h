@@ -16,8 +16,8 @@ namespace frictioncg::mortar {
 ///
 /// in every component: the sums of rows stay, and forces and their moments balance. The change, of
 /// about |e| over the height of the element, is an error of the stress there: no gap above a tenth
-/// of it is crossed. What is given by the nodes of a facet alone cannot cross it: they lie in one
-/// plane.
+/// of it is crossed. Weights of the facet's nodes alone could not move a point across the gap:
+/// they lie in one plane.
 ///
 /// partner: per node of P the facet of the master that faces it most, or null. Facets without a
 /// vertex behind them, and elements with a vertex that carries a law, are left as they are.

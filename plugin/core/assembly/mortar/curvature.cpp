@@ -13,8 +13,8 @@ namespace {
 /// flanks, and no part of an arc.
 constexpr Real kink = 4;
 
-/// Of each joint, whether the surface goes on over it: not over the edges of the body, and in 2D
-/// not over a kink between straight flanks, where it does not go on turning.
+/// Tells of each joint whether the surface goes on over it. It does not over the edges of the body,
+/// and in 2D not over a kink between straight flanks, where it does not go on turning.
 std::vector<char> smooth_joints(const Side& side) {
   std::vector<char> smooth = joints_that_go_on(side);
   if (side.d == 3) return smooth;

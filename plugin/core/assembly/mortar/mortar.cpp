@@ -69,8 +69,8 @@ class Assembly {
   Vector D_;
   Entries N_, P_;
   std::vector<Vec3> offset_;               ///< int psi_i (delta_m(chi) - delta_s)
-  std::vector<const Facet*> partner_;      ///< of the master: it has most of a node's weight ...
-  std::vector<Real> faced_;                ///< ... this
+  std::vector<const Facet*> partner_;      ///< per node, the master's facet of the largest weight
+  std::vector<Real> faced_;                ///< per node, that weight
   std::map<Index, Index> number_of_edge_;  ///< in edges_, by node
   std::vector<MidEdge> edges_;
   std::vector<EdgeMoments> edge_moments_;  ///< in their order

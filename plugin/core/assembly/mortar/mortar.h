@@ -50,7 +50,7 @@ struct MidEdge {
   Real distance = 0;  ///< [length]
 };
 
-/// Of one pair.
+/// What the search has found of one pair.
 struct Statistics {
   Index facing = 0;          ///< contact nodes
   Index removed = 0;         ///< slave vertices with something before them that carry no law

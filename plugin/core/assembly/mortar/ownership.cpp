@@ -141,7 +141,8 @@ void Ownership::take_normals(const Nodes& nodes, const std::vector<Vec3>& normal
   }
 }
 
-/// Of another pair only what something faces: the rest of a label is none of its master.
+/// Removes the nodes that lie on a master. A facet of another pair's master counts only where
+/// something faces it: the rest of its label is no master.
 void Ownership::remove_shared(const std::vector<Side>& masters, const std::vector<Cover>& covers) {
   for (std::size_t p = 0; p < masters.size(); ++p) {
     const Side& master = masters[p];

@@ -46,7 +46,8 @@ bool any_curved(const Meetings& all) {
   return std::any_of(all.begin(), all.end(), [](const auto& m) { return m.second.point.turn > 0; });
 }
 
-/// Of each body alone: other bodies have other motions.   body: of each node; empty: one of all
+/// Makes the motions of each body tangential by themselves: other bodies have other motions.
+/// body: of each node; empty: all are one
 void follow_motions(int d, const std::vector<Index>& body, Meetings& all) {
   std::map<Index, std::vector<Index>> of_body;
   for (const auto& [i, at] : all) of_body[body.empty() ? 0 : body[i]].push_back(i);

@@ -35,7 +35,7 @@ Faceted faceted(const Side& side, const std::vector<Vec3>& X) {
   return surface;
 }
 
-/// Of each vertex the least cosine of the joints there, edges left out.
+/// Finds the least cosine of the joints at each vertex; edges of the body do not count.
 std::map<Index, Real> bends_of(const Side& side) {
   std::map<Index, Real> bends;
   for (const Joint& joint : side.joints)

@@ -9,7 +9,7 @@ constexpr Real sharp = 0.7;
 /// Cosine of 10 degrees: labels that meet flatter are one surface, others where they split an arc.
 constexpr Real one_surface = 0.985;
 
-/// Of each joint, whether the surface goes on over it: elsewhere are the edges of the body.
+/// Tells of each joint whether the surface goes on over it; the other joints are edges of the body.
 std::vector<char> joints_that_go_on(const Side& side);
 
 /// The normals of the smooth surface, or of several, that the facets of a side stand for.
