@@ -45,6 +45,17 @@ void add_sites() {
   });
 }
 
+constexpr const char* plugin_name = "frictionCG-mpi";
+
+void end() {
+  try {
+    if (mpisize > 1) meet_at_end(plugin_name);
+    end_petsc();
+  } catch (const std::bad_alloc&) {
+    end_all(MPI_COMM_WORLD, plugin_name, not_enough_memory);
+  }
+}
+
 void load() {
   check_version();
   if (is_loaded())
@@ -52,11 +63,15 @@ void load() {
         "frictionCG-mpi has all that frictionCG has; load it first, before frictionCG and its "
         "macros (frictionCG.idp)",
         1);
-  if (!take_buffer_of_blas()) end_all(MPI_COMM_WORLD, "frictionCG-mpi", not_enough_memory);
+  if (!take_buffer_of_blas()) end_all(MPI_COMM_WORLD, plugin_name, not_enough_memory);
   register_contactproblem();
   register_contactdomain();
-  ff_atend(end_petsc);
-  if (mpisize > 1) Meeting::of(MPI_COMM_WORLD);  // while all processes are here
+  if (mpisize > 1 && !meet_at_load())
+    throw ErrorLoad(
+        "frictionCG-mpi: not loaded on all processes; is it there for each of them, and memory for "
+        "it?",
+        1);
+  ff_atend(end);
   add_sites<v_fes>();
   add_sites<v_fes3>();
   Global.Add(operator_name, "(", new OneOperatorCode<SharedSolveIncrement>());

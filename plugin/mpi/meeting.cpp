@@ -14,6 +14,8 @@ namespace frictioncg {
 namespace {
 
 constexpr unsigned patience = 5;  ///< [s] with MPI, and with others that are not to be expected
+constexpr int arrived = 1, away = 2, knock = 3;  ///< what processes say to each other on a ring
+constexpr unsigned loading = 30;                 ///< [s] of a plugin, from a slow disk
 
 /// What fails in MPI itself, also where PETSc calls it: PETSc may crash while it looks for words.
 void end_by_mpi(MPI_Comm* communicator, int* error, ...) {
@@ -39,9 +41,9 @@ int forget_meeting(MPI_Comm parent, int, void* meeting, void*) {
   return MPI_SUCCESS;
 }
 
-bool arrive_in_time(MPI_Request& request) {
+bool arrive_in_time(MPI_Request& request, unsigned seconds) {
   using Clock = std::chrono::steady_clock;
-  const auto end = Clock::now() + std::chrono::seconds(patience);
+  const auto end = Clock::now() + std::chrono::seconds(seconds);
   for (int all_are_here = 0; Clock::now() < end;) {
     MPI_Test(&request, &all_are_here, MPI_STATUS_IGNORE);
     if (all_are_here) return true;
@@ -97,6 +99,15 @@ void throw_together(MPI_Comm communicator, int first, bool everywhere, const std
   throw IllegalInput(everywhere ? text : text + " (on rank " + std::to_string(first) + ")");
 }
 
+Meeting::Meeting(MPI_Comm parent) : communicator_(duplicate(parent)) {
+  int size;
+  MPI_Comm_size(communicator_, &size);
+  MPI_Comm_rank(communicator_, &rank_);
+  before_ = (rank_ + size - 1) % size;
+  after_ = (rank_ + 1) % size;
+  answers_.fill(MPI_REQUEST_NULL);
+}
+
 Meeting::~Meeting() {
   int ended = 0;
   MPI_Finalized(&ended);
@@ -116,19 +127,68 @@ std::shared_ptr<Meeting> Meeting::of(MPI_Comm parent) {
   return made;
 }
 
-/// The least and the largest key of each item, and who has them; then the least of those who have
-/// failed, and whether all have. Keys are whole numbers that a double holds.
+/// Whether the process before this one on the ring has said so.
+bool Meeting::has_word(int tag) const {
+  int found = 0;
+  MPI_Iprobe(before_, tag, communicator_, &found, MPI_STATUS_IGNORE);
+  return found;
+}
+void Meeting::forget_words(int tag) {
+  while (has_word(tag))
+    MPI_Recv(nullptr, 0, MPI_BYTE, before_, tag, communicator_, MPI_STATUS_IGNORE);
+}
+
+void Meeting::stay_away() {
+  forget_words(away);
+  MPI_Send(nullptr, 0, MPI_BYTE, after_, away, communicator_);
+  for (MPI_Request& answer : answers_) {
+    int free = 1;
+    if (answer != MPI_REQUEST_NULL) MPI_Test(&answer, &free, MPI_STATUS_IGNORE);
+    if (free) MPI_Irecv(nullptr, 0, MPI_BYTE, after_, knock, communicator_, &answer);
+  }
+}
+
+void Meeting::wait_for_all(const char* name, MPI_Request& here) {
+  unsigned answered = 0;
+  for (unsigned seconds = patience; !arrive_in_time(here, seconds); seconds = 1) {
+    if (has_word(arrived) || !has_word(away)) continue;
+    MPI_Request question;
+    MPI_Issend(nullptr, 0, MPI_BYTE, before_, knock, communicator_, &question);
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    int done = 0;
+    MPI_Test(&question, &done, MPI_STATUS_IGNORE);
+    if (!done) MPI_Request_free(&question);
+    answered = done ? answered + 1 : 0;
+    if (answered < answers_.size()) continue;
+    const std::string text = "rank " + std::to_string(before_) +
+                             " has solved a problem of its own, by a contactdomain that is not "
+                             "set, and waits elsewhere; make the same call on all processes";
+    end_all(communicator_, name, text.c_str());
+  }
+}
+
+void Meeting::begin(const char* name, MPI_Request& here, const char* lost) {
+  MPI_Send(nullptr, 0, MPI_BYTE, after_, arrived, communicator_);
+  if (!lost)
+    wait_for_all(name, here);
+  else if (!arrive_in_time(here, patience))
+    end_all(communicator_, name, lost);
+  MPI_Recv(nullptr, 0, MPI_BYTE, before_, arrived, communicator_, MPI_STATUS_IGNORE);
+  forget_words(away);
+}
+
+/// The least of those who have failed, and whether all have; then the least and the largest key of
+/// each item, and who has them. Keys are whole numbers that a double holds.
 std::vector<Comparison::Extreme> Comparison::extremes(int rank, const Attempt& own_part) const {
   constexpr std::size_t most = std::size_t(1) << 52;
-  std::vector<Extreme> all;
+  std::vector<Extreme> all{{own_part.failed ? 0. : 1., rank}, {own_part.failed ? 1. : 0., rank}};
   for (const Item& item : items_) {
     const std::size_t hash = std::hash<std::string>()(item.value) % most;
     const double key = item.value.empty() ? 0 : 1 + double(hash);
     all.push_back({key, rank});
     all.push_back({-key, rank});
   }
-  all.push_back({own_part.failed ? 0. : 1., rank});
-  all.push_back({own_part.failed ? 1. : 0., rank});
+  all.resize(2 * (1 + most_items), {0, rank});
   return all;
 }
 
@@ -143,7 +203,7 @@ void Comparison::refuse(MPI_Comm communicator, const Item& item, int a, int b) c
                      "; make the same call on all processes");
 }
 
-void Comparison::compare(const char* name, const Meeting& meeting, const Attempt& own_part,
+void Comparison::compare(const char* name, Meeting& meeting, const Attempt& own_part,
                          bool patient) const {
   const MPI_Comm communicator = meeting.communicator();
   int rank;
@@ -152,20 +212,40 @@ void Comparison::compare(const char* name, const Meeting& meeting, const Attempt
   MPI_Request request;
   MPI_Iallreduce(MPI_IN_PLACE, all.data(), static_cast<int>(all.size()), MPI_DOUBLE_INT, MPI_MINLOC,
                  communicator, &request);
-  if (patient)
-    MPI_Wait(&request, MPI_STATUS_IGNORE);
-  else if (!arrive_in_time(request))
-    end_all(communicator, name, own_part.message.c_str());
+  meeting.begin(name, request, patient ? nullptr : own_part.message.c_str());
   const auto check = [&](std::size_t first, std::size_t end) {
     for (std::size_t k = first; k < end; ++k)
-      if (all[2 * k].key != -all[2 * k + 1].key)
-        refuse(communicator, items_[k], all[2 * k].rank, all[2 * k + 1].rank);
+      if (const Extreme* of = &all[2 * (k + 1)]; of[0].key != -of[1].key)
+        refuse(communicator, items_[k], of[0].rank, of[1].rank);
   };
   check(0, before_);
-  const Extreme &failed = all[2 * items_.size()], &everywhere = all[2 * items_.size() + 1];
+  const Extreme &failed = all[0], &everywhere = all[1];
   if (failed.key == 0)
     throw_together(communicator, failed.rank, everywhere.key != 0, own_part.message);
   check(before_, items_.size());
+}
+
+bool meet_at_load() {
+  MPI_Request request;
+  MPI_Ibarrier(MPI_COMM_WORLD, &request);
+  if (!arrive_in_time(request, loading)) return false;
+  Meeting::of(MPI_COMM_WORLD);
+  return true;
+}
+
+void meet_at_end(const char* name) {
+  Comparison last;
+  last.add("the call", "the end of the script");
+  last.mark();
+  const auto meeting = Meeting::of(MPI_COMM_WORLD);
+  int rank;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  for (bool together = false; !together;) try {
+      last.compare(name, *meeting, {}, true);
+      together = true;
+    } catch (const IllegalInput& e) {
+      if (rank == 0) std::fprintf(stderr, "%s: %s\n", name, e.what());
+    }
 }
 
 }  // namespace frictioncg

@@ -1,6 +1,7 @@
 #pragma once
 #include <mpi.h>
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <string>
@@ -34,7 +35,7 @@ Attempt attempt(const std::function<void()>& body);
 /// them has named.
 class Meeting {
  public:
-  explicit Meeting(MPI_Comm parent) : communicator_(duplicate(parent)) {}
+  explicit Meeting(MPI_Comm parent);
   ~Meeting();
   Meeting(const Meeting&) = delete;
   Meeting& operator=(const Meeting&) = delete;
@@ -45,15 +46,30 @@ class Meeting {
   /// For what all of them make together: the same on all.
   int next_number() { return ++made_; }
 
+  /// This process has solved a problem of its own, which the others need not know.
+  void stay_away();
+  /// Waits until all are here, as a collective operation tells. Ends them all where one that has
+  /// stayed away waits elsewhere, in MPI, and cannot come: it answers while it is there, and not
+  /// while it is at work. lost: what this process has to say where it should not be here itself,
+  /// and the others do not come within some seconds; or null.
+  void begin(const char* name, MPI_Request& here, const char* lost);
+
  private:
+  void wait_for_all(const char* name, MPI_Request& here);
+  bool has_word(int tag) const;
+  void forget_words(int tag);
+
   MPI_Comm communicator_;
   int made_ = 0;
+  int rank_ = 0, before_ = 0, after_ = 0;  ///< and those of the neighbours on a ring
+  std::array<MPI_Request, 10> answers_;    ///< as many as tell that a process waits, one a second
 };
 
 /// What a call is on this process, in words, compared with what it is on the others: the same items
-/// in the same order on all.
+/// in the same order on all, or others from the first on.
 class Comparison {
  public:
+  static constexpr std::size_t most_items = 64;
   /// No value: the item is not given.
   void add(const char* item, std::string value) { items_.push_back({item, std::move(value)}); }
   /// What was added before is compared before the outcomes, and what is added after, after them.
@@ -62,8 +78,7 @@ class Comparison {
   /// Throws IllegalInput on all processes where an item differs, or any of them has failed.
   /// patient: false on a process that knows it should not be here. Where the others do not come
   /// within some seconds it ends them all.   Collective.
-  void compare(const char* name, const Meeting& meeting, const Attempt& own_part,
-               bool patient) const;
+  void compare(const char* name, Meeting& meeting, const Attempt& own_part, bool patient) const;
 
  private:
   struct Item {
@@ -80,5 +95,12 @@ class Comparison {
   std::vector<Item> items_;
   std::size_t before_ = 0;
 };
+
+/// While all processes load the plugin. False where some have not within half a minute: FreeFEM's
+/// own end of a process that could not waits for the others.
+bool meet_at_load();
+/// At the end of the script. Where others still wait in a call, both are told; then they may come.
+/// Collective.
+void meet_at_end(const char* name);
 
 }  // namespace frictioncg

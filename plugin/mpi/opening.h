@@ -41,6 +41,14 @@ inline void set_method(Settings& settings) {
   settings.method = Method::multigrid;
 }
 
+/// A call of one process, without a domain.
+template <class Operator>
+AnyType solved_alone(const Operator& once, Stack stack) {
+  const AnyType result = once(stack);
+  if (mpisize > 1) Meeting::of(MPI_COMM_WORLD)->stay_away();
+  return result;
+}
+
 /// The beginning of a call: what each process finds by itself, and the comparison with the others,
 /// who may wait for it already.
 class Opening {
@@ -65,7 +73,7 @@ class Opening {
         return AnyType(Nothing);
       });
     const auto world = of_all ? nullptr : Meeting::of(MPI_COMM_WORLD);
-    const Meeting& here = of_all ? of_all->meeting() : *world;
+    Meeting& here = of_all ? of_all->meeting() : *world;
     return together(name_, here.communicator(), [&] {
       items().compare(name_, here, own_part_, of_all != nullptr);
       return body();
@@ -81,6 +89,7 @@ class Opening {
  private:
   /// verb is of rank 0 alone.
   Comparison items() const {
+    static_assert(parameter_count + 7 <= Comparison::most_items);
     Comparison all;
     all.add("the call", form_);
     for (int p = 0; p < parameter_count; ++p)

@@ -76,7 +76,7 @@ class SharedSolveOnce : public E_F0mps {
   AnyType operator()(Stack stack) const override {
     Opening opening(operator_name, form_of(operator_name, *site_), arguments_);
     const auto domain = opened(opening, stack, arguments_, *site_, shared_.get());
-    if (!domain && !opening.failed()) return once_(stack);
+    if (!domain && !opening.failed()) return solved_alone(once_, stack);
     opening.alone([&] {
       refuse_options(arguments_);
       opening.call = std::make_unique<Call>(stack, arguments_, b_);
@@ -115,7 +115,7 @@ class SharedConstruct : public E_F0mps {
   AnyType operator()(Stack stack) const override {
     Opening opening(constructor_name, form_of(constructor_name, *site_), arguments_);
     const auto domain = opened(opening, stack, arguments_, *site_, shared_.get());
-    if (!domain && !opening.failed()) return once_(stack);
+    if (!domain && !opening.failed()) return solved_alone(once_, stack);
     return opening.together_with(domain.get(), [&] {
       PosedProblem posed;
       posed.shared =
@@ -156,7 +156,7 @@ class SharedSolveIncrement : public E_F0mps {
                 return GetAny<ContactProblemVariable*>((*P_)(stack));
               })->get();
     });
-    if (!posed.shared && !opening.failed()) return once_(stack);
+    if (!posed.shared && !opening.failed()) return solved_alone(once_, stack);
     opening.alone([&] {
       opening.problem = posed.shared->number;
       refuse_options(arguments_);
