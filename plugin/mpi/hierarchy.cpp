@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "cycle.h"
+
 namespace frictioncg {
 
 namespace {

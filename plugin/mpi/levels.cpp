@@ -1,18 +1,27 @@
 #include "levels.h"
 
-#include <array>
-#include <cmath>
 #include <string>
 
 namespace frictioncg {
 
+PetscInt rows_of(Mat A) {
+  PetscInt rows;
+  check(MatGetSize(A, &rows, nullptr));
+  return rows;
+}
+
+PetscInt limited(PetscInt usual) {
+  check(PetscOptionsGetInt(nullptr, petsc_prefix, "-pc_gamg_coarse_eq_limit", &usual, nullptr));
+  return usual;
+}
+
 namespace {
 
-constexpr PetscInt coarsest = 600;              ///< dofs up to which one factorization does
+/// Dofs up to which the whole is factorized: aggregates are large for a body of few elements, and
+/// took three times the iterations where nu = 0.49.
+constexpr PetscInt direct_2D = 3000, direct_3D = 1500;
 constexpr PetscInt most_levels = 15;            ///< what PETSc allows
 constexpr Real weak_2D = 0.02, weak_3D = 0.01;  ///< couplings below are not aggregated along
-constexpr Real overshoot = 1.7;  ///< of the smoother's correction, which diverges from 2 on
-constexpr const char* prefix = "frictioncg_";            ///< of PETSc's options
 constexpr const char* discarded = "frictioncg_unused_";  ///< of what GAMG makes and we do not keep
 
 Mat retained(Mat matrix) {
@@ -61,9 +70,13 @@ void set_near_kernel(const SharedMatrix& A, const Eigen::MatrixXd& modes) {
 /// fill the coarse matrices, at 2.5 times the time.
 void set_rings(PC gamg, Index dimension) {
   PetscBool squared = PETSC_FALSE, aggressive = PETSC_FALSE;  // does the user say it?
-  check(PetscOptionsHasName(nullptr, prefix, "-pc_gamg_square_graph", &squared));
-  check(PetscOptionsHasName(nullptr, prefix, "-pc_gamg_aggressive_coarsening", &aggressive));
+  check(PetscOptionsHasName(nullptr, petsc_prefix, "-pc_gamg_square_graph", &squared));
+  check(PetscOptionsHasName(nullptr, petsc_prefix, "-pc_gamg_aggressive_coarsening", &aggressive));
   if (dimension == 2 && !squared && !aggressive) check(PCGAMGSetAggressiveLevels(gamg, 0));
+}
+
+bool is_small(const SharedMatrix& A) {
+  return rows_of(A.matrix()) <= limited(A.numbering().dimension == 2 ? direct_2D : direct_3D);
 }
 
 /// GAMG gives levels and prolongations alone, whose cycle is made anew: options that would be read
@@ -74,13 +87,44 @@ void refuse_options_without_effect() {
         "-pc_gamg_recompute_esteig", "-pc_gamg_asm_use_agg", "-pc_gamg_reuse_interpolation",
         "-pc_gamg_parallel_coarse_grid_solver"}) {
     PetscBool given = PETSC_FALSE;
-    check(PetscOptionsHasName(nullptr, prefix, name, &given));
+    check(PetscOptionsHasName(nullptr, petsc_prefix, name, &given));
     if (given)
-      throw IllegalInput("PETSc's option -" + std::string(prefix) + (name + 1) +
+      throw IllegalInput("PETSc's option -" + std::string(petsc_prefix) + (name + 1) +
                          " has no meaning here: GAMG makes levels and prolongations alone; leave "
                          "it out, and set the cycle by -" +
-                         prefix + "mg_levels_... and -" + prefix + "mg_coarse_...");
+                         petsc_prefix + "mg_levels_... and -" + petsc_prefix + "mg_coarse_...");
   }
+}
+
+PCHandle make_gamg(const SharedMatrix& A) {
+  PCHandle gamg;
+  check(PCCreate(A.domain().communicator(), gamg.fill()));
+  check(PCSetType(gamg.get(), PCGAMG));
+  check(PCSetOperators(gamg.get(), A.matrix(), A.matrix()));
+  check(PCGAMGSetType(gamg.get(), PCGAMGAGG));
+  check(PCGAMGSetNSmooths(gamg.get(), 1));
+  check(PCGAMGSetCoarseEqLim(gamg.get(), coarsest_level));
+  check(PCGAMGSetNlevels(gamg.get(), most_levels));
+  // Elements that are flat, as where a mesh is graded towards the contact, hang together across
+  // their thickness: with aggregates along weak couplings, too, such a mesh in 2D took 30 times the
+  // iterations. In 3D what is weak fills the coarse matrices, hence the smaller threshold.
+  std::vector<Real> thresholds(most_levels, A.numbering().dimension == 2 ? weak_2D : weak_3D);
+  check(PCGAMGSetThreshold(gamg.get(), thresholds.data(), most_levels));
+  check(PCSetOptionsPrefix(gamg.get(), petsc_prefix));
+  check(PCSetFromOptions(gamg.get()));
+  set_rings(gamg.get(), A.numbering().dimension);    // here: PETSc 3.18 has set its own before
+  check(PCSetOptionsPrefix(gamg.get(), discarded));  // its smoothers do not serve
+  check(PCSetUp(gamg.get()));
+  return gamg;
+}
+
+Level level_of(Mat A) {
+  Level level;
+  level.A = MatHandle(retained(A));
+  check(MatDuplicate(A, MAT_COPY_VALUES, level.truncated.fill()));
+  check(MatCreateVecs(A, level.diagonal.fill(), nullptr));
+  check(MatGetDiagonal(A, level.diagonal.get()));
+  return level;
 }
 
 }  // namespace
@@ -89,38 +133,21 @@ void refuse_options_without_effect() {
 /// begin anew.
 std::vector<Level> make_levels(const SharedMatrix& A, const Eigen::MatrixXd& modes) {
   refuse_options_without_effect();
-  set_near_kernel(A, modes);
   std::vector<Level> levels;
-  PCHandle gamg;
-  check(PCCreate(A.domain().communicator(), gamg.fill()));
-  check(PCSetType(gamg.get(), PCGAMG));
-  check(PCSetOperators(gamg.get(), A.matrix(), A.matrix()));
-  check(PCGAMGSetType(gamg.get(), PCGAMGAGG));
-  check(PCGAMGSetNSmooths(gamg.get(), 1));
-  check(PCGAMGSetCoarseEqLim(gamg.get(), coarsest));
-  check(PCGAMGSetNlevels(gamg.get(), most_levels));
-  // Elements that are flat, as where a mesh is graded towards the contact, hang together across
-  // their thickness: with aggregates along weak couplings, too, such a mesh in 2D took 30 times the
-  // iterations. In 3D what is weak fills the coarse matrices, hence the smaller threshold.
-  std::vector<Real> thresholds(most_levels, A.numbering().dimension == 2 ? weak_2D : weak_3D);
-  check(PCGAMGSetThreshold(gamg.get(), thresholds.data(), most_levels));
-  check(PCSetOptionsPrefix(gamg.get(), prefix));
-  check(PCSetFromOptions(gamg.get()));
-  set_rings(gamg.get(), A.numbering().dimension);    // here: PETSc 3.18 has set its own before
-  check(PCSetOptionsPrefix(gamg.get(), discarded));  // its smoothers do not serve
-  check(PCSetUp(gamg.get()));
+  if (is_small(A)) {
+    levels.push_back(level_of(A.matrix()));
+    return levels;
+  }
+  set_near_kernel(A, modes);
+  const PCHandle gamg = make_gamg(A);
   PetscInt count;
   check(PCMGGetLevels(gamg.get(), &count));
   for (PetscInt l = count - 1; l >= 0; --l) {
-    Level level;
     KSP smoother;
     Mat of_level, P;
     check(PCMGGetSmoother(gamg.get(), l, &smoother));
     check(KSPGetOperators(smoother, nullptr, &of_level));
-    level.A = MatHandle(retained(of_level));
-    check(MatDuplicate(of_level, MAT_COPY_VALUES, level.truncated.fill()));
-    check(MatCreateVecs(of_level, level.diagonal.fill(), nullptr));
-    check(MatGetDiagonal(of_level, level.diagonal.get()));
+    Level level = level_of(of_level);
     if (l > 0) {
       check(PCMGGetInterpolation(gamg.get(), l, &P));
       level.P = MatHandle(retained(P));
@@ -130,128 +157,6 @@ std::vector<Level> make_levels(const SharedMatrix& A, const Eigen::MatrixXd& mod
     levels.push_back(std::move(level));
   }
   return levels;
-}
-
-namespace {
-
-bool of_several(Mat A) {
-  PetscMPIInt processes;
-  MPI_Comm_size(PetscObjectComm(reinterpret_cast<PetscObject>(A)), &processes);
-  return processes > 1;
-}
-
-void set_iteration(KSP ksp, Mat A, KSPType type, PetscInt iterations) {
-  check(KSPSetOperators(ksp, A, A));
-  check(KSPSetType(ksp, type));
-  check(KSPSetNormType(ksp, KSP_NORM_NONE));
-  check(KSPSetTolerances(ksp, 0, 0, PETSC_DEFAULT, iterations));
-}
-
-/// Symmetric Gauss-Seidel within each process. Sweeps before and after: more in 3D, where the
-/// aggregates are larger, and one more where each process sweeps its own part alone.
-void set_smoother(KSP smoother, Mat A, Index dimension) {
-  PC pc;
-  set_iteration(smoother, A, KSPRICHARDSON, static_cast<PetscInt>(dimension) + of_several(A));
-  check(KSPGetPC(smoother, &pc));
-  check(PCSetType(pc, PCSOR));
-  check(PCSORSetSymmetric(pc, SOR_LOCAL_SYMMETRIC_SWEEP));
-}
-
-/// Before the coarse correction of a level, and after it.
-std::array<KSP, 2> smoothers(PC cycle, PetscInt level) {
-  std::array<KSP, 2> both{};
-  check(PCMGGetSmootherDown(cycle, level, &both[0]));
-  check(PCMGGetSmootherUp(cycle, level, &both[1]));
-  return both;
-}
-
-/// Whether a smoother's corrections have a scale, and PETSc's options do not set it.
-bool may_be_damped(KSP smoother) {
-  PetscBool scales, scaled;
-  const char* own = nullptr;
-  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(smoother), KSPRICHARDSON, &scales));
-  if (!scales) return false;
-  check(KSPGetOptionsPrefix(smoother, &own));
-  check(PetscOptionsHasName(nullptr, own, "-ksp_richardson_scale", &scaled));
-  return !scaled;
-}
-
-/// Of a smoother's correction of A; of Gauss-Seidel's on one process it is 1. By the Lanczos
-/// numbers of a few conjugate gradients.   Collective.
-Real largest_eigenvalue(KSP smoother, Mat A) {
-  constexpr PetscInt few = 10;
-  KSPHandle cg;
-  VecHandle x, b;
-  Real largest, least;
-  check(KSPCreate(PetscObjectComm(reinterpret_cast<PetscObject>(A)), cg.fill()));
-  PC correction;
-  set_iteration(cg.get(), A, KSPCG, few);
-  check(KSPGetPC(smoother, &correction));
-  check(KSPSetPC(cg.get(), correction));
-  check(KSPSetComputeSingularValues(cg.get(), PETSC_TRUE));
-  check(MatCreateVecs(A, x.fill(), b.fill()));
-  check(VecSetRandom(x.get(), nullptr));
-  check(MatMult(A, x.get(), b.get()));  // in the range of A, which may be singular
-  check(KSPSolve(cg.get(), b.get(), x.get()));
-  check(KSPComputeExtremeSingularValues(cg.get(), &largest, &least));
-  return std::isfinite(largest) ? largest : overshoot;
-}
-
-/// By a factorization on each process: small.
-void set_coarsest(KSP solver, Mat A) {
-  PC pc, factor;
-  KSP inner;
-  check(KSPSetOperators(solver, A, A));
-  check(KSPSetType(solver, KSPPREONLY));
-  check(KSPGetPC(solver, &pc));
-  check(PCSetType(pc, PCREDUNDANT));
-  check(PCRedundantGetKSP(pc, &inner));
-  check(KSPGetPC(inner, &factor));
-  check(PCSetType(factor, PCLU));
-  check(PCFactorSetShiftType(factor, MAT_SHIFT_NONZERO));
-}
-
-}  // namespace
-
-PCHandle make_cycle(const std::vector<Level>& levels, Index dimension) {
-  const PetscInt count = static_cast<PetscInt>(levels.size());
-  Mat fine = levels.front().truncated.get();
-  PCHandle cycle;
-  check(PCCreate(PetscObjectComm(reinterpret_cast<PetscObject>(fine)), cycle.fill()));
-  PC pc = cycle.get();
-  check(PCSetOptionsPrefix(pc, prefix));
-  check(PCSetType(pc, PCMG));
-  check(PCSetOperators(pc, fine, fine));
-  check(PCMGSetLevels(pc, count, nullptr));
-  check(PCMGSetGalerkin(pc, PC_MG_GALERKIN_NONE));
-  for (PetscInt l = 1; l < count; ++l) {
-    const Level& level = levels[count - 1 - l];
-    check(PCMGSetInterpolation(pc, l, level.P.get()));
-    for (KSP smoother : smoothers(pc, l)) set_smoother(smoother, level.truncated.get(), dimension);
-  }
-  KSP solver;
-  check(PCMGGetCoarseSolve(pc, &solver));
-  set_coarsest(solver, levels.back().truncated.get());
-  check(PCSetFromOptions(pc));
-  check(KSPSetFromOptions(solver));
-  for (PetscInt l = 1; l < count; ++l)
-    for (KSP smoother : smoothers(pc, l)) check(KSPSetFromOptions(smoother));
-  return cycle;
-}
-
-void settle(PC cycle, const std::vector<Level>& levels) {
-  const PetscInt count = static_cast<PetscInt>(levels.size());
-  for (PetscInt l = 1; l < count; ++l) {
-    Mat A = levels[count - 1 - l].truncated.get();
-    if (!of_several(A)) continue;
-    const auto [down, up] = smoothers(cycle, l);
-    if (!may_be_damped(down)) continue;
-    const Real most = largest_eigenvalue(down, A);
-    if (most <= overshoot) continue;
-    for (KSP smoother : {down, up}) check(KSPRichardsonSetScale(smoother, overshoot / most));
-  }
-  check(PCSetUp(cycle));  // what the coarsest solve has inside reads its options here
-  check(PCViewFromOptions(cycle, nullptr, "-pc_view"));
 }
 
 }  // namespace frictioncg

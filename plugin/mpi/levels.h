@@ -3,6 +3,13 @@
 
 namespace frictioncg {
 
+constexpr const char* petsc_prefix = "frictioncg_";  ///< of PETSc's options
+constexpr PetscInt coarsest_level = 600;             ///< dofs of the coarsest of several levels
+
+PetscInt rows_of(Mat A);
+/// A bound on what is factorized, or that of PETSc's option for it.
+PetscInt limited(PetscInt usual);
+
 /// A level of the hierarchy of A.
 struct Level {
   MatHandle A;          ///< of the untruncated matrix
@@ -14,13 +21,5 @@ struct Level {
 
 /// From the finest to the coarsest. modes: as in SharedHierarchy.   Collective.
 std::vector<Level> make_levels(const SharedMatrix& A, const Eigen::MatrixXd& modes);
-
-/// What is to be done once matrices are truncated. Where several processes correct what they share
-/// more than once, their sum may overshoot, and the smoother diverges: damps it on the levels where
-/// it would. Shows the cycle where PETSc's options ask for it.   Collective.
-void settle(PC cycle, const std::vector<Level>& levels);
-
-/// A V-cycle on the truncated matrices of the levels, or what PETSc's options make of it.
-PCHandle make_cycle(const std::vector<Level>& levels, Index dimension);
 
 }  // namespace frictioncg
