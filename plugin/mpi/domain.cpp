@@ -4,7 +4,8 @@ namespace frictioncg {
 
 namespace {
 
-constexpr int tag = 1412;  ///< of messages between neighbours
+constexpr int tag = 1412;            ///< of messages between neighbours
+constexpr int unexpected = tag + 1;  ///< of those that nobody waits for
 
 struct Message {
   int rank;
@@ -54,24 +55,42 @@ void Domain::require_match(bool matches) const {
                 "createMat(Th, C, Pk) of macro_ddm.idp, Th being made by buildDmesh or createMat");
 }
 
-/// Of what each process has for each other one (size), what they have for this one.
-std::vector<int> Domain::counterpart(const std::vector<int>& mine) const {
-  std::vector<int> theirs(size_);
-  MPI_Alltoall(mine.data(), 1, MPI_INT, theirs.data(), 1, MPI_INT, communicator_);
+/// Of the number that each process has for some others, by rank, those that others have for this
+/// one: it learns from the messages alone who they are. They have arrived where all processes know
+/// theirs received.
+std::map<int, int> Domain::addressed(const std::map<int, int>& mine) const {
+  std::map<int, int> theirs;
+  std::vector<MPI_Request> sent;
+  for (const auto& [rank, number] : mine)
+    MPI_Issend(&number, 1, MPI_INT, rank, unexpected, communicator_, &sent.emplace_back());
+  MPI_Request all_received = MPI_REQUEST_NULL;
+  for (int ended = 0, own_received = 0; !ended;) {
+    int found = 0;
+    MPI_Status from;
+    MPI_Iprobe(MPI_ANY_SOURCE, unexpected, communicator_, &found, &from);
+    if (found)
+      MPI_Recv(&theirs[from.MPI_SOURCE], 1, MPI_INT, from.MPI_SOURCE, unexpected, communicator_,
+               MPI_STATUS_IGNORE);
+    if (own_received) {
+      MPI_Test(&all_received, &ended, MPI_STATUS_IGNORE);
+      continue;
+    }
+    MPI_Testall(static_cast<int>(sent.size()), sent.data(), &own_received, MPI_STATUSES_IGNORE);
+    if (own_received) MPI_Ibarrier(communicator_, &all_received);
+  }
   return theirs;
 }
 
 /// Each list has its counterpart of the same length: before anything is sent along them.
 void Domain::check_neighbours(const std::vector<Neighbour>& neighbours) const {
-  std::vector<int> mine(size_, 0);
+  std::map<int, int> mine;
   bool matches = true;
   for (const Neighbour& n : neighbours) {
-    const bool legal = n.rank >= 0 && n.rank < size_ && n.rank != rank_;
-    matches = matches && legal;
-    if (legal) mine[n.rank] = static_cast<int>(n.shared.size());
     for (Index dof : n.shared) matches = matches && dof >= 0 && dof < dofs();
+    const bool legal = n.rank >= 0 && n.rank < size_ && n.rank != rank_;
+    if (!legal || !mine.emplace(n.rank, static_cast<int>(n.shared.size())).second) matches = false;
   }
-  require_match(counterpart(mine) == mine && matches);
+  require_match(addressed(mine) == mine && matches);
 }
 
 void Domain::choose_owners(const std::vector<Neighbour>& neighbours, const Vector& D) {
@@ -101,39 +120,52 @@ void Domain::choose_owners(const std::vector<Neighbour>& neighbours, const Vecto
 /// different ones for its owner.
 void Domain::make_exchanges(const std::vector<Neighbour>& neighbours,
                             const std::vector<int>& owner) {
-  std::vector<int> sent(size_, 0), received(size_, 0);
+  std::vector<Message> out, in;
   for (const Neighbour& n : neighbours) {
     Exchange e{n.rank, {}, {}};
     for (Index dof : n.shared) {
       if (owner[dof] == rank_) e.sent.push_back(dof);
       if (owner[dof] == n.rank) e.received.push_back(dof);
     }
-    sent[n.rank] = static_cast<int>(e.sent.size());
-    received[n.rank] = static_cast<int>(e.received.size());
+    out.push_back({n.rank, {Real(e.sent.size())}});
+    in.push_back({n.rank, {0}});
     exchanges_.push_back(std::move(e));
   }
-  require_match(counterpart(sent) == received);
+  exchange(communicator_, out, in);
+  bool matches = true;
+  for (std::size_t k = 0; k < in.size(); ++k)
+    matches = matches && in[k].values[0] == Real(exchanges_[k].received.size());
+  require_match(matches);
 }
 
-/// The owner's list and the receiver's have the same order; what a third process owns is sent by it
-/// alone.
-void Domain::update(Index width, const Pack& pack, const Unpack& unpack) const {
+/// Both processes have their lists in the same order.
+void Domain::transfer(List from, List to, Index width, const Pack& pack,
+                      const Unpack& unpack) const {
   std::vector<Message> out, in;
-  std::vector<const Exchange*> from;
+  std::vector<const std::vector<Index>*> arriving;
   for (const Exchange& e : exchanges_) {
-    if (!e.sent.empty()) {
-      out.push_back({e.rank, std::vector<Real>(e.sent.size() * width)});
-      for (std::size_t s = 0; s < e.sent.size(); ++s)
-        pack(e.sent[s], &out.back().values[s * width]);
+    const std::vector<Index>&sent = e.*from, &received = e.*to;
+    if (!sent.empty()) {
+      out.push_back({e.rank, std::vector<Real>(sent.size() * width)});
+      for (std::size_t s = 0; s < sent.size(); ++s) pack(sent[s], &out.back().values[s * width]);
     }
-    if (e.received.empty()) continue;
-    in.push_back({e.rank, std::vector<Real>(e.received.size() * width)});
-    from.push_back(&e);
+    if (received.empty()) continue;
+    in.push_back({e.rank, std::vector<Real>(received.size() * width)});
+    arriving.push_back(&received);
   }
   exchange(communicator_, out, in);
   for (std::size_t k = 0; k < in.size(); ++k)
-    for (std::size_t s = 0; s < from[k]->received.size(); ++s)
-      unpack(from[k]->received[s], &in[k].values[s * width]);
+    for (std::size_t s = 0; s < arriving[k]->size(); ++s)
+      unpack((*arriving[k])[s], &in[k].values[s * width]);
+}
+
+/// What a third process owns is sent by it alone.
+void Domain::update(Index width, const Pack& pack, const Unpack& unpack) const {
+  transfer(&Exchange::sent, &Exchange::received, width, pack, unpack);
+}
+
+void Domain::collect(Index width, const Pack& pack, const Unpack& unpack) const {
+  transfer(&Exchange::received, &Exchange::sent, width, pack, unpack);
 }
 
 void Domain::update(Vector& values) const {
@@ -142,15 +174,45 @@ void Domain::update(Vector& values) const {
       [&](Index dof, const Real* value) { values[dof] = *value; });
 }
 
+/// Their lengths first.
+std::vector<Real> Domain::lists(const PackList& pack) const {
+  std::vector<Message> out, in, lengths_out, lengths_in;
+  for (const Exchange& e : exchanges_) {
+    if (!e.sent.empty()) {
+      out.push_back({e.rank, pack(e.sent)});
+      lengths_out.push_back({e.rank, {Real(out.back().values.size())}});
+    }
+    if (!e.received.empty()) lengths_in.push_back({e.rank, {0}});
+  }
+  exchange(communicator_, lengths_out, lengths_in);
+  for (const Message& m : lengths_in)
+    in.push_back({m.rank, std::vector<Real>(static_cast<std::size_t>(m.values[0]))});
+  exchange(communicator_, out, in);
+  std::vector<Real> all;
+  for (const Message& m : in) all.insert(all.end(), m.values.begin(), m.values.end());
+  return all;
+}
+
 void Domain::sum(Real* values, Index count) const {
   MPI_Allreduce(MPI_IN_PLACE, values, count, MPI_DOUBLE, MPI_SUM, communicator_);
   reductions_ += 1;
 }
 
-Real Domain::largest(Real value) const {
-  MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MAX, communicator_);
+void Domain::largest(Real* values, Index count) const {
+  MPI_Allreduce(MPI_IN_PLACE, values, count, MPI_DOUBLE, MPI_MAX, communicator_);
   reductions_ += 1;
+}
+
+Real Domain::largest(Real value) const {
+  largest(&value, 1);
   return value;
+}
+
+Real Domain::sum_before(Real value) const {
+  Real before = 0;
+  MPI_Exscan(&value, &before, 1, MPI_DOUBLE, MPI_SUM, communicator_);
+  reductions_ += 1;
+  return rank_ == 0 ? 0 : before;
 }
 
 Vector Domain::gathered(const Vector& own) const {
@@ -163,6 +225,25 @@ Vector Domain::gathered(const Vector& own) const {
                  MPI_DOUBLE, communicator_);
   reductions_ += 2;
   return all;
+}
+
+/// Two by two, then the results two by two.
+Vector Domain::combined(Vector own,
+                        const std::function<Vector(const Vector&, const Vector&)>& both) const {
+  const int count = static_cast<int>(own.size());
+  for (int step = 1; step < size_; step *= 2) {
+    if (rank_ % (2 * step) == step) {
+      MPI_Send(own.data(), count, MPI_DOUBLE, rank_ - step, tag, communicator_);
+      break;
+    }
+    if (rank_ + step >= size_) continue;
+    Vector other(count);
+    MPI_Recv(other.data(), count, MPI_DOUBLE, rank_ + step, tag, communicator_, MPI_STATUS_IGNORE);
+    own = both(own, other);
+  }
+  MPI_Bcast(own.data(), count, MPI_DOUBLE, 0, communicator_);
+  reductions_ += 1;
+  return own;
 }
 
 void Domain::agree(const std::function<void()>& body) const {

@@ -2,6 +2,7 @@
 #include <mpi.h>
 
 #include <functional>
+#include <map>
 #include <string>
 
 #include "meeting.h"
@@ -40,10 +41,20 @@ class Domain {
   using Unpack = std::function<void(Index dof, const Real* values)>;
   void update(Index width, const Pack& pack, const Unpack& unpack) const;
   void update(Vector& values) const;  ///< one value a dof
+  /// The other way: what all others have for a dof goes to its owner, one after the other.
+  void collect(Index width, const Pack& pack, const Unpack& unpack) const;
+  /// Lists of any length, from the owner of dofs to each process that shares them. What arrives.
+  using PackList = std::function<std::vector<Real>(const std::vector<Index>& dofs)>;
+  std::vector<Real> lists(const PackList& pack) const;
 
   void sum(Real* values, Index count) const;
+  void largest(Real* values, Index count) const;
   Real largest(Real value) const;
+  Real sum_before(Real value) const;  ///< over the processes of lower rank
   Vector gathered(const Vector& own) const;
+  /// As in Processes; the same on all.
+  Vector combined(Vector own,
+                  const std::function<Vector(const Vector&, const Vector&)>& both) const;
 
   double reductions() const { return reductions_; }  ///< over all processes, so far
 
@@ -56,8 +67,10 @@ class Domain {
     int rank;
     std::vector<Index> sent, received;
   };
+  using List = std::vector<Index> Exchange::*;
+  void transfer(List from, List to, Index width, const Pack& pack, const Unpack& unpack) const;
   void require_match(bool matches) const;
-  std::vector<int> counterpart(const std::vector<int>& mine) const;
+  std::map<int, int> addressed(const std::map<int, int>& mine) const;
   void check_neighbours(const std::vector<Neighbour>& neighbours) const;
   void choose_owners(const std::vector<Neighbour>& neighbours, const Vector& D);
   void make_exchanges(const std::vector<Neighbour>& neighbours, const std::vector<int>& owner);

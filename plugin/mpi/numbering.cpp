@@ -27,9 +27,7 @@ Numbering::Numbering(const Domain& domain, const LocalSystem& local,
   for (const auto& [node, dofs] : by_node)
     if (owned(dofs)) at.push_back(dofs);
   nodes = static_cast<Index>(at.size());
-  PetscInt count = nodes, before = 0;
-  MPI_Exscan(&count, &before, 1, MPIU_INT, MPI_SUM, domain.communicator());
-  first = domain.rank() == 0 ? 0 : before * dimension;
+  first = static_cast<PetscInt>(domain.sum_before(nodes)) * dimension;
 
   Vector start = Vector::Constant(domain.dofs(), -1);  // of the node, at each dof of the script
   PetscInt next = first;

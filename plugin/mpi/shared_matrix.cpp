@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 
+#include "parts.h"
 #include "statics/floating.h"
 
 namespace frictioncg {
@@ -105,34 +105,14 @@ void SharedMatrix::find_contact(const System& local) {
   }
 }
 
-/// Each part of the local graph takes the least name of what it hangs together with, through the
-/// dofs that processes share, until no name changes.
 void SharedMatrix::find_bodies(const LocalSystem& local) {
   const Bodies parts = bodies_of(local.system()->A);
   const std::vector<Index>& origin = local.basis().origin;
-  std::vector<Real> name(parts.count, INFINITY);
-  for (Index p = 0; p < static_cast<Index>(parts.of.size()); ++p)
-    name[parts.of[p]] = std::min(name[parts.of[p]], Real(numbering_.slot[p]));
-  Vector at_dof = Vector::Constant(domain_->dofs(), INFINITY);
-  for (bool changes = true; changes;) {
-    for (std::size_t p = 0; p < origin.size(); ++p) at_dof[origin[p]] = name[parts.of[p]];
-    domain_->update(at_dof);
-    changes = false;
-    for (std::size_t p = 0; p < origin.size(); ++p) {
-      Real& now = name[parts.of[p]];
-      if (!(at_dof[origin[p]] < now)) continue;
-      now = at_dof[origin[p]];
-      changes = true;
-    }
-    changes = domain_->largest(changes) > 0;
-  }
-  const Vector all =
-      domain_->gathered(Eigen::Map<const Vector>(name.data(), static_cast<Index>(name.size())));
-  const std::set<Real> names(all.begin(), all.end());
-  for (Index p : numbering_.own)
-    bodies_.of.push_back(
-        static_cast<Index>(std::distance(names.begin(), names.find(name[parts.of[p]]))));
-  bodies_.count = static_cast<Index>(names.size());
+  std::vector<DofOfPart> dofs;
+  for (std::size_t p = 0; p < origin.size(); ++p) dofs.push_back({origin[p], parts.of[p]});
+  const Wholes wholes = join_parts(*domain_, dofs, parts.count);
+  for (Index p : numbering_.own) bodies_.of.push_back(wholes.of_part[parts.of[p]]);
+  bodies_.count = wholes.count;
 }
 
 void SharedMatrix::to_slots(const Vector& x, Vec slots) const {

@@ -26,6 +26,9 @@ class SharedMatrix final : public Processes {
   void sum(Real* values, Index count) const override { domain_->sum(values, count); }
   Real largest(Real value) const override { return domain_->largest(value); }
   Vector gathered(const Vector& own) const override { return domain_->gathered(own); }
+  Vector combined(const Vector& own, const Both& both) const override {
+    return domain_->combined(own, both);
+  }
   Bodies bodies() const override { return bodies_; }
 
   const Domain& domain() const { return *domain_; }

@@ -62,26 +62,30 @@ inline Vector field_of(const SharedScene& shared, const Vector& motion) {
   return scene.system->to_global(on_local, Vector::Zero(scene.ndof()));
 }
 
-/// Some nodes of all processes, with their displacement: enough to tell what motion it is.
-/// Collective.
+/// Some nodes of each body, with their displacement: enough to tell what motion it is. Collective.
 struct SampledMotion {
   std::vector<NodePlace> nodes;
   Vector u;  ///< `d` values a node
 
   SampledMotion(const SharedScene& shared, const Vector& field) {
-    constexpr std::size_t most = 300;  // of a process
+    constexpr Index of_all = 3000, least = 4;
     const Domain& domain = *shared.domain;
     const Scene& scene = *shared.scene;
     const std::vector<Index> body = bodies_by_dof(shared);
-    const std::vector<NodePlace> places = scene.places();
+    std::map<Index, std::vector<NodePlace>> own;
+    for (const NodePlace& p : scene.places())
+      if (domain.owns(p.dof[0]) && body[p.dof[0]] >= 0) own[body[p.dof[0]]].push_back(p);
+    const Index count = static_cast<Index>(own.size());
+    const std::size_t most = std::max(least, of_all / (domain.size() * std::max<Index>(count, 1)));
     std::vector<Real> packed;
-    const std::size_t stride = 1 + places.size() / most;
-    for (std::size_t k = 0; k < places.size(); k += stride) {
-      const NodePlace& p = places[k];
-      if (!domain.owns(p.dof[0]) || body[p.dof[0]] < 0) continue;
-      packed.insert(packed.end(), p.x.begin(), p.x.end());
-      packed.push_back(body[p.dof[0]]);
-      for (int c = 0; c < 3; ++c) packed.push_back(c < scene.d ? field[p.dof[c]] : 0);
+    for (const auto& [number, places] : own) {
+      const std::size_t stride = 1 + places.size() / most;
+      for (std::size_t k = 0; k < places.size(); k += stride) {
+        const NodePlace& p = places[k];
+        packed.insert(packed.end(), p.x.begin(), p.x.end());
+        packed.push_back(number);
+        for (int c = 0; c < 3; ++c) packed.push_back(c < scene.d ? field[p.dof[c]] : 0);
+      }
     }
     unpack(domain.gathered(Eigen::Map<const Vector>(packed.data(), Index(packed.size()))), scene.d);
   }
@@ -118,9 +122,14 @@ inline std::string describe(const SharedScene& shared, const Vector& motion) {
   return describe_motion(sample.nodes, shared.scene->d, sample.u);
 }
 
-/// As in one process, by the numbers of SampledMotion.   Collective.
-inline std::string runaway(const SharedScene& shared, const Solution& own, const Vector& field) {
+/// As in one process, by the numbers of SampledMotion; what the least gyration rules out needs no
+/// sample.   Collective.
+inline std::string runaway(SharedScene& shared, const Solution& own, const Vector& field) {
   if (own.status != Status::converged) return "";
+  const int d = shared.scene->d;
+  if (!shared.gyration) shared.gyration = least_gyration(SampledMotion(shared, field).nodes, d);
+  const Real most = shared.domain->largest(largest_displacement(shared.scene->places(), d, field));
+  if (!(most > small_turn * *shared.gyration)) return "";
   const SampledMotion sample(shared, field);
   const Bodies bodies = shared.A->bodies();
   const std::vector<Index>& nodes = shared.numbering().own_nodes;
@@ -134,7 +143,7 @@ inline std::string runaway(const SharedScene& shared, const Solution& own, const
     return held_by_contact(*shared.scene, nodes, own.state, *shared.system, turn,
                            [&](Index k) { return of_body.count(k) > 0; });
   };
-  return runaway(sample.nodes, shared.scene->d, sample.u, *shared.system, field_in_sample, held);
+  return runaway(sample.nodes, d, sample.u, *shared.system, field_in_sample, held);
 }
 
 /// The motions that a call leaves open; the first of them that nothing holds, or empty. Collective.

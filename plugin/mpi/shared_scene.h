@@ -5,6 +5,7 @@
 #include "ghosts.h"
 #include "hierarchy.h"
 #include "multigrid/multigrid_solver.h"
+#include "shared_surface.h"
 
 namespace frictioncg {
 
@@ -19,7 +20,8 @@ struct SharedScene {
   std::shared_ptr<const SharedMatrix> A;  ///< of all processes
   SystemPtr system;                       ///< what this process owns
   std::unique_ptr<MultigridSolver> solver;
-  Extent extent;  ///< of the nodes of all processes
+  Extent extent;                 ///< of the nodes of all processes
+  std::optional<Real> gyration;  ///< the least, of a body; found when it is first asked for
 
   const Numbering& numbering() const { return A->numbering(); }
 };
@@ -98,20 +100,35 @@ inline Scales scales_of_all(const SharedScene& shared, const Vector& b) {
   return s;
 }
 
-/// What b has at the Dirichlet dofs of all processes, which are taken for one body.   Collective.
-inline Leftover leftover_of_all(const SharedScene& shared, const Vector& b) {
+/// As leftovers, of the bodies of all processes.   Collective.
+inline std::vector<Leftover> leftovers_of_all(const SharedScene& shared, const Vector& b) {
+  constexpr Index of_body = 7;  // the largest entry; the least and the largest of each component
   const Domain& domain = *shared.domain;
-  Leftover left;
-  for (const NodePlace& n : shared.scene->places())
-    if (domain.owns(n.dof[0])) left.add(*shared.scene, b, n);
-  Real counts[] = {left.loaded, left.empty};
-  domain.sum(counts, 2);
-  left.loaded = counts[0];
-  left.empty = counts[1];
-  left.most = domain.largest(left.most);
-  for (int c = 0; c < 3; ++c) {
-    left.largest[c] = domain.largest(left.largest[c]);
-    left.least[c] = -domain.largest(-left.least[c]);
+  const std::vector<NodePlace> places = shared.scene->places();
+  const Wholes bodies = bodies_of_all(domain, places);
+  std::vector<Leftover> left(bodies.count);
+  for (const NodePlace& n : places)
+    if (domain.owns(n.dof[0])) left[bodies.of_part[n.body]].add(*shared.scene, b, n);
+  Eigen::Matrix<Real, 2, Eigen::Dynamic> counts(2, bodies.count);
+  Eigen::Matrix<Real, of_body, Eigen::Dynamic> most(of_body, bodies.count);
+  for (Index k = 0; k < bodies.count; ++k) {
+    counts.col(k) << left[k].loaded, left[k].empty;
+    most(0, k) = left[k].most;
+    for (int c = 0; c < 3; ++c) {
+      most(1 + c, k) = left[k].largest[c];
+      most(4 + c, k) = -left[k].least[c];
+    }
+  }
+  domain.sum(counts.data(), static_cast<Index>(counts.size()));
+  domain.largest(most.data(), static_cast<Index>(most.size()));
+  for (Index k = 0; k < bodies.count; ++k) {
+    left[k].loaded = counts(0, k);
+    left[k].empty = counts(1, k);
+    left[k].most = most(0, k);
+    for (int c = 0; c < 3; ++c) {
+      left[k].largest[c] = most(1 + c, k);
+      left[k].least[c] = -most(4 + c, k);
+    }
   }
   return left;
 }
@@ -127,11 +144,15 @@ inline Real check_data(const SharedScene& shared, const Vector& b, const Vector&
   });
   const long i = largest_data(scene, b, u0);
   if (!is_tiny(domain.largest(i < 0 ? 0 : std::abs(u0[i])), s)) return 0;
-  const Leftover left = leftover_of_all(shared, b);
+  Real most = 0;
+  const std::vector<Leftover> all = leftovers_of_all(shared, b);
   domain.agree([&] {
-    if (i >= 0) refuse_tiny_data(scene, b, u0, i, s, left);
+    for (const Leftover& left : all) {
+      if (i >= 0) refuse_tiny_data(scene, b, u0, i, s, left);
+      most = std::max(most, left.most);
+    }
   });
-  return left.most;
+  return most;
 }
 
 /// The increment over the own dofs and nodes, from that of the local system.   Collective.

@@ -1,4 +1,6 @@
 #pragma once
+#include <functional>
+
 #include "types.h"
 
 namespace frictioncg {
@@ -22,6 +24,9 @@ class Processes {
   virtual Real largest(Real value) const = 0;
   /// The vectors of all processes, one after the other.
   virtual Vector gathered(const Vector& own) const = 0;
+  /// One vector in place of those of all processes, of one size, by what stands for two of them.
+  using Both = std::function<Vector(const Vector&, const Vector&)>;
+  virtual Vector combined(const Vector& own, const Both& both) const = 0;
   virtual Bodies bodies() const = 0;  ///< in the graph of A
 };
 

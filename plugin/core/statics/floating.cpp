@@ -37,40 +37,21 @@ DenseMatrix candidates_of_a_body(const DenseMatrix& in_A, const DenseMatrix& in_
   return V * ritz.vectors.leftCols(count);
 }
 
-/// The motions of a body, or of several that a coupling joins in A, each given to take(), which
-/// says whether it is one. First those of each alone, of which `each` columns are the candidates:
-/// beside a stiff body, what rounding leaves of a soft one would blur them. Then what is left in
-/// common.
-template <class Take>
-void find_motions(const DenseMatrix& in_A, const DenseMatrix& in_D, Index each, const Take& take) {
-  const Index k = static_cast<Index>(in_A.rows());
-  DenseMatrix rest = DenseMatrix::Identity(k, k);
-  for (Index first = 0; first < k && each < k; first += each) {
-    const Index size = std::min(each, k - first);
-    const DenseMatrix alone = candidates_of_a_body(in_A.block(first, first, size, size),
-                                                   in_D.block(first, first, size, size), 0);
-    for (Index j = 0; j < alone.cols(); ++j) {
-      Vector c = Vector::Zero(k);
-      c.segment(first, size) = alone.col(j);
-      if (!take(c)) continue;
-      // rest: the projector along what is found, in the product of D
-      const Vector left = rest * c;
-      const Real norm2 = left.dot(in_D * left);
-      if (norm2 > 0) rest -= left * (left.transpose() * in_D * rest) / norm2;
-    }
-  }
-  const DenseMatrix common = candidates_of_a_body(rest.transpose() * in_A * rest,
-                                                  rest.transpose() * in_D * rest, in_D.trace());
-  for (Index j = 0; j < common.cols(); ++j) take(rest * common.col(j));
+/// Makes `rest`, a projector, drop c, too, in the product of D.
+void take_out(const Vector& c, const DenseMatrix& in_D, DenseMatrix& rest) {
+  const Vector left = rest * c;
+  const Real norm2 = left.dot(in_D * left);
+  if (norm2 > 0) rest -= left * (left.transpose() * in_D * rest) / norm2;
 }
 
-/// Sums over each body's dofs of left_i right_j: one k x k matrix a body.
-std::vector<DenseMatrix> gram(const System& system, const Bodies& bodies, const DenseMatrix& left,
-                              const DenseMatrix& right) {
-  std::vector<DenseMatrix> sum(bodies.count, DenseMatrix::Zero(left.cols(), left.cols()));
+/// Sums over each body's dofs of left_i right_j: one k x k matrix a body, side by side.
+DenseMatrix gram(const System& system, const Bodies& bodies, const DenseMatrix& left,
+                 const DenseMatrix& right) {
+  const Index k = static_cast<Index>(left.cols());
+  DenseMatrix sum = DenseMatrix::Zero(k, k * bodies.count);
   for (Index i = 0; i < static_cast<Index>(bodies.of.size()); ++i)
-    sum[bodies.of[i]].noalias() += left.row(i).transpose() * right.row(i);
-  for (DenseMatrix& of_body : sum) system.sum(of_body.data(), static_cast<Index>(of_body.size()));
+    sum.middleCols(k * bodies.of[i], k).noalias() += left.row(i).transpose() * right.row(i);
+  system.sum(sum.data(), static_cast<Index>(sum.size()));
   return sum;
 }
 
@@ -85,6 +66,57 @@ DenseMatrix product(const System& system, const DenseMatrix& M) {
   }
   return AM;
 }
+
+/// The rigid ones among combinations of candidates M (n x k). Bodies share no entry of A: one
+/// product tries a combination of each.
+class RigidMotions {
+ public:
+  RigidMotions(const System& system, const Bodies& bodies, const DenseMatrix& M)
+      : system_(system), bodies_(bodies), M_(M) {}
+
+  /// c: of each body, as columns. accept(body, j): its j-th is a motion.
+  template <class Accept>
+  void add(const std::vector<DenseMatrix>& c, const Accept& accept) {
+    Index most = 0;
+    for (const DenseMatrix& of_body : c) most = std::max(most, static_cast<Index>(of_body.cols()));
+    for (Index j = 0; j < most; ++j) {
+      Vector w = Vector::Zero(M_.rows());
+      for (Index i = 0; i < w.size(); ++i)
+        if (const DenseMatrix& own = c[bodies_.of[i]]; j < own.cols())
+          w[i] = M_.row(i).dot(own.col(j));
+      const DenseMatrix size = gram(system_, bodies_, w, system_.D.cwiseProduct(w));
+      const DenseMatrix energy = gram(system_, bodies_, w, product(system_, w));
+      for (Index body = 0; body < bodies_.count; ++body) {
+        if (!(size(body) > 0) || energy(body) > rigid * size(body)) continue;
+        found_.push_back({body, tried_.size(), 1 / std::sqrt(size(body))});
+        accept(body, j);
+      }
+      tried_.push_back(std::move(w));
+    }
+  }
+  /// Body by body.
+  DenseMatrix columns() {
+    std::stable_sort(found_.begin(), found_.end(),
+                     [](const Found& a, const Found& b) { return a.body < b.body; });
+    DenseMatrix W = DenseMatrix::Zero(M_.rows(), static_cast<Index>(found_.size()));
+    for (Index j = 0; j < W.cols(); ++j)
+      for (Index i = 0; i < W.rows(); ++i)
+        if (bodies_.of[i] == found_[j].body) W(i, j) = found_[j].scale * tried_[found_[j].tried][i];
+    return W;
+  }
+
+ private:
+  struct Found {
+    Index body;
+    std::size_t tried;
+    Real scale;
+  };
+  const System& system_;
+  const Bodies& bodies_;
+  const DenseMatrix& M_;
+  std::vector<Vector> tried_;  ///< n
+  std::vector<Found> found_;
+};
 
 }  // namespace
 
@@ -119,22 +151,35 @@ DenseMatrix floating_motions(const System& system, const DenseMatrix& M) {
   DenseMatrix W(n, 0);
   if (M.rows() != n || M.cols() == 0 || !M.allFinite()) return W;
   const Bodies bodies = system.processes ? system.processes->bodies() : bodies_of(system.A);
-  const auto in_A = gram(system, bodies, M, product(system, M));
-  const auto in_D = gram(system, bodies, M, system.D.asDiagonal() * M);
-  for (Index body = 0; body < bodies.count; ++body) {
-    const auto take = [&](const Vector& c) {
-      Vector w = M * c;
-      for (Index i = 0; i < n; ++i)
-        if (bodies.of[i] != body) w[i] = 0;
-      const Real size = system.sum(w.dot(system.D.cwiseProduct(w)));
-      if (!(size > 0) || system.sum(w.dot(product(system, w).col(0))) > rigid * size) return false;
-      W.conservativeResize(n, W.cols() + 1);
-      W.rightCols(1) = w / std::sqrt(size);
-      return true;
-    };
-    find_motions(in_A[body], in_D[body], system.dimension == 2 ? 3 : 6, take);
+  const DenseMatrix in_A = gram(system, bodies, M, product(system, M));
+  const DenseMatrix in_D = gram(system, bodies, M, system.D.asDiagonal() * M);
+  const Index k = static_cast<Index>(M.cols()), each = system.dimension == 2 ? 3 : 6;
+  RigidMotions motions(system, bodies, M);
+  // first those of each candidate's body alone: beside a stiff body that a coupling joins to it in
+  // A, what rounding leaves of a soft one would blur them
+  std::vector<DenseMatrix> c(bodies.count), rest(bodies.count, DenseMatrix::Identity(k, k));
+  for (Index first = 0; first < k && each < k; first += each) {
+    const Index size = std::min(each, k - first);
+    for (Index body = 0; body < bodies.count; ++body) {
+      const DenseMatrix alone =
+          candidates_of_a_body(in_A.block(first, body * k + first, size, size),
+                               in_D.block(first, body * k + first, size, size), 0);
+      c[body] = DenseMatrix::Zero(k, alone.cols());
+      c[body].middleRows(first, size) = alone;
+    }
+    motions.add(c, [&](Index body, Index j) {
+      take_out(c[body].col(j), in_D.middleCols(body * k, k), rest[body]);
+    });
   }
-  return W;
+  // then what is left in common
+  for (Index body = 0; body < bodies.count; ++body) {
+    const DenseMatrix& R = rest[body];
+    const DenseMatrix of_body = in_D.middleCols(body * k, k);
+    c[body] = R * candidates_of_a_body(R.transpose() * in_A.middleCols(body * k, k) * R,
+                                       R.transpose() * of_body * R, of_body.trace());
+  }
+  motions.add(c, [](Index, Index) {});
+  return motions.columns();
 }
 
 bool may_be_rigid(const System& system, const Vector& w) {
@@ -147,7 +192,9 @@ bool may_be_rigid(const System& system, const Vector& w) {
   DenseMatrix all(w.size(), k + 1);
   all << M, w;
   Real size = 0, rest = 0;
-  for (const DenseMatrix& G : gram(system, bodies, all, system.D.asDiagonal() * all)) {
+  const DenseMatrix of_bodies = gram(system, bodies, all, system.D.asDiagonal() * all);
+  for (Index body = 0; body < bodies.count; ++body) {
+    const DenseMatrix G = of_bodies.middleCols(body * (k + 1), k + 1);
     const Vector c = least_squares(G.topLeftCorner(k, k), G.topRightCorner(k, 1));
     size += G(k, k);
     rest += G(k, k) - G.topRightCorner(k, 1).col(0).dot(c);

@@ -21,6 +21,7 @@ class Alone final : public Processes {
   void sum(Real*, Index) const override { ++sums; }
   Real largest(Real value) const override { return value; }
   Vector gathered(const Vector& own) const override { return own; }
+  Vector combined(const Vector& own, const Both&) const override { return own; }
   Bodies bodies() const override { return bodies_of(A_); }
 
   mutable Index sums = 0;
