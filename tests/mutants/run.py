@@ -113,7 +113,7 @@ class Build:
 
     def objects(self, path, room, sources):
         """The objects of build/room, from such sources, that a file of plugin/core goes into."""
-        made = [o for o in self.lines if o.startswith(f"{self.build}/{room}/")]
+        made = [o for o in self.lines if o.startswith(f"{self.build}/{room}/") and o.endswith(".o")]
         return [o for o in made if f"plugin/{path}" in included(sources + o[len(f"{self.build}/{room}"):-2] + ".cpp")]
 
     def command(self, target, exchange):
