@@ -24,6 +24,7 @@ void load() {
   for_each_site<v_fes3>(add_site);
   Global.Add(operator_name, "(", new OneOperatorCode<SolveIncrement>());
   add_usage();
+  add_version();
 }
 
 }  // namespace

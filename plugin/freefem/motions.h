@@ -97,12 +97,13 @@ inline void report_motions(const Scene& scene, const Solution& solution, const s
   if (solution.unheld_motion.size() > 0)
     line() << "nothing holds " << describe(scene, solution.unheld_motion) << std::endl;
   const Index all = static_cast<Index>(solution.undetermined.cols());
+  if (all == 0) return;
   const Index named = verb > 2 ? all : std::min<Index>(3, all);
+  line() << "nothing determines ";
   for (Index k = 0; k < named; ++k)
-    line() << "nothing determines " << describe(scene, solution.undetermined.col(k))
-           << "; the field has the least of it" << std::endl;
-  if (named < all)
-    line() << "nothing determines " << all - named << " more motions; verb=3 has each" << std::endl;
+    std::cout << (k > 0 ? ", nor " : "") << describe(scene, solution.undetermined.col(k));
+  if (named < all) std::cout << ", nor " << all - named << " more motions, which verb=3 has";
+  std::cout << "; the field has the least of " << (all > 1 ? "them" : "it") << std::endl;
 }
 
 }  // namespace frictioncg

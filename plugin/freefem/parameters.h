@@ -7,6 +7,7 @@
 
 namespace frictioncg {
 
+constexpr const char* version = "1.0";  ///< a script asks for frictionCGversion
 constexpr const char* operator_name = "frictionalContactCG";
 constexpr const char* constructor_name = "contactProblem";
 

@@ -96,7 +96,7 @@ inline void report_pair(const Scene& scene, Index number) {
 
 /// Pair by pair where they are few, or verb is 3; else all of them in one line.
 inline void report_pairs(const Scene& scene, long verb) {
-  constexpr Index few = 3;
+  constexpr Index few = 2;
   if (!scene.pairing) return;
   const std::vector<mortar::Pair>& pairs = scene.pairing->between().pairs;
   const Index count = static_cast<Index>(pairs.size());
@@ -138,11 +138,12 @@ inline void report_plan(const Arguments& args, const Scene& scene, const Contact
     std::cout << "; Dirichlet conditions hold every normal displacement: a plain linear solve";
   std::cout << "; " << name_of(s.method, methods);
   if (s.method == Method::automatic && plan.route == Route::multigrid)
-    std::cout << " by multigrid, a factorization being about "
-              << std::round(plan.costs.condensed / plan.costs.multigrid) << " times its cost";
+    std::cout << " by multigrid: about 1/"
+              << std::round(plan.costs.condensed / plan.costs.multigrid) << " of a factorization";
   if (plan.regularization) std::cout << ", " << name_of(s.reg, regularizations);
   report_left_out(args, scene, plan);
-  std::cout << std::endl;
+  std::cout << "; version " << version << std::endl;
+  if (args.has(p_polish)) line() << "polish is called newton now" << std::endl;
 }
 
 }  // namespace frictioncg

@@ -134,6 +134,11 @@ class RefusedForm : public OneOperator {
 /// The longest form has six arguments; four bodies with a space each have ten.
 constexpr int most_arguments = 10;
 
+/// What a script asks for as a number, frictionCGversion.
+inline void add_version() {
+  Global.New("frictionCGversion", CConstant<double>(std::strtod(version, nullptr)));
+}
+
 /// Registers the refusals, of up to as many arguments as anybody may try.
 inline void add_usage() {
   for (int arguments = 0; arguments <= most_arguments; ++arguments) {

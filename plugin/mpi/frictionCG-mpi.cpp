@@ -76,6 +76,7 @@ void load() {
   add_sites<v_fes3>();
   Global.Add(operator_name, "(", new OneOperatorCode<SharedSolveIncrement>());
   add_usage();
+  add_version();
 }
 
 }  // namespace

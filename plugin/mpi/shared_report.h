@@ -20,7 +20,7 @@ inline void report_plan(const SharedScene& shared, const ContactProblem& problem
          << static_cast<long>(most) << " on one), " << static_cast<long>(sums[1])
          << " contact nodes, " << name_of(problem.increment.law);
   if (problem.increment.bilateral) std::cout << ", bilateral";
-  std::cout << "; multigrid by PETSc" << std::endl;
+  std::cout << "; multigrid by PETSc; version " << version << std::endl;
   if (averted > 0)
     line() << static_cast<long>(averted)
            << " nodes face away from the normal given, and cannot touch: left out" << std::endl;
