@@ -3,6 +3,7 @@
 
 #include <array>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "errors.h"
@@ -75,6 +76,7 @@ class Arguments {
  private:
   explicit Arguments(const basicAC_F0& args) {
     refuse_domain(args);
+    refuse_older_names(args);
     args.SetNameParam(parameter_count, parameters, named_);
     if (has(p_init) && has(p_start)) refuse(p_start, "is another name of init; give one");
   }
@@ -86,6 +88,14 @@ class Arguments {
       refuse(p_domain,
              "belongs to a problem that several processes share, which frictionCG has none of; "
              "load \"frictionCG-mpi\" in its place, or leave domain out");
+  }
+  /// FreeFEM would say of an older interface's names that they are unknown, and no more.
+  static void refuse_older_names(const basicAC_F0& args) {
+    constexpr std::pair<const char*, Parameter> older_names[] = {{"polish", p_newton}};
+    for (const auto& [name, now] : older_names)
+      if (args.find(name).LeftValue())
+        CompileError(std::string(operator_name) + ": " + name + " is called " +
+                     parameters[now].name + " now");
   }
   static void refuse(Parameter p, const std::string& rule) {
     CompileError(std::string(operator_name) + ": " + parameters[p].name + " " + rule);

@@ -143,7 +143,6 @@ inline void report_plan(const Arguments& args, const Scene& scene, const Contact
   if (plan.regularization) std::cout << ", " << name_of(s.reg, regularizations);
   report_left_out(args, scene, plan);
   std::cout << "; version " << version << std::endl;
-  if (args.has(p_polish)) line() << "polish is called newton now" << std::endl;
 }
 
 }  // namespace frictioncg
