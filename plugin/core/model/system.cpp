@@ -1,4 +1,5 @@
 #include "model/system.h"
+#include "model/validate.h"
 
 #include <algorithm>
 #include <cmath>
@@ -23,13 +24,13 @@ Vector magnitude(const Matrix& A, const Vector& x) {
   return sum;
 }
 
-Vector node_weights(const System& system) {
-  Vector weight = system.D;
-  for (Index i = 0; i < system.nodes(); ++i) {
-    const Index T = system.first[i] + 1, t = system.tangents(i);
-    if (t > 0) weight.segment(T, t).setConstant(system.D.segment(T, t).mean());
-  }
-  if (system.mesh_node.empty()) return weight;
+namespace {
+
+/// Over the usual stiffness: contrasts of materials stay below, what is above is a penalty.
+constexpr Real penalty = 1e10;
+
+/// One stiffness per mesh node of the interior.
+void take_means(const System& system, Vector& weight) {
   const auto end = system.mesh_node.begin() + system.interior();
   const auto last = std::max_element(system.mesh_node.begin(), end);
   const Index size = last == end ? 0 : *last + 1;
@@ -40,6 +41,24 @@ Vector node_weights(const System& system) {
   }
   for (Index k = 0; k < system.interior(); ++k)
     weight[k] = sum[system.mesh_node[k]] / count[system.mesh_node[k]];
+}
+
+}  // namespace
+
+Vector node_weights(const System& system) {
+  Vector weight = system.D;
+  for (Index i = 0; i < system.nodes(); ++i) {
+    const Index T = system.first[i] + 1, t = system.tangents(i);
+    if (t > 0) weight.segment(T, t).setConstant(system.D.segment(T, t).mean());
+  }
+  if (!system.mesh_node.empty()) take_means(system, weight);
+  if (weight.size() == 0) return weight;
+  Vector sorted = weight;
+  const auto middle = sorted.begin() + sorted.size() / 2;
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  const Real most = penalty * *middle;
+  for (Real& w : weight.head(system.interior()))
+    if (w > most) w = std::min(w * (w / most), largest);
   return weight;
 }
 
