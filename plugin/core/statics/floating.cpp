@@ -182,24 +182,36 @@ DenseMatrix floating_motions(const System& system, const DenseMatrix& M) {
   return motions.columns();
 }
 
-bool may_be_rigid(const System& system, const Vector& w) {
+/// Of the motions W c those with little beside the candidates:   R c = lambda W'W c,
+/// R = W'W - W'M (M'M)^+ M'W, body by body,  lambda <= bent^2. In the product of D soft parts would
+/// not count, whose bending is what lets stiff ones move.
+DenseMatrix rigid_among(const System& system, const DenseMatrix& W) {
   const RigidModes& candidates = system.body_modes ? system.body_modes : system.rigid_modes;
-  if (!candidates || system.largest(system.dofs()) == 0) return true;
+  const Index j = static_cast<Index>(W.cols());
+  if (j == 0 || !candidates || system.largest(system.dofs()) == 0) return W;
   const DenseMatrix M = candidates();
-  if (M.rows() != w.size() || M.cols() == 0 || !M.allFinite()) return true;
+  if (M.rows() != W.rows() || M.cols() == 0 || !M.allFinite()) return W;
   const Bodies bodies = system.processes ? system.processes->bodies() : bodies_of(system.A);
   const Index k = static_cast<Index>(M.cols());
-  DenseMatrix all(w.size(), k + 1);
-  all << M, w;
-  Real size = 0, rest = 0;
-  const DenseMatrix of_bodies = gram(system, bodies, all, system.D.asDiagonal() * all);
+  DenseMatrix all(W.rows(), k + j);
+  all << M, W;
+  DenseMatrix size = DenseMatrix::Zero(j, j), rest = size;
+  const DenseMatrix of_bodies = gram(system, bodies, all, all);
   for (Index body = 0; body < bodies.count; ++body) {
-    const DenseMatrix G = of_bodies.middleCols(body * (k + 1), k + 1);
-    const Vector c = least_squares(G.topLeftCorner(k, k), G.topRightCorner(k, 1));
-    size += G(k, k);
-    rest += G(k, k) - G.topRightCorner(k, 1).col(0).dot(c);
+    const DenseMatrix G = of_bodies.middleCols(body * (k + j), k + j);
+    const DenseMatrix mixed = G.topRightCorner(k, j);
+    size += G.bottomRightCorner(j, j);
+    rest +=
+        G.bottomRightCorner(j, j) - mixed.transpose() * least_squares(G.topLeftCorner(k, k), mixed);
   }
-  return rest <= bent * bent * size;
+  const Eigenpairs found = eigenpairs(rest, size);
+  Index count = 0;
+  while (count < j && found.values[count] <= bent * bent) ++count;
+  return count == j ? W : DenseMatrix(W * found.vectors.leftCols(count));
+}
+
+bool may_be_rigid(const System& system, const Vector& w) {
+  return rigid_among(system, w).cols() == 1;
 }
 
 DenseMatrix motions_of_interior(const DenseMatrix& W, Index interior,

@@ -30,8 +30,12 @@ class FloatingMotions {
 /// The same among candidates that are made already.
 DenseMatrix floating_motions(const System& system, const DenseMatrix& candidates);
 
-/// Whether w moves each body by a combination of the candidates; true where the system knows none.
-/// A body may be so slender that its bending costs next to nothing, and A cannot tell.
+/// The combinations of the columns of W (n x k, independent) that move each body by a combination
+/// of the candidates; W where that is all of them, or where the system knows none. A body may be so
+/// slender, or so soft in places, that its bending costs next to nothing, and A cannot tell.
+DenseMatrix rigid_among(const System& system, const DenseMatrix& W);
+
+/// Whether w is one.
 bool may_be_rigid(const System& system, const Vector& w);
 
 /// Of motions W (n x k) the combinations that move none of the dofs from `interior` on: one for

@@ -167,6 +167,12 @@ TEST(Floating, ABendingIsNoRigidMotionHoweverLittleItCosts) {
   EXPECT_TRUE(may_be_rigid(*two.system, w));
   EXPECT_TRUE(may_be_rigid(*two.system, w + 1e-6 * Vector::Random(w.size())));
   EXPECT_FALSE(may_be_rigid(*two.system, w.cwiseProduct(w)));
+  Eigen::MatrixXd mixed(w.size(), 2);
+  mixed << w + w.cwiseProduct(w), w - 2 * w.cwiseProduct(w);
+  const Eigen::MatrixXd found = rigid_among(*two.system, mixed);
+  ASSERT_EQ(found.cols(), 1);
+  EXPECT_GT(std::abs(found.col(0).normalized().dot(w.normalized())), 1 - 1e-12);
+  EXPECT_EQ(rigid_among(*two.system, mixed.leftCols(0)).cols(), 0);
   System unknown = *two.system;
   unknown.rigid_modes = {};
   EXPECT_TRUE(may_be_rigid(unknown, w.cwiseProduct(w)));
