@@ -29,6 +29,13 @@ namespace {
 /// Over the usual stiffness: contrasts of materials stay below, what is above is a penalty.
 constexpr Real penalty = 1e10;
 
+Real median(Vector values) {
+  if (values.size() == 0) return 0;
+  const auto middle = values.begin() + values.size() / 2;
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 /// One stiffness per mesh node of the interior.
 void take_means(const System& system, Vector& weight) {
   const auto end = system.mesh_node.begin() + system.interior();
@@ -52,11 +59,7 @@ Vector node_weights(const System& system) {
     if (t > 0) weight.segment(T, t).setConstant(system.D.segment(T, t).mean());
   }
   if (!system.mesh_node.empty()) take_means(system, weight);
-  if (weight.size() == 0) return weight;
-  Vector sorted = weight;
-  const auto middle = sorted.begin() + sorted.size() / 2;
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  const Real most = penalty * *middle;
+  const Real most = penalty * std::max(median(weight), median(weight.tail(system.contact_dofs())));
   for (Real& w : weight.head(system.interior()))
     if (w > most) w = std::min(w * (w / most), largest);
   return weight;
