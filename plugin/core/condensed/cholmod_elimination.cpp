@@ -16,7 +16,6 @@ constexpr int dense_matrices = 3;  ///< S, the matrix of a Newton step, and what
 /// Over D: below it a pivot may be the rounding of 0. A motion that moves the last dof by v leaves
 /// pivots of v^2 and of rounding/v^2, the least of them at most 1e-8.
 constexpr Real small_pivot = 1e-6;
-constexpr Real rigid = 1e-14;      ///< <Av,v>/<Dv,v> up to which v costs no energy
 constexpr Index most_motions = 6;  ///< of one body
 constexpr Index panel_width = 64;
 
@@ -164,9 +163,8 @@ bool CholmodElimination::factorize(const System& system, UpperTriangle& A) {
     if (!failed && i < 0) return true;
     if (!failed) {  // is it the rounding of 0?
       const Vector v = solve(CHOLMOD_A, Vector::Unit(n_, i));
-      const Vector weighted = system.D.cwiseProduct(v);
-      if (v.dot(system.A * v) > rigid * v.dot(weighted)) return true;
-      v.cwiseProduct(weighted).head(interior_).maxCoeff(&i);
+      if (!costs_no_energy(system, v)) return true;
+      system.D.cwiseProduct(v.cwiseAbs2()).head(interior_).maxCoeff(&i);
     }
     if (springs_.empty())
       most_springs = most_motions * last_of_each_part(system, {place, place + n_}).size();
@@ -203,7 +201,7 @@ bool CholmodElimination::find_floating(const System& system) {
     const Index i = springs_[k];
     Vector v = solve(CHOLMOD_A, sigma * system.D[i] * Vector::Unit(n_, i));
     v.tail(n_ - interior_).setZero();
-    if (v.dot(system.A * v) > rigid * v.dot(system.D.cwiseProduct(v))) return false;
+    if (!costs_no_energy(system, v)) return false;
     floating_.col(k) = v;
   }
   if (springs_.empty()) return true;

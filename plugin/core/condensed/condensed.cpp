@@ -17,10 +17,8 @@ namespace frictioncg {
 
 namespace {
 
-constexpr int passes = 4;             ///< of the refinement: each gains the digits that S has
-constexpr Real worth = 0.3;           ///< a pass that reduces the residual less is the last
-constexpr Real rigid = 1e-12;         ///< <Aw,w>/<Dw,w> up to which w is used as a proof
-constexpr Real surely_rigid = 1e-14;  ///< the same, not to be mistaken for a slender body
+constexpr int passes = 4;    ///< of the refinement: each gains the digits that S has
+constexpr Real worth = 0.3;  ///< a pass that reduces the residual less is the last
 
 /// Adds the time it lives to one of the phases.
 struct Stopwatch {
@@ -221,16 +219,13 @@ const DenseMatrix& CondensedSolver::rigid_motions_of_A(Run& run) {
   const DenseMatrix W_C =
       rigid_motions(elimination_->S(), system_->weight.tail(system_->contact_dofs()));
   run.rigid = elimination_->floating();
-  Index sure = static_cast<Index>(run.rigid.cols());
   for (Index k = 0; k < W_C.cols(); ++k) {
     const Vector w = elimination_->extend(W_C.col(k));
-    const Real stiffness = w.dot(system_->A * w) / w.dot(system_->D.cwiseProduct(w));
-    if (!(stiffness <= rigid)) continue;
-    if (stiffness <= surely_rigid) ++sure;
+    if (!costs_no_energy(*system_, w)) continue;
     run.rigid.conservativeResize(system_->dofs(), run.rigid.cols() + 1);
     run.rigid.rightCols(1) = w;
   }
-  if (known.cols() > 0 && known.cols() >= sure) run.rigid.swap(known);
+  if (known.cols() > 0 && known.cols() >= run.rigid.cols()) run.rigid.swap(known);
   return run.rigid;
 }
 

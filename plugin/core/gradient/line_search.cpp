@@ -9,8 +9,8 @@ namespace {
 constexpr Real infinity = std::numeric_limits<Real>::infinity();
 /// Step (14) has overshot where J' has risen beyond this share of |J'(0)|.
 constexpr Real overshoot = 0.5;
-/// v counts as a rigid motion where <Av,v>/<Dv,v> is no larger.
-constexpr Real rigid = 1e-13;
+/// The recurrence of SSOR leaves so many times the rounding of a product with A in <Av,v>.
+constexpr Real rounding_of_recurrence = 10;
 /// Friction balances a load along v where it misses no more than this share: that is rounding.
 constexpr Real balanced = 1e-12;
 /// A search for J' > 0 goes so many times as far with each step.
@@ -74,7 +74,7 @@ Real LineSearch::operator()(const Phi& phi, const Vector& g, const Vector& x, co
                             const Line& line, Real rho_max) {
   const Real r_v = line.r_v;
   gather(g, x, v);
-  vAv_ = line.vAv.A > rigid * line.vAv.D ? line.vAv.A : 0;
+  vAv_ = costs_no_energy(line.vAv.A, line.vAv.D, rounding_of_recurrence) ? 0 : line.vAv.A;
   a_ = line.a;
   if (nodes_.empty()) return vAv_ > 0 ? std::min(r_v / vAv_, rho_max) : rho_max;
   if (step_ == Step::newton && (!safeguarded_ || vAv_ > 0)) return newton(phi, r_v, rho_max);

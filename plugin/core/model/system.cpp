@@ -6,6 +6,14 @@
 
 namespace frictioncg {
 
+bool costs_no_energy(const System& system, const Vector& w) {
+  Vector Aw;
+  system.multiply(w, Aw);
+  Real in[] = {w.dot(Aw), w.dot(system.D.cwiseProduct(w))};
+  system.sum(in, 2);
+  return costs_no_energy(in[0], in[1]);
+}
+
 void System::multiply(const Vector& x, Vector& Ax) const {
   if (processes)
     processes->multiply(x, Ax);

@@ -49,6 +49,15 @@ struct System {
   Real largest(Real value) const { return processes ? processes->largest(value) : value; }
 };
 
+/// Whether a motion w costs no energy, by <Aw,w> and <Dw,w>. The entries of A, each rounded to
+/// 1e-16, leave up to 1e-15 of <Dw,w> of a rigid motion; a support of a trillionth of the body's
+/// stiffness leaves some 1e-14, and is one. times: how often the rounding of a product with A
+/// in_A carries.
+inline bool costs_no_energy(Real in_A, Real in_D, Real times = 1) {
+  return in_A <= times * 1e-14 * in_D;
+}
+bool costs_no_energy(const System& system, const Vector& w);
+
 /// |A||x|, the sum of the sizes of what Ax is summed of: rounding of Ax is about 2^-53 of it.
 Vector magnitude(const Matrix& A, const Vector& x);
 

@@ -12,7 +12,6 @@ namespace {
 
 constexpr Real dependent = 1e-13;    ///< of the largest <Dw,w>: a candidate that the others make up
 constexpr Real nearly_rigid = 1e-6;  ///< <Aw,w>/<Dw,w>, with what rounding leaves of small bodies
-constexpr Real rigid = 1e-12;        ///< the same, of motions that are made and tried
 /// What is left of a motion beside rigid ones, over all of it: rounding makes 1e-8, and the bending
 /// of a body that its supports hold a tenth and more.
 constexpr Real bent = 1e-3;
@@ -55,9 +54,21 @@ DenseMatrix gram(const System& system, const Bodies& bodies, const DenseMatrix& 
   return sum;
 }
 
-/// A M, column by column where processes share A.
+Bodies bodies_in(const System& system) {
+  return system.processes ? system.processes->bodies() : bodies_of(system.A);
+}
+
+/// The candidates of the system; no columns where it knows none, or none of use.
+DenseMatrix candidates_of(const System& system) {
+  const RigidModes& made = system.body_modes ? system.body_modes : system.rigid_modes;
+  DenseMatrix M(system.dofs(), 0);
+  if (!made || system.largest(system.dofs()) == 0) return M;
+  M = made();
+  return M.rows() == system.dofs() && M.allFinite() ? M : DenseMatrix(system.dofs(), 0);
+}
+
+/// A M, column by column.
 DenseMatrix product(const System& system, const DenseMatrix& M) {
-  if (!system.processes) return system.A * M;
   DenseMatrix AM(M.rows(), M.cols());
   Vector column;
   for (Index k = 0; k < M.cols(); ++k) {
@@ -87,7 +98,7 @@ class RigidMotions {
       const DenseMatrix size = gram(system_, bodies_, w, system_.D.cwiseProduct(w));
       const DenseMatrix energy = gram(system_, bodies_, w, product(system_, w));
       for (Index body = 0; body < bodies_.count; ++body) {
-        if (!(size(body) > 0) || energy(body) > rigid * size(body)) continue;
+        if (!(size(body) > 0) || !costs_no_energy(energy(body), size(body))) continue;
         found_.push_back({body, tried_.size(), 1 / std::sqrt(size(body))});
         accept(body, j);
       }
@@ -141,16 +152,9 @@ Bodies bodies_of(const Matrix& A) {
 }
 
 DenseMatrix floating_motions(const System& system) {
-  const RigidModes& candidates = system.body_modes ? system.body_modes : system.rigid_modes;
-  if (!candidates || system.largest(system.dofs()) == 0) return DenseMatrix(system.dofs(), 0);
-  return floating_motions(system, candidates());
-}
-
-DenseMatrix floating_motions(const System& system, const DenseMatrix& M) {
-  const Index n = system.dofs();
-  DenseMatrix W(n, 0);
-  if (M.rows() != n || M.cols() == 0 || !M.allFinite()) return W;
-  const Bodies bodies = system.processes ? system.processes->bodies() : bodies_of(system.A);
+  const DenseMatrix M = candidates_of(system);
+  if (M.cols() == 0) return DenseMatrix(system.dofs(), 0);
+  const Bodies bodies = bodies_in(system);
   const DenseMatrix in_A = gram(system, bodies, M, product(system, M));
   const DenseMatrix in_D = gram(system, bodies, M, system.D.asDiagonal() * M);
   const Index k = static_cast<Index>(M.cols()), each = system.dimension == 2 ? 3 : 6;
@@ -186,12 +190,11 @@ DenseMatrix floating_motions(const System& system, const DenseMatrix& M) {
 /// R = W'W - W'M (M'M)^+ M'W, body by body,  lambda <= bent^2. In the product of D soft parts would
 /// not count, whose bending is what lets stiff ones move.
 DenseMatrix rigid_among(const System& system, const DenseMatrix& W) {
-  const RigidModes& candidates = system.body_modes ? system.body_modes : system.rigid_modes;
   const Index j = static_cast<Index>(W.cols());
-  if (j == 0 || !candidates || system.largest(system.dofs()) == 0) return W;
-  const DenseMatrix M = candidates();
-  if (M.rows() != W.rows() || M.cols() == 0 || !M.allFinite()) return W;
-  const Bodies bodies = system.processes ? system.processes->bodies() : bodies_of(system.A);
+  if (j == 0) return W;
+  const DenseMatrix M = candidates_of(system);
+  if (M.cols() == 0) return W;
+  const Bodies bodies = bodies_in(system);
   const Index k = static_cast<Index>(M.cols());
   DenseMatrix all(W.rows(), k + j);
   all << M, W;

@@ -27,9 +27,6 @@ class FloatingMotions {
   std::optional<DenseMatrix> motions_;
 };
 
-/// The same among candidates that are made already.
-DenseMatrix floating_motions(const System& system, const DenseMatrix& candidates);
-
 /// The combinations of the columns of W (n x k, independent) that move each body by a combination
 /// of the candidates; W where that is all of them, or where the system knows none. A body may be so
 /// slender, or so soft in places, that its bending costs next to nothing, and A cannot tell.

@@ -9,9 +9,8 @@ namespace frictioncg {
 
 namespace {
 
-constexpr Real rigid = 1e-11;       ///< <Sw,w>/<Dw,w> of a rigid motion: S carries rounding of D
-constexpr Real rigid_in_A = 1e-13;  ///< the same in A, where only the entries are rounded
-constexpr Real first_shift = 1e-9;  ///< of inverse iteration, relative to D
+constexpr Real rounding_of_S = 1e3;  ///< over that of A: S is a difference of matrices of size D
+constexpr Real first_shift = 1e-9;   ///< of inverse iteration, relative to D
 constexpr Real greatest_shift = 1e-5;
 constexpr int sweeps = 8;         ///< of inverse iteration: a softest mode of 1e-8 D is out by then
 constexpr Index first_block = 7;  ///< one more than a single body has
@@ -50,7 +49,7 @@ DenseMatrix rigid_motions(const DenseMatrix& S, const Vector& D) {
       const DenseMatrix V = scale.asDiagonal() * W;
       const Eigenpairs ritz = eigenpairs(V.transpose() * (S * V));
       Index count = 0;
-      while (count < block && ritz.values[count] <= rigid) ++count;
+      while (count < block && costs_no_energy(ritz.values[count], 1, rounding_of_S)) ++count;
       if (count == block && block < n) continue;
       return V * ritz.vectors.leftCols(count);
     }
@@ -87,7 +86,7 @@ DenseMatrix rigid_motions(const System& system, Index max_iterations) {
     z -= W * (W.transpose() * z);
     if (z.norm() < new_direction) break;
     z.normalize();
-    if (!(z.dot(product(z)) <= rigid_in_A)) break;  // not settled, or a soft deformation
+    if (!costs_no_energy(z.dot(product(z)), 1)) break;  // not settled, or a soft deformation
     W.conservativeResize(n, W.cols() + 1);
     W.col(W.cols() - 1) = z;
   }
