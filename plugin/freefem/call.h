@@ -65,10 +65,11 @@ inline void face_bodies(Stack stack, const Arguments& args, const Expression A, 
 inline PointLaws read_point_laws(Stack stack, const Arguments& args, bool everywhere, Scene& scene,
                                  PointLaws begun) {
   PointLaws laws = read_laws(stack, args, scene, std::move(begun));
-  if (args.has(p_mu2)) set_orthotropy(stack, args, laws.friction, scene);
+  if (args.has(p_mu2)) set_orthotropy(stack, args, laws.mu, scene);
   if (laws.law != Law::frictionless)
     for (std::size_t k = 0; k < scene.nodes.size(); ++k)
-      scene.tangents |= scene.nodes[k].point.friction = everywhere || laws.friction[k] > 0;
+      scene.tangents |= scene.nodes[k].point.friction =
+          everywhere || (laws.law == Law::coulomb ? laws.mu : laws.g)[k] > 0;
   return laws;
 }
 

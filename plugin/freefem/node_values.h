@@ -169,12 +169,14 @@ inline PointLaws begun_laws(Stack stack, const Arguments& args, PointLaws given 
 inline PointLaws read_laws(Stack stack, const Arguments& args, const Scene& scene, PointLaws laws) {
   if (args.has(p_gap) || laws.gap.size() == 0) laws.gap = read_gap(stack, args, scene);
   if (args.has(p_mu)) {
-    laws.friction = at_nodes(stack, args, p_mu, scene);
+    laws.mu = at_nodes(stack, args, p_mu, scene);
+    laws.g.resize(0);
     laws.law = Law::coulomb;
   }
   if (args.has(p_slidinglimit)) {
-    laws.friction = at_nodes(stack, args, p_slidinglimit, scene);
-    for (std::size_t k = 0; k < scene.nodes.size(); ++k) laws.friction[k] *= scene.nodes[k].weight;
+    laws.g = at_nodes(stack, args, p_slidinglimit, scene);
+    for (std::size_t k = 0; k < scene.nodes.size(); ++k) laws.g[k] *= scene.nodes[k].weight;
+    laws.mu.resize(0);
     laws.law = Law::tresca;
   }
   return laws;

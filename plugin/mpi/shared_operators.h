@@ -29,8 +29,9 @@ inline PointLaws with_ghosts(PointLaws laws, const SharedScene& shared) {
         each(dof, [&](std::size_t k, Real& gap) { gap = in[k]; });
       });
   if (laws.law == Law::frictionless) return laws;
-  laws.friction.conservativeResize(all);
-  laws.friction.tail(all - static_cast<Index>(shared.own_points)).setZero();
+  Vector& values = laws.law == Law::coulomb ? laws.mu : laws.g;
+  values.conservativeResize(all);
+  values.tail(all - static_cast<Index>(shared.own_points)).setZero();
   return laws;
 }
 

@@ -160,14 +160,14 @@ inline Increment own_increment(const SharedScene& shared, const LocalIncrement& 
                                const LocalLoad& load) {
   const Numbering& numbering = shared.numbering();
   const auto of_nodes = [&](const Vector& all) {
-    Vector own(static_cast<Index>(numbering.own_nodes.size()));
-    for (Index k = 0; k < own.size() && all.size() > 0; ++k) own[k] = all[numbering.own_nodes[k]];
+    Vector own(all.size() > 0 ? static_cast<Index>(numbering.own_nodes.size()) : 0);
+    for (Index k = 0; k < own.size(); ++k) own[k] = all[numbering.own_nodes[k]];
     return own;
   };
   Increment own = local.increment;
   own.gap = of_nodes(local.increment.gap);
-  if (own.law == Law::coulomb) own.mu = of_nodes(local.increment.mu);
-  if (own.law == Law::tresca) own.g = of_nodes(local.increment.g);
+  own.mu = of_nodes(local.increment.mu);
+  own.g = of_nodes(local.increment.g);
   LocalLoad own_load;
   own_load.external = shared.A->own_part(load.external);
   own_load.total = shared.A->own_part(load.total);

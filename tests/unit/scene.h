@@ -48,7 +48,10 @@ struct Scene {
   Eigen::MatrixXd modes;  // n x k, rigid motions; 0 columns: not known
 
   Triplets triplets() const { return {n, a.size(), i.data(), j.data(), a.data(), 0, false}; }
-  PointLaws laws() const { return {law, false, gap, friction}; }
+  PointLaws laws() const {
+    if (law == Law::tresca) return {law, false, gap, {}, friction};
+    return {law, false, gap, friction, {}};
+  }
   Posed system(const std::vector<Index>& mesh_node = {}) const;
 };
 

@@ -93,6 +93,39 @@ TEST(Solver, LawsHoldForEachLawWithAndWithoutDirichletSupport) {
       }
 }
 
+TEST(Solver, AGivenLimitBesidesMuAddsToItInEveryMethod) {
+  for (int d : {2, 3}) {
+    BlockOptions o;
+    o.d = d;
+    o.cells = d == 2 ? 6 : 3;
+    o.shear = 2.5;
+    ContactProblem p = block(o).system().problem();
+    const Solution coulomb = solve(p, tight());
+    const Real force = coulomb.certificate.r.tail(p.contact_dofs()).lpNorm<Eigen::Infinity>();
+    p.increment.g = Vector::Constant(p.nodes(), 0.02 * force);
+    const Solution exact = solve(p, tight());
+    EXPECT_GT((exact.x - coulomb.x).norm(), 0.01 * exact.x.norm());
+    Index slipping = 0;
+    for (Index i = 0; i < p.nodes(); ++i) {
+      const Index N = p.system->first[i];
+      const Vector& r = exact.certificate.r;
+      const Real limit = 0.02 * force + o.mu * std::max(r[N], 0.0);
+      EXPECT_LE(r.segment(N + 1, d - 1).norm(), limit + 1e-9 * force);
+      if (exact.state[i] != NodeState::slip) continue;
+      EXPECT_NEAR(r.segment(N + 1, d - 1).norm(), limit, 1e-9 * force);
+      ++slipping;
+    }
+    EXPECT_GT(slipping, 0);
+    for (Method method : {Method::gc3, Method::gcx, Method::sorp}) {
+      Settings settings = tight();
+      settings.method = method;
+      const Solution s = solve(p, settings);
+      EXPECT_EQ(s.status, Status::converged) << int(method) << d;
+      EXPECT_LT((s.x - exact.x).norm(), 1e-5 * exact.x.norm()) << int(method) << d;
+    }
+  }
+}
+
 TEST(Solver, OrthotropicFrictionObeysItsEllipseInEveryMethod) {
   BlockOptions o;
   o.d = 3;

@@ -117,8 +117,8 @@ LocalIncrement LocalSystem::increment(const Vector& b, const Vector& u_old,
 
 LocalIncrement LocalSystem::increment(const LocalLoad& load, const PointLaws& laws) const {
   require_size("gap", laws.gap, points_.size(), "contact point");
-  if (laws.law != Law::frictionless)
-    require_size("friction", laws.friction, points_.size(), "contact point");
+  if (laws.law == Law::coulomb) require_size("mu", laws.mu, points_.size(), "contact point");
+  if (laws.law == Law::tresca) require_size("g", laws.g, points_.size(), "contact point");
   LocalIncrement result;
   Increment& increment = result.increment;
   const Vector& start = load.start;
@@ -134,10 +134,13 @@ LocalIncrement LocalSystem::increment(const LocalLoad& load, const PointLaws& la
   increment.bilateral = laws.bilateral;
   set_load(load, *system_, increment);
   if (laws.law == Law::frictionless) return result;
-  Vector& coefficient = laws.law == Law::coulomb ? increment.mu : increment.g;
-  coefficient.resize(nodes());
-  for (Index k = 0; k < nodes(); ++k)
-    coefficient[k] = nodes_[k].shared ? 0 : laws.friction[nodes_[k].point];
+  const auto at_nodes = [&](const Vector& values) {
+    Vector v(values.size() > 0 ? nodes() : 0);
+    for (Index k = 0; k < v.size(); ++k) v[k] = nodes_[k].shared ? 0 : values[nodes_[k].point];
+    return v;
+  };
+  increment.mu = at_nodes(laws.mu);
+  increment.g = at_nodes(laws.g);
   return result;
 }
 

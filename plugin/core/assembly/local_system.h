@@ -9,8 +9,9 @@ namespace frictioncg {
 struct PointLaws {
   Law law = Law::frictionless;
   bool bilateral = false;
-  Vector gap;       ///< one for each contact point [length]
-  Vector friction;  ///< likewise mu [1] or g [force]; ignored where law is frictionless
+  Vector gap;      ///< one for each contact point [length]
+  Vector mu = {};  ///< likewise [1]; law coulomb
+  Vector g = {};   ///< likewise [force]; law tresca, or coulomb, where empty is 0
 };
 
 /// The load of an increment in local dofs (n_w), and what it is made of.

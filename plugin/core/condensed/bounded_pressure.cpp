@@ -78,6 +78,7 @@ Statics balance_at_bounded_pressure(const DenseMatrix& W, const CondensedProblem
   ContactProblem limited = problem.laws;
   limited.increment.law = Law::tresca;
   limited.increment.g = increment.mu.cwiseProduct(p);
+  if (increment.g.size() > 0) limited.increment.g += increment.g;
   return balance(W, limited);
 }
 

@@ -59,10 +59,8 @@ CentralPath::CentralPath(const CondensedProblem& problem)
     closes_[i] = std::isfinite(increment.gap[i]);
     if (closes_[i]) gap_[i] = increment.gap[i] * unit_[N];
     if (tangents(i) == 0 || !law.has_friction()) continue;
-    if (law.law == Law::tresca)
-      g_[i] = law.coefficient / unit_[N + 1];
-    else if (closes_[i])
-      mu_[i] = law.coefficient * unit_[N] / unit_[N + 1];
+    g_[i] = law.g / unit_[N + 1];
+    if (closes_[i]) mu_[i] = law.mu * unit_[N] / unit_[N + 1];
     rubs_[i] = mu_[i] > 0 || g_[i] > 0;
     symmetric_ = symmetric_ && !rubs_[i];
   }

@@ -136,13 +136,13 @@ bool SemismoothNewton::assemble() {
     b_[p] = rhs_[unknown_[p]];
     scale_[p] = 1 / std::sqrt(problem_.D[unknown_[p]]);
   }
-  // rows of slip: r_T = factor r_N + ..., factor = mu d, or r_T = g d + ...
+  // rows of slip: r_T = factor r_N + given d + ...
   for_each_slip([&](const Branch& n, Index i, Index p, Index t) {
-    const Real mu = coupled() && n.closed ? n.sign * laws.increment.mu[i] : 0;
+    const NodeLaw law = law_of(laws.increment, i);
     for (Index k = 0; k < t; ++k) {
-      factor_[p + k] = mu * n.d[k];
+      factor_[p + k] = n.slope(law) * n.d[k];
       normal_[p + k] = problem_.normal(i);
-      b_[p + k] -= mu != 0 ? factor_[p + k] * rhs_[normal_[p + k]] : n.g * n.d[k];
+      b_[p + k] -= factor_[p + k] * rhs_[normal_[p + k]] + law.g * n.d[k];
     }
   });
   M_.resize(size, size);

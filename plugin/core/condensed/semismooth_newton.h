@@ -49,7 +49,6 @@ class SemismoothNewton {
   Real rounding() const;
   Real unit(const Vector& r) const;
   std::size_t fingerprint() const;
-  bool coupled() const { return problem_.laws.increment.law == Law::coulomb; }
 
   const CondensedProblem& problem_;
   Vector c_;  ///< m, one scalar per node, so that the tangential frame does not matter

@@ -9,7 +9,7 @@ namespace frictioncg {
 ///   open    r_N = 0, and r_T = 0 (a given limit acts there, too)
 ///   closed  x_N = gap
 ///   stick   x_T = 0
-///   slip    r_T = g d + w (I - dd') x_T,  g = sign mu r_N or given
+///   slip    r_T = g d + w (I - dd') x_T,  g = given limit + slope r_N
 struct Branch {
   bool closed = true, stick = true;
   Real sign = 1;  ///< of r_N, where contact is bilateral
@@ -20,6 +20,9 @@ struct Branch {
   /// Stick or slip at the limit g, by y = r_T + c x_T. Near the limit w grows without bound: up to
   /// `most` times c.
   void choose_friction(const Tangent& y, Real limit, Real c, Real most);
+
+  /// Of the sliding limit over r_N.
+  Real slope(const NodeLaw& law) const { return closed ? sign * law.mu : 0; }
 
   /// w (I - dd'), symmetric positive semi-definite
   Eigen::Matrix2d stiffness() const {

@@ -3,6 +3,7 @@
 
 namespace frictioncg {
 
+/// What bounds friction: nothing rubs, |r_T| <= g, or |r_T| <= g + mu r_N.
 enum class Law { frictionless, tresca, coulomb };
 
 /// What changes from increment to increment: the load and the laws. Immutable for one solve.
@@ -14,7 +15,7 @@ struct Increment {
   Law law = Law::frictionless;
   bool bilateral = false;  ///< no separation
   Vector mu;               ///< m, >= 0, dimensionless; law coulomb
-  Vector g;                ///< m, >= 0 [force]; law tresca
+  Vector g;                ///< m, >= 0 [force]; law tresca, or coulomb, where empty is 0
   Real force_scale = 0;    ///< norm of the total load, in norm_D; > 0
   /// Norm of the external load on the free dofs, in norm_D: neither Dirichlet data nor u^{k-1} in
   /// it.

@@ -13,18 +13,14 @@ using Tangent = Eigen::Matrix<Real, Eigen::Dynamic, 1, 0, 2, 1>;
 /// force of the body on the obstacle, c > 0 any stiffness [force/length]:
 ///   normal:    min(c (gap - x_N), r_N) = 0;  bilateral: c (gap - x_N) = 0
 ///   friction:  r_T - proj_{|.| <= g}(r_T + c x_T) = 0
-///   g = mu max(r_N, 0) where closed, 0 where open;  bilateral mu |r_N|;  or given;  or 0
+///   g = given limit + mu max(r_N, 0);  bilateral: mu |r_N|;  open: the given limit alone
 struct NodeLaw {
-  Law law = Law::frictionless;
+  Real mu = 0;  ///< [1]
+  Real g = 0;   ///< given limit [force]
   bool bilateral = false;
-  Real coefficient = 0;  ///< mu [1], or the given limit [force]
 
-  /// Sliding limit g [force] of a node that is closed.
-  Real limit(Real r_N) const {
-    if (law == Law::frictionless) return 0;
-    if (law == Law::tresca) return coefficient;
-    return coefficient * (bilateral ? std::abs(r_N) : std::max(r_N, 0.0));
-  }
+  /// Sliding limit g + mu r_N [force] of a node that is closed.
+  Real limit(Real r_N) const { return g + mu * (bilateral ? std::abs(r_N) : std::max(r_N, 0.0)); }
 
   /// closing = c (gap - x_N) [force].
   Real normal_residual(Real closing, Real r_N) const {
@@ -37,19 +33,13 @@ struct NodeLaw {
   /// Sliding limit g [force]: a node that is open has no pressure, whatever rounding leaves of it.
   Real limit(Real closing, Real r_N) const { return limit(closed(closing, r_N) ? r_N : 0); }
 
-  bool has_friction() const { return law != Law::frictionless && coefficient > 0; }
+  bool has_friction() const { return mu > 0 || g > 0; }
 };
 
 inline NodeLaw law_of(const Increment& increment, Index i) {
-  switch (increment.law) {
-    case Law::frictionless:
-      break;
-    case Law::tresca:
-      return {increment.law, increment.bilateral, increment.g[i]};
-    case Law::coulomb:
-      return {increment.law, increment.bilateral, increment.mu[i]};
-  }
-  return {Law::frictionless, increment.bilateral, 0};
+  const bool rubs = increment.law != Law::frictionless;
+  return {increment.law == Law::coulomb ? increment.mu[i] : 0,
+          rubs && increment.g.size() > 0 ? increment.g[i] : 0, increment.bilateral};
 }
 
 /// r_T - proj_{|.| <= g}(r_T + c x_T): c x_T (up to the sign) where it sticks, what r_T misses of

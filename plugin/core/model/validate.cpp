@@ -141,7 +141,7 @@ void validate(const Increment& increment, const System& system) {
     require_each("mu", increment.mu, "contact node", is_nonnegative,
                  "a friction coefficient is a number >= 0: give 0 where nothing rubs");
   }
-  if (increment.law == Law::tresca) {
+  if (increment.law == Law::tresca || (increment.law == Law::coulomb && increment.g.size() > 0)) {
     require_size("g", Index(increment.g.size()), system.nodes(), "contact node");
     require_each("g", increment.g, "contact node", is_nonnegative,
                  "a sliding limit is a force >= 0: give 0 where nothing rubs");

@@ -59,9 +59,8 @@ Real Faces::limit(Index i, Real b_N) const { return law_of(increment_, i).limit(
 
 Eigen::Vector2d Faces::slip_force(Index i, const Vector& x, const Vector& b_C) const {
   const Branch& face = face_[i];
-  Real g = face.g;
-  if (increment_.law == Law::coulomb && !lagged_)
-    g = face.closed ? face.sign * increment_.mu[i] * b_C[normal(i)] : 0;
+  const NodeLaw law = law_of(increment_, i);
+  const Real g = lagged_ ? face.g : law.g + face.slope(law) * b_C[normal(i)];
   const Eigen::Vector2d x_T = tangent(x, system_.first[i] + 1, system_.tangents(i));
   return g * face.d + face.stiffness() * x_T;
 }
@@ -143,7 +142,6 @@ void Faces::residual(const Vector& x, const Vector& b_C, Eigen::Ref<Vector> s_C)
 }
 
 void Faces::jacobian(const Vector& z, const Vector& Az_C, Eigen::Ref<Vector> Jz_C) const {
-  const bool coupled = increment_.law == Law::coulomb && !lagged_;
   for (Index i = 0; i < system_.nodes(); ++i) {
     const Branch& face = face_[i];
     const Index N = normal(i), t = system_.tangents(i);
@@ -153,7 +151,7 @@ void Faces::jacobian(const Vector& z, const Vector& Az_C, Eigen::Ref<Vector> Jz_
       continue;
     }
     const Eigen::Vector2d z_T = tangent(z, system_.first[i] + 1, t);
-    const Real mu = coupled && face.closed ? face.sign * increment_.mu[i] : 0;
+    const Real mu = lagged_ ? 0 : face.slope(law_of(increment_, i));
     const Eigen::Vector2d law = face.stiffness() * z_T - mu * Az_C[N] * face.d;
     for (Index k = 0; k < t; ++k) Jz_C[N + 1 + k] = Az_C[N + 1 + k] + law[k];
   }

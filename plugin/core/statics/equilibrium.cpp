@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "linear_algebra.h"
+#include "model/law.h"
 #include "statics/floating.h"
 
 namespace frictioncg {
@@ -140,7 +141,8 @@ class Resistance {
       : W_(W.bottomRows(problem.contact_dofs())),
         work_(work),
         problem_(problem),
-        given_(problem.increment.law == Law::tresca),
+        given_(problem.increment.law != Law::frictionless &&
+               problem.system->largest(problem.increment.g.size()) > 0),
         unit_(work.norm()) {}
 
   Vector target() const {
@@ -167,14 +169,14 @@ class Resistance {
       Vector along = Vector::Zero(k + given_);  // a unit force against the slide
       if (slide > 0)
         along.head(k) = W_.middleRows(N + 1, t).transpose() * w.segment(N + 1, t) / slide;
-      if (given_) friction += increment.g[i] * along;
-      if (given_) pull -= increment.g[i] * slide;
+      const NodeLaw law = law_of(increment, i);
+      friction += law.g * along;
+      pull -= law.g * slide;
       if (!std::isfinite(increment.gap[i])) continue;
-      const Real mu = increment.law == Law::coulomb ? increment.mu[i] : 0;
       const Real sense = increment.bilateral && w[N] < 0 ? -1 : 1;
-      Vector column = mu * along;
+      Vector column = law.mu * along;
       column.head(k) += sense * W_.row(N).transpose();
-      most = std::max(most, sense * w[N] + mu * slide);
+      most = std::max(most, sense * w[N] + law.mu * slide);
       columns.push_back(column);
     }
     share(pull_of_load, friction);

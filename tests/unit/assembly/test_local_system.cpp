@@ -207,11 +207,13 @@ TEST(LocalSystem, VectorsOfAnotherSizeAreRefused) {
   EXPECT_EQ(refused(s.b, {}, s.laws()), "");
   EXPECT_NE(refused(Vector::Zero(3), {}, s.laws()).find("b has 3 values"), std::string::npos);
   EXPECT_NE(refused(s.b, Vector::Zero(1), s.laws()).find("u_old has 1"), std::string::npos);
-  EXPECT_NE(refused(s.b, {}, {Law::coulomb, false, {}, s.friction}).find("gap has 0"),
+  EXPECT_NE(refused(s.b, {}, {Law::coulomb, false, {}, s.friction, {}}).find("gap has 0"),
             std::string::npos);
-  EXPECT_NE(refused(s.b, {}, {Law::tresca, false, s.gap, {}}).find("friction has 0"),
+  EXPECT_NE(refused(s.b, {}, {Law::coulomb, false, s.gap, {}, {}}).find("mu has 0"),
             std::string::npos);
-  EXPECT_EQ(refused(s.b, {}, {Law::frictionless, false, s.gap, {}}), "");
+  EXPECT_NE(refused(s.b, {}, {Law::tresca, false, s.gap, {}, {}}).find("g has 0"),
+            std::string::npos);
+  EXPECT_EQ(refused(s.b, {}, {Law::frictionless, false, s.gap, {}, {}}), "");
 }
 
 TEST(LocalSystem, AnEntryWithoutItsMirrorImageIsRefusedWhereverItStands) {

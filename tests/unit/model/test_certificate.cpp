@@ -49,7 +49,7 @@ ContactProblem one_node(const Vector& k, Law law, Real coefficient) {
   p.increment.F = Vector::Zero(k.size());
   p.increment.gap = Vector::Zero(1);
   p.increment.law = law;
-  p.increment.mu = p.increment.g = Vector::Constant(1, coefficient);
+  (law == Law::tresca ? p.increment.g : p.increment.mu) = Vector::Constant(1, coefficient);
   return p;
 }
 

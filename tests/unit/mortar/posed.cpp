@@ -19,7 +19,7 @@ Answer solve_contact(const Scene& s, Real mu, const Settings& settings, bool uni
   laws.law = mu > 0 ? Law::coulomb : Law::frictionless;
   laws.bilateral = bilateral;
   laws.gap.resize(Index(points.size()));
-  laws.friction = Vector::Constant(Index(points.size()), mu);
+  laws.mu = Vector::Constant(Index(points.size()), mu);
   for (std::size_t k = 0; k < points.size(); ++k) laws.gap[Index(k)] = mortar.nodes()[k].gap;
   const LocalIncrement now = local.increment(assembled.b, u_old, laws);
   Solver solver(local.system());

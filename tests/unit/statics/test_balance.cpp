@@ -49,12 +49,14 @@ struct RandomBody {
     system->A.resize(2 * m, 2 * m);  // 0: all motions are rigid
     system->weight = Vector::Ones(2 * m);
     problem.system = system;
+    if (now.law == Law::coulomb && uniform(0, 1) < 0.5) now.g.resize(0);
   }
 
   /// By the linear program, with friction times a factor.
   bool held(Real factor) const {
     const Increment& now = problem.increment;
-    const int m = problem.nodes(), bounded = now.law == Law::tresca ? m : 0;
+    const int m = problem.nodes(), bounded = now.g.size() > 0 ? m : 0;
+    const Real of_pressure = now.law == Law::coulomb ? factor : 0;
     std::vector<Vector> columns;
     const auto add = [&](const Vector& force, int node) {
       columns.push_back(Vector::Zero(3 + bounded));
@@ -66,16 +68,12 @@ struct RandomBody {
     for (int i = 0; i < m; ++i) {
       const Vector N = W.row(2 * i), T = W.row(2 * i + 1);
       for (Real side : {-1.0, 1.0}) {
-        if (bounded == 0) {
-          add(N + side * factor * now.mu[i] * T, -1);
-          if (now.bilateral) add(-N + side * factor * now.mu[i] * T, -1);
-        } else {  // shares of the limit, that sum to at most 1
-          add(side * factor * now.g[i] * T, i);
-        }
+        add(N + side * of_pressure * now.mu[i] * T, -1);
+        if (now.bilateral) add(-N + side * of_pressure * now.mu[i] * T, -1);
+        // shares of the limit, that sum to at most 1
+        if (bounded > 0) add(side * factor * now.g[i] * T, i);
       }
       if (bounded == 0) continue;
-      add(N, -1);
-      if (now.bilateral) add(-N, -1);
       add(Vector::Zero(3), i);
       load[3 + i] = 1;
     }
