@@ -21,9 +21,8 @@ constexpr Real beyond_rounding = 1000;
 bool costs_negative_energy(const System& system, const Vector& p) {
   if (system.largest(p.size()) == 0) return false;
   Vector Ap;
-  system.multiply(p, Ap);
-  const Real energy = system.sum(p.dot(Ap)),
-             size = system.sum(p.cwiseAbs().dot(system.magnitude(p)));
+  const Vector sizes = system.multiply_sized(p, Ap);
+  const Real energy = system.sum(p.dot(Ap)), size = system.sum(p.cwiseAbs().dot(sizes));
   return energy < -beyond_rounding * std::numeric_limits<Real>::epsilon() * size;
 }
 

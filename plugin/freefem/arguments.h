@@ -82,8 +82,7 @@ class Arguments {
   }
   /// Before FreeFEM looks for the type of domain, which frictionCG-mpi alone has.
   static void refuse_domain(const basicAC_F0& args) {
-    const auto type = map_type.find(typeid(ContactDomainVariable*).name());
-    const bool known = type != map_type.end() && type->second;
+    const bool known = *parameters[p_domain].type != typeid(void);
     if (!known && args.find(parameters[p_domain].name).LeftValue())
       refuse(p_domain,
              "belongs to a problem that several processes share, which frictionCG has none of; "

@@ -51,8 +51,6 @@ enum Parameter {
   parameter_count
 };
 
-class ContactDomainVariable;  // of frictionCG-mpi alone
-
 inline basicAC_F0::name_and_type parameters[] = {
     {"mu", &typeid(double)},             // friction coefficient
     {"mu2", &typeid(double)},            // across direction, mu being along it
@@ -88,7 +86,7 @@ inline basicAC_F0::name_and_type parameters[] = {
     {"free", &typeid(long*)},            // out
     {"history", &typeid(KNM<double>*)},  // out
     {"times", &typeid(KN<double>*)},     // out [s]
-    {"domain", &typeid(ContactDomainVariable*)},  // of several processes
+    {"domain", &typeid(void)},           // of several processes: frictionCG-mpi has its type
 };
 static_assert(sizeof(parameters) / sizeof(*parameters) == parameter_count, "one name each");
 

@@ -99,6 +99,7 @@ inline void register_contactdomain() {
       },
       ::Destroy<ContactDomainVariable>);
   zzzfff->Add("contactdomain", atype<C>());
+  parameters[p_domain].type = &typeid(C);
   Global.Add("constructor", "(", new OneOperatorCode<MakeDomain>());
 }
 

@@ -5,7 +5,6 @@
 #include <map>
 
 #include "parts.h"
-#include "statics/floating.h"
 
 namespace frictioncg {
 

@@ -92,7 +92,7 @@ ProjectedCG::Events ProjectedCG::begin(const Vector& g, Tangents tangents, Real 
   least_ = stopping_.by_step() ? 0 : unreleased * bound / std::sqrt(Real(problem_.nodes()));
   it_.g = g;
   it_.faces.start(it_.x, g, tangents, rule_.stick_is_a_face());
-  residual_.noalias() = problem_.system->A * it_.x;
+  problem_.system->multiply(it_.x, residual_);
   residual_ = problem_.increment.F - residual_;
   it_.rows.start(residual_);
   P_->start(residual_);

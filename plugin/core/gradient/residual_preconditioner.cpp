@@ -37,7 +37,7 @@ const Vector& ResidualPreconditioner::z() const {
 void ResidualPreconditioner::direction(Real gamma, Vector& v) { v = z() + gamma * v; }
 
 Curvature ResidualPreconditioner::curvature(const Vector& v) {
-  Av_.noalias() = system_.A * v;
+  system_.multiply(v, Av_);
   return {Av_.dot(v), (D_.array() * v.array().square()).sum()};
 }
 
@@ -47,14 +47,7 @@ void ResidualPreconditioner::advance(Real rho, const Vector& v, Vector& x) {
   r_.head(interior_) += dr_.head(interior_);
 }
 
-/// The contact rows hold A_CI, and with it A_IC.
-void ResidualPreconditioner::move_contact(const Vector& dx_C) {
-  for (Index c = 0; c < dx_C.size(); ++c) {
-    if (dx_C[c] == 0) continue;
-    for (Matrix::InnerIterator a(system_.A, interior_ + c); a && a.col() < interior_; ++a)
-      r_[a.col()] -= a.value() * dx_C[c];
-  }
-}
+void ResidualPreconditioner::move_contact(const Vector& dx_C) { system_.move_contact(dx_C, r_); }
 
 Real ResidualPreconditioner::free_norm() const { return norm_D(system_, r_); }
 

@@ -116,7 +116,7 @@ void Sorp::relax_tangents(Vector& x, Index node, Real g, Change& change) const {
 Real Sorp::violation(const Vector& x, const Vector& g, Tangents tangents) {
   const Vector& w = problem_.system->weight;
   const Index interior = problem_.interior();
-  residual_.noalias() = problem_.system->A * x;
+  problem_.system->multiply(x, residual_);
   residual_ = problem_.increment.F - residual_;
   Real sum = (residual_.head(interior).array().square() / w.head(interior).array()).sum();
   for (Index i = 0; i < problem_.nodes(); ++i) {

@@ -27,32 +27,6 @@ constexpr Real grazing = 1e-10, vaguest = 1e-6;
 /// the displacement.
 constexpr Real still = 1e-6;
 
-/// r = F - Ax; returns |A||x|, whose rounding r carries.
-Vector residual_of(const ContactProblem& problem, const Vector& x_in, Vector& r) {
-  const Matrix& A = problem.system->A;
-  if (problem.system->processes) {
-    problem.system->multiply(x_in, r);
-    r = problem.increment.F - r;
-    return problem.system->magnitude(x_in);
-  }
-  r = problem.increment.F;
-  Vector size(r.size());
-  const Index* row = A.outerIndexPtr();
-  const Index* col = A.innerIndexPtr();
-  const Real *a = A.valuePtr(), *x = x_in.data();
-  for (Index i = 0; i < A.rows(); ++i) {
-    Real sum = 0, sum_of_sizes = 0;
-    for (Index k = row[i]; k < row[i + 1]; ++k) {
-      const Real product = a[k] * x[col[k]];
-      sum += product;
-      sum_of_sizes += std::abs(product);
-    }
-    r[i] -= sum;
-    size[i] = sum_of_sizes;
-  }
-  return size;
-}
-
 Real closing_force(const ContactProblem& problem, Index i, const Vector& x) {
   const Index N = problem.system->first[i];
   return problem.system->weight[N] * (problem.increment.gap[i] - x[N]);
@@ -101,7 +75,8 @@ Real forces_at_work(Real load, Real contact) {
 Certificate certify(const ContactProblem& problem, const Vector& x) {
   const Vector& w = problem.system->weight;
   Certificate c;
-  const Vector magnitude = residual_of(problem, x, c.r);
+  const Vector magnitude = problem.system->multiply_sized(x, c.r);
+  c.r = problem.increment.F - c.r;
   const Real rounding =
       std::hypot(problem.increment.rounding, epsilon * norm_D(*problem.system, magnitude));
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace frictioncg {
 
@@ -21,8 +22,63 @@ void System::multiply(const Vector& x, Vector& Ax) const {
     Ax.noalias() = A * x;
 }
 
-Vector System::magnitude(const Vector& x) const {
-  return processes ? processes->magnitude(x) : frictioncg::magnitude(A, x);
+Vector System::multiply_sized(const Vector& x_in, Vector& Ax) const {
+  if (processes) {
+    processes->multiply(x_in, Ax);
+    return processes->magnitude(x_in);
+  }
+  Ax.resize(A.rows());
+  Vector size(A.rows());
+  const Index* row = A.outerIndexPtr();
+  const Index* col = A.innerIndexPtr();
+  const Real *a = A.valuePtr(), *x = x_in.data();
+  for (Index i = 0; i < A.rows(); ++i) {
+    Real sum = 0, sum_of_sizes = 0;
+    for (Index k = row[i]; k < row[i + 1]; ++k) {
+      const Real product = a[k] * x[col[k]];
+      sum += product;
+      sum_of_sizes += std::abs(product);
+    }
+    Ax[i] = sum;
+    size[i] = sum_of_sizes;
+  }
+  return size;
+}
+
+void System::move_contact(const Vector& dx_C, Vector& r) const {
+  if (processes) {
+    Vector dx = Vector::Zero(dofs()), Adx;
+    dx.tail(dx_C.size()) = dx_C;
+    multiply(dx, Adx);
+    r -= Adx;
+    return;
+  }
+  for (Index c = 0; c < dx_C.size(); ++c) {
+    if (dx_C[c] == 0) continue;
+    for (Matrix::InnerIterator a(A, interior() + c); a; ++a) r[a.col()] -= a.value() * dx_C[c];
+  }
+}
+
+Bodies System::bodies() const { return processes ? processes->bodies() : bodies_of(A); }
+
+Bodies bodies_of(const Matrix& A) {
+  const Index n = static_cast<Index>(A.rows());
+  std::vector<Index> root(n);
+  std::iota(root.begin(), root.end(), 0);
+  const auto find = [&](Index i) {
+    while (root[i] != i) i = root[i] = root[root[i]];
+    return i;
+  };
+  for (Index i = 0; i < n; ++i)
+    for (Matrix::InnerIterator e(A, i); e && e.col() < i; ++e) {
+      if (e.value() == 0) continue;
+      const Index p = find(i), q = find(static_cast<Index>(e.col()));
+      root[std::max(p, q)] = std::min(p, q);
+    }
+  Bodies bodies{std::vector<Index>(n), 0};
+  for (Index i = 0; i < n; ++i)  // a root comes before the dofs it stands for
+    bodies.of[i] = find(i) == i ? bodies.count++ : bodies.of[find(i)];
+  return bodies;
 }
 
 Vector magnitude(const Matrix& A, const Vector& x) {

@@ -38,7 +38,16 @@ struct System {
 
   // Of all processes together, where there are several:
   void multiply(const Vector& x, Vector& Ax) const;  ///< Ax = A x
-  Vector magnitude(const Vector& x) const;           ///< |A||x|: what A x is summed of
+  /// The same; returns |A||x|: what A x is summed of.
+  Vector multiply_sized(const Vector& x, Vector& Ax) const;
+  /// r -= A dx, where dx_C (contact_dofs) alone is not 0, by the rows of what moved.
+  void move_contact(const Vector& dx_C, Vector& r) const;
+  Bodies bodies() const;
+  /// The vectors of all, one after the other.
+  Vector gathered(const Vector& own) const { return processes ? processes->gathered(own) : own; }
+  Vector combined(const Vector& own, const Processes::Both& both) const {
+    return processes ? processes->combined(own, both) : own;
+  }
   void sum(Real* values, Index count) const {
     if (processes) processes->sum(values, count);
   }
@@ -57,6 +66,9 @@ inline bool costs_no_energy(Real in_A, Real in_D, Real times = 1) {
   return in_A <= times * 1e-14 * in_D;
 }
 bool costs_no_energy(const System& system, const Vector& w);
+
+/// The bodies of a scene: parts of the graph of A that share no entry.
+Bodies bodies_of(const Matrix& A);
 
 /// |A||x|, the sum of the sizes of what Ax is summed of: rounding of Ax is about 2^-53 of it.
 Vector magnitude(const Matrix& A, const Vector& x);

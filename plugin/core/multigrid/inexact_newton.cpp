@@ -114,26 +114,13 @@ void InexactNewton::recompute_forces() {
   b_C_ = b_.tail(springs_.size()) + springs_.cwiseProduct((rest_ - x_).tail(springs_.size()));
 }
 
-/// x onto the faces, and b with it: by the columns of the dofs that moved, which are rows of A.
+/// x onto the faces, and b with it.
 void InexactNewton::move_onto_faces() {
   const Vector before = x_.tail(springs_.size());
   faces_.place(x_);
-  b_.tail(springs_.size()) = b_C_;
-  if (system_.processes) {
-    Vector moved = Vector::Zero(x_.size()), forces;
-    moved.tail(springs_.size()) = x_.tail(springs_.size()) - before;
-    system_.multiply(moved, forces);
-    b_ -= forces;
-    b_C_ = b_.tail(springs_.size()) - springs_.cwiseProduct(moved.tail(springs_.size()));
-    return;
-  }
-  for (Index c = 0; c < springs_.size(); ++c) {
-    const Index p = system_.interior() + c;
-    const Real moved = x_[p] - before[c];
-    if (moved == 0) continue;
-    b_[p] -= springs_[c] * moved;
-    for (Matrix::InnerIterator a(system_.A, p); a; ++a) b_[a.col()] -= a.value() * moved;
-  }
+  const Vector moved = x_.tail(springs_.size()) - before;
+  b_.tail(springs_.size()) = b_C_ - springs_.cwiseProduct(moved);
+  system_.move_contact(moved, b_);
   b_C_ = b_.tail(springs_.size());
 }
 

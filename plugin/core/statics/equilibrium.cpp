@@ -188,7 +188,6 @@ class Resistance {
   /// Every process gets the columns of all of them.
   void share(Real pull_of_load, Vector& friction) {
     const System& system = *problem_.system;
-    if (!system.processes) return;
     system.sum(friction.data(), static_cast<Index>(work_.size()));
     most = system.largest(most);
     pull = pull_of_load + system.sum(pull - pull_of_load);
@@ -196,7 +195,7 @@ class Resistance {
     Vector own(rows * static_cast<Index>(columns.size()));
     for (std::size_t i = 0; i < columns.size(); ++i)
       own.segment(static_cast<Index>(i) * rows, rows) = columns[i];
-    const Vector all = system.processes->gathered(own);
+    const Vector all = system.gathered(own);
     columns.clear();
     for (Index i = 0; i < all.size(); i += rows) columns.push_back(all.segment(i, rows));
   }

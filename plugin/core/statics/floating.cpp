@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "linear_algebra.h"
 
@@ -52,10 +51,6 @@ DenseMatrix gram(const System& system, const Bodies& bodies, const DenseMatrix& 
     sum.middleCols(k * bodies.of[i], k).noalias() += left.row(i).transpose() * right.row(i);
   system.sum(sum.data(), static_cast<Index>(sum.size()));
   return sum;
-}
-
-Bodies bodies_in(const System& system) {
-  return system.processes ? system.processes->bodies() : bodies_of(system.A);
 }
 
 /// The candidates of the system; no columns where it knows none, or none of use.
@@ -131,30 +126,10 @@ class RigidMotions {
 
 }  // namespace
 
-Bodies bodies_of(const Matrix& A) {
-  const Index n = static_cast<Index>(A.rows());
-  std::vector<Index> root(n);
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](Index i) {
-    while (root[i] != i) i = root[i] = root[root[i]];
-    return i;
-  };
-  for (Index i = 0; i < n; ++i)
-    for (Matrix::InnerIterator e(A, i); e && e.col() < i; ++e) {
-      if (e.value() == 0) continue;
-      const Index p = find(i), q = find(static_cast<Index>(e.col()));
-      root[std::max(p, q)] = std::min(p, q);
-    }
-  Bodies bodies{std::vector<Index>(n), 0};
-  for (Index i = 0; i < n; ++i)  // a root comes before the dofs it stands for
-    bodies.of[i] = find(i) == i ? bodies.count++ : bodies.of[find(i)];
-  return bodies;
-}
-
 DenseMatrix floating_motions(const System& system) {
   const DenseMatrix M = candidates_of(system);
   if (M.cols() == 0) return DenseMatrix(system.dofs(), 0);
-  const Bodies bodies = bodies_in(system);
+  const Bodies bodies = system.bodies();
   const DenseMatrix in_A = gram(system, bodies, M, product(system, M));
   const DenseMatrix in_D = gram(system, bodies, M, system.D.asDiagonal() * M);
   const Index k = static_cast<Index>(M.cols()), each = system.dimension == 2 ? 3 : 6;
@@ -194,7 +169,7 @@ DenseMatrix rigid_among(const System& system, const DenseMatrix& W) {
   if (j == 0) return W;
   const DenseMatrix M = candidates_of(system);
   if (M.cols() == 0) return W;
-  const Bodies bodies = bodies_in(system);
+  const Bodies bodies = system.bodies();
   const Index k = static_cast<Index>(M.cols());
   DenseMatrix all(W.rows(), k + j);
   all << M, W;

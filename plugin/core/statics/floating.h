@@ -5,9 +5,6 @@
 
 namespace frictioncg {
 
-/// The bodies of a scene: parts of the graph of A that share no entry.
-Bodies bodies_of(const Matrix& A);
-
 /// The rigid motions that A leaves free, body by body, among the candidates of the system: n x k,
 /// <Dw,w> = 1. No columns where the system knows no candidates, or has none of n rows. Costs a
 /// product with A for each candidate and for each motion of each body.

@@ -13,14 +13,13 @@ constexpr Real margin = 10;       ///< over what rounding leaves of a force
 
 /// The triangle of the rows of all processes, from that of each (k x k).
 DenseMatrix of_all_processes(const System& system, const DenseMatrix& R) {
-  if (!system.processes) return R;
   const Index k = static_cast<Index>(R.cols());
   const auto both = [k](const Vector& a, const Vector& b) -> Vector {
     DenseMatrix rows(2 * k, k);
     rows << a.reshaped(k, k), b.reshaped(k, k);
     return triangle(rows).reshaped();
   };
-  return system.processes->combined(R.reshaped(), both).reshaped(k, k);
+  return system.combined(R.reshaped(), both).reshaped(k, k);
 }
 
 }  // namespace
