@@ -2,6 +2,7 @@
 #include "freefem.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <string>
 #include <utility>
 #include <vector>
