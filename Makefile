@@ -35,7 +35,8 @@ FF_IDP     := /usr/include/freefem++/idp
 FF_PROGRAM := FreeFem++-nw
 PACKAGES   += freefem++ libfreefem++-dev
 endif
-FF_HEADER  := -isystem $(FF_INCLUDE)
+# FreeFEM's own operator new confuses this one warning.
+FF_FLAGS   := -Iplugin -isystem $(FF_INCLUDE) -Wno-mismatched-new-delete
 PREFIX     ?= $(FF_PREFIX)
 
 CORE      := $(wildcard plugin/core/*.cpp plugin/core/*/*.cpp plugin/core/*/*/*.cpp)
@@ -89,6 +90,7 @@ DEPENDS   := -MMD -MP
 PRECOMPILED := precompiled.h
 CORE_PCH     = $(PRECOMPILED:%=$(BUILD)/core/%)
 UNIT_PCH     = $(PRECOMPILED:%=$(BUILD)/unit/%)
+FF_PCH       = $(PRECOMPILED:%=$(BUILD)/freefem/%)
 # where ccache preprocesses, it reads the compiled one too
 READ        := -fpch-preprocess -include
 
@@ -100,14 +102,17 @@ $(BUILD)/unit/precompiled.h.gch: tests/unit/precompiled.h plugin/core/precompile
 	@mkdir -p $(@D) && cp $< $(@D)
 	$(CXX) $(FLAGS) -O1 -Iplugin -Itests -x c++-header $< -o $@
 
+$(BUILD)/freefem/precompiled.h.gch: plugin/freefem/precompiled.h plugin/core/precompiled.h Makefile
+	@mkdir -p $(@D) && cp $< $(@D)
+	$(CXX) $(FLAGS) $(FF_FLAGS) -x c++-header $< -o $@
+
 $(BUILD)/core/%.o: plugin/core/%.cpp Makefile $(CORE_PCH:=.gch)
 	@mkdir -p $(@D)
 	$(CXX) $(FLAGS) $(DEPENDS) $(CORE_FLAGS) $(addprefix $(READ) ,$(CORE_PCH)) -c $< -o $@
 
-# FreeFEM's own operator new confuses this one warning.
-$(BUILD)/frictionCG.o: plugin/frictionCG.cpp Makefile
+$(BUILD)/frictionCG.o: plugin/frictionCG.cpp Makefile $(FF_PCH:=.gch)
 	@mkdir -p $(@D)
-	$(CXX) $(FLAGS) $(DEPENDS) $(FF_HEADER) -Wno-mismatched-new-delete -c $< -o $@
+	$(CXX) $(FLAGS) $(DEPENDS) $(FF_FLAGS) $(addprefix $(READ) ,$(FF_PCH)) -c $< -o $@
 
 $(BUILD)/frictionCG.so: $(BUILD)/frictionCG.o $(OBJECTS)
 	$(CXX) -shared $(OWN_NEW) $(LDFLAGS) $^ -o $@ $(LIBS)
@@ -121,7 +126,8 @@ PETSC_DIR    ?= $(firstword $(wildcard /usr/lib/petscdir/petsc-real /usr/lib/pet
 PETSC_FLAGS   = $(shell pkg-config --cflags PETSc 2>/dev/null || echo -I$(PETSC_DIR)/include)
 PETSC_LIBS    = $(shell pkg-config --libs PETSc 2>/dev/null || echo -L$(PETSC_DIR)/lib -lpetsc)
 MPICXX       ?= mpicxx
-MPI_FLAGS     = $(patsubst -I%,-isystem %,$(filter-out -W%,$(PETSC_FLAGS)) $(shell $(MPICXX) --showme:compile))
+# No -D that precompiled headers have not been made with
+MPI_FLAGS     = $(patsubst -I%,-isystem %,$(filter-out -W% -D_FORTIFY_SOURCE%,$(PETSC_FLAGS)) $(shell $(MPICXX) --showme:compile))
 MPI_LIBS      = $(PETSC_LIBS) $(shell $(MPICXX) --showme:link)
 
 mpi: setup setup-mpi ## the plugin of several processes, on PETSc
@@ -130,13 +136,16 @@ mpi: setup setup-mpi ## the plugin of several processes, on PETSc
 setup-mpi:
 	@$(MAKE) --no-print-directory setup PACKAGES="$(MPI_PACKAGES)"
 
-$(BUILD)/distributed/%.o: plugin/mpi/%.cpp Makefile
+$(BUILD)/distributed/frictionCG-mpi.o: SEEN = $(FF_PCH)
+$(BUILD)/distributed/frictionCG-mpi.o: $(FF_PCH:=.gch)
+$(BUILD)/distributed/%.o: SEEN = $(CORE_PCH)
+$(BUILD)/distributed/%.o: plugin/mpi/%.cpp Makefile $(CORE_PCH:=.gch)
 	@mkdir -p $(@D)
-	$(CXX) $(FLAGS) $(DEPENDS) $(MPI_FLAGS) $(FF_HEADER) -Wno-mismatched-new-delete -c $< -o $@
+	$(CXX) $(FLAGS) $(DEPENDS) $(MPI_FLAGS) $(FF_FLAGS) $(addprefix $(READ) ,$(SEEN)) -c $< -o $@
 
 # Beside the plugin, for tests/bench/mpi3d.edp
 $(BUILD)/mpiUnit.so: tests/bench/distributed/mpiUnit.cpp $(MPI_OBJECTS) $(OBJECTS) $(HEADERS)
-	$(CXX) $(FLAGS) $(MPI_FLAGS) $(FF_HEADER) -Wno-mismatched-new-delete -Wno-shadow -Iplugin -shared $< \
+	$(CXX) $(FLAGS) $(MPI_FLAGS) $(FF_FLAGS) -Wno-shadow -shared $< \
 	  $(filter-out %/frictionCG-mpi.o,$(MPI_OBJECTS)) $(OBJECTS) -o $@ $(LIBS) $(MPI_LIBS)
 
 # For tests/scarce/one and tests/mpi/scarce
@@ -202,7 +211,7 @@ $(BUILD)/unit/%.o: tests/unit/%.cpp Makefile $(UNIT_PCH:=.gch)
 
 # The benchmarks run in FreeFEM, with one thread, in the same process as what they compare with.
 $(BUILD)/%.so: tests/bench/%.cpp $(OBJECTS) $(HEADERS)
-	$(CXX) $(FLAGS) $(FF_HEADER) -Wno-mismatched-new-delete -Wno-shadow -Wno-use-after-free -Iplugin -shared $< $(OBJECTS) -o $@ $(LIBS)
+	$(CXX) $(FLAGS) $(FF_FLAGS) -Wno-shadow -Wno-use-after-free -shared $< $(OBJECTS) -o $@ $(LIBS)
 
 bench: setup ## the paper's tables, and costs as ratios to one linear solve
 	@$(MAKE) --no-print-directory -j$$(nproc) all $(BENCHES:tests/bench/%.cpp=$(BUILD)/%.so) >/dev/null
