@@ -127,7 +127,13 @@ std::shared_ptr<Meeting> Meeting::of(MPI_Comm parent) {
   return made;
 }
 
-/// Whether the process before this one on the ring has said so.
+/// To the process after this one on the ring.
+void Meeting::say(int tag) const {
+  MPI_Request sent;
+  MPI_Isend(nullptr, 0, MPI_BYTE, after_, tag, communicator_, &sent);
+  MPI_Request_free(&sent);
+}
+/// Whether the process before this one has said so.
 bool Meeting::has_word(int tag) const {
   int found = 0;
   MPI_Iprobe(before_, tag, communicator_, &found, MPI_STATUS_IGNORE);
@@ -140,7 +146,7 @@ void Meeting::forget_words(int tag) {
 
 void Meeting::stay_away() {
   forget_words(away);
-  MPI_Send(nullptr, 0, MPI_BYTE, after_, away, communicator_);
+  say(away);
   for (MPI_Request& answer : answers_) {
     int free = 1;
     if (answer != MPI_REQUEST_NULL) MPI_Test(&answer, &free, MPI_STATUS_IGNORE);
@@ -168,7 +174,7 @@ void Meeting::wait_for_all(const char* name, MPI_Request& here) {
 }
 
 void Meeting::begin(const char* name, MPI_Request& here, const char* lost) {
-  MPI_Send(nullptr, 0, MPI_BYTE, after_, arrived, communicator_);
+  say(arrived);
   if (!lost)
     wait_for_all(name, here);
   else if (!arrive_in_time(here, patience))

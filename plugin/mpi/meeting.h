@@ -56,6 +56,7 @@ class Meeting {
 
  private:
   void wait_for_all(const char* name, MPI_Request& here);
+  void say(int tag) const;
   bool has_word(int tag) const;
   void forget_words(int tag);
 
