@@ -5,8 +5,8 @@
 //   SCARCE_SIZE  calls for fewer bytes are granted, and not counted
 //   SCARCE_ONCE  calls after that are granted
 // What Open MPI and GCC's OpenMP ask for is granted: the one crashes without, the other ends the
-// process itself. So are small blocks of PETSc's, whose tables of names do not look at what they
-// got.
+// process itself. So is what the C library asks for, which copies names for Open MPI, and small
+// blocks of PETSc's, whose tables of names do not look at what they got.
 // glibc's own functions are called by their inner names: looking them up would need memory.
 #include <dlfcn.h>
 
@@ -39,7 +39,8 @@ bool is_granted(const void* caller, std::size_t size) {
   Dl_info object;
   if (!dladdr(caller, &object) || !object.dli_fname) return false;
   if (size < of_tables && std::strstr(object.dli_fname, "libpetsc")) return true;
-  for (const char* name : {"openmpi", "libmpi", "libopen-", "libpmix", "libevent", "libgomp"})
+  for (const char* name :
+       {"libc.so", "openmpi", "libmpi", "libopen-", "libpmix", "libevent", "libgomp"})
     if (std::strstr(object.dli_fname, name)) return true;
   return false;
 }
