@@ -66,6 +66,8 @@ void load() {
   if (!take_buffer_of_blas()) end_all(MPI_COMM_WORLD, plugin_name, not_enough_memory);
   register_contactproblem();
   register_contactdomain();
+  // as an error of FreeFEM's: its end meets that of the process that could not, and mpirun of Open
+  // MPI hangs where others abort meanwhile
   if (mpisize > 1 && !meet_at_load())
     throw ErrorLoad(
         "frictionCG-mpi: not loaded on all processes; is it there for each of them, and memory for "
