@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "clock.h"
+#include "condensed/serial.h"
 #include "statics/floating.h"
 
 namespace frictioncg {
@@ -155,7 +156,10 @@ bool CholmodElimination::factorize(const System& system, UpperTriangle& A) {
   springs_.clear();
   std::size_t most_springs = 0;
   for (;;) {
-    const int ok = cholmod_factorize(&A.view, L_, &common_);
+    const int ok = [&] {
+      const Serial serial;
+      return cholmod_factorize(&A.view, L_, &common_);
+    }();
     const bool failed = common_.status == CHOLMOD_NOT_POSDEF;
     if (!failed) check(ok, common_);
     const Index* place = static_cast<const Index*>(L_->Perm);
