@@ -95,8 +95,7 @@ void Faces::start_from(const Branches& faces) {
   update_rows();
 }
 
-Index Faces::choose(const Vector& x, const Vector& b_C) {
-  Index changed = 0;
+void Faces::choose(const Vector& x, const Vector& b_C) {
   for (Index i = 0; i < system_.nodes(); ++i) {
     const Branch& now = face_[i];
     const Index N = normal(i);
@@ -105,11 +104,9 @@ Index Faces::choose(const Vector& x, const Vector& b_C) {
     Branch next =
         branch(i, closed, friction(i, x, b_C), limit(i, closed && now.closed ? b_C[N] : 0), x);
     next.sign = increment_.bilateral && b_C[N] < 0 ? -1 : 1;
-    changed += next.closed != now.closed || next.stick != now.stick;
     face_[i] = next;
   }
   update_rows();
-  return changed;
 }
 
 void Faces::update_rows() {

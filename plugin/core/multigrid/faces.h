@@ -20,12 +20,11 @@ class Faces {
   void start_from(const Branches& faces);  ///< m, of another increment
   const Branches& all() const { return face_; }
 
-  /// The branches that the laws ask for at x, b; the number of nodes whose branch changed.
-  Index choose(const Vector& x, const Vector& b_C);
+  /// The branches that the laws ask for at x, b.
+  void choose(const Vector& x, const Vector& b_C);
 
   /// Takes g of the slip rows as it was when the branches were chosen: the rows become symmetric.
   void lag(bool lagged) { lagged_ = lagged; }
-  bool lagged() const { return lagged_; }
 
   void place(Vector& x) const;  ///< x onto the faces: x_N = gap, x_T = 0
   /// Contact rows of the residual of the present linear system, 0 on fixed dofs.

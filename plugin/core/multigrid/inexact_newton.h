@@ -1,6 +1,7 @@
 #pragma once
 #include <limits>
 
+#include "model/proximal_springs.h"
 #include "multigrid/conjugate_residuals.h"
 #include "multigrid/faces.h"
 #include "settings.h"
@@ -16,37 +17,34 @@ class InexactNewton {
 
   /// From the branches of x0 (n), or where it is empty from the given ones, or where these are,
   /// too, from stick. Friction is to follow the slip to about tol, too, where rounding allows it.
-  /// converged: by the certificate; max_iterations; stagnated: neither a tighter
-  /// Gamma nor a new start reduces the violation.
+  /// converged: by the certificate; max_iterations; stagnated: neither further updates of the faces
+  /// nor springs reduce the violation.
   Status solve(Real tol, Index max_iterations, const Vector& x0, const Branches& start = {});
 
   /// For a caller who has another method, which costs as much as so many cycles. Ends, stagnated,
-  /// as soon as the residual of a linear system does not fall as it does by a good hierarchy, or so
-  /// slowly that tol would take more than that, or what the faces violate grows, as it does in
-  /// slender bodies.
-  void give_up_early(Real affordable_cycles) {
-    gives_up_early_ = true;
-    affordable_ = affordable_cycles;
-  }
+  /// as soon as the rate of a linear system promises more than that, or what the faces violate
+  /// grows, as it does in slender bodies.
+  void give_up_beyond(Real cycles) { affordable_ = cycles; }
 
   const Vector& x() const { return x_; }
   /// not_positive_definite: n, the direction.
   Vector negative() const { return inner_.indefinite() ? inner_.last() : Vector(); }
   const Branches& faces() const { return faces_.all(); }
   Index iterations() const { return iterations_; }  ///< cycles
-  Index updates() const { return updates_; }        ///< of the faces
   /// newton: the first cycle after an update of the faces; conjugate: the others.
   const StepCounts& steps() const { return steps_; }
 
  private:
+  static constexpr Real infinity = std::numeric_limits<Real>::infinity();
+
   void move_onto_faces();
   void recompute_forces();
   bool solve_faces();
-  bool costs_too_much(Real from, Index cycles, Real violation) const;
+  bool costs_too_much(Real from, Index cycles) const;
   void count(StepLabel label);
-  bool progress(bool solved, Real violation);
+  bool violation_falls(Real violation);
   Real spring_force() const;
-  void set_springs(Real over_D);
+  void attach_springs();
   bool release_springs();
   bool retreat(bool solved);
   bool accept(Real tol, bool held);
@@ -58,21 +56,24 @@ class InexactNewton {
   Observer* const observer_;
   Faces faces_;
   ConjugateResiduals inner_;
-  Vector x_, b_;                           ///< n; b = F - Ax, and the springs' force
-  Vector b_C_, s_;                         ///< contact dofs of b; n, residual of the linear system
-  Real spring_ = 0, least_spring_ = 1e-8;  ///< over D
-  Vector springs_;   ///< contact_dofs [force/length]: proximal, 0 until faces left a motion free
-  Vector accepted_;  ///< n, the last x that the certificate lets pass; or empty
-  Vector rest_;      ///< n, x where they are at rest
+  Vector x_, b_;                ///< n; b = F - Ax, and the springs' force
+  Vector b_C_, s_;              ///< contact dofs of b; n, residual of the linear system
+  Vector accepted_;             ///< n, the last x that the certificate lets pass; or empty
+  Real goal_ = 0;               ///< of residual and violation [norm_D]
+  Real affordable_ = infinity;  ///< cycles
+  bool gave_up_ = false;
+  /// Violations (norm_D) since the springs were set: after the first update, the least one, and the
+  /// updates since then.
+  Real first_violation_ = infinity, least_violation_ = infinity;
+  int updates_since_least_ = 0;
+
+  ProximalSprings proximal_;
+  Vector springs_;  ///< contact_dofs [force/length]; 0 until faces have left a motion free
+  Vector rest_;     ///< n, x where they are at rest
   Branches faces_at_rest_;
-  Real last_force_ = 0;             ///< of the springs, when they were released last
-  Real Gamma_ = 0.3;                ///< residual over violation at which faces are chosen anew
-  Real goal_ = 0, least_goal_ = 0;  ///< [norm_D]
-  Real first_ = std::numeric_limits<Real>::infinity(), best_ = first_,
-       drop_from_ = first_;  ///< violations
-  bool gives_up_early_ = false, gave_up_ = false;
-  Real affordable_ = std::numeric_limits<Real>::infinity();  ///< cycles
-  int without_progress_ = 0, without_drop_ = 0, retreats_ = 0, drifts_ = 0;
+  bool sprung_ = false;
+  int retreats_ = 0, soft_releases_ = 0;
+
   StepCounts steps_;
   Index iterations_ = 0, updates_ = 0, max_iterations_ = 0;
 };

@@ -17,7 +17,7 @@ constexpr Index most_iterations = 2000;
 /// The route costs so many cycles as a rule, set-up included: the unit of `allowance`.
 constexpr Real usual_iterations = 50;
 
-/// Of a matrix of this format [bytes].
+/// The memory of a matrix in its present format [bytes].
 double storage(const Matrix& A) {
   return (sizeof(Real) + sizeof(Index)) * double(A.nonZeros()) + sizeof(Index) * (A.rows() + 1.0);
 }
@@ -71,7 +71,7 @@ void MultigridSolver::iterate(const ContactProblem& problem, const Settings& set
                               const Vector& x0, Observer* observer, double allowance, Solution& s) {
   InexactNewton newton(problem, *hierarchy_, observer);
   const Real affordable = allowance * usual_iterations;
-  if (std::isfinite(affordable)) newton.give_up_early(affordable);
+  newton.give_up_beyond(affordable);
   const Index most = static_cast<Index>(std::min<Real>(affordable, most_iterations));
   const Index bound = std::min(settings.nbiter > 0 ? settings.nbiter : most, most);
   s.status = newton.solve(settings.tol, bound, x0, last_);
