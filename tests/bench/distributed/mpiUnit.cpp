@@ -1,5 +1,7 @@
-// Units of tests/bench/mpi3d.edp: what PETSc alone takes for the matrix of a contactproblem of several processes.
-//   real[int] t = petscUnits(P)   [CG with GAMG to 1e-8: set-up and solve, s; its iterations; one product A x, s]
+// Units of tests/bench/mpi3d.edp: what PETSc alone takes for the matrix of a contactproblem of
+// several processes.
+//   real[int] t = petscUnits(P)   [CG with GAMG to 1e-8: set-up and solve, s; its iterations; one
+//   product A x, s]
 #include "freefem/freefem.h"
 
 #include "freefem/contactproblem.h"
@@ -11,7 +13,8 @@ namespace {
 constexpr int products = 20;
 constexpr Real accuracy = 1e-8;
 
-/// Conjugate gradients on A x = b for a b of ones; A is positive definite where supports hold the body.
+/// Conjugate gradients on A x = b for a b of ones; A is positive definite where supports hold the
+/// body.
 PetscInt solve_linear(Mat A, Vec b, Vec x) {
   KSP ksp;
   PC pc;

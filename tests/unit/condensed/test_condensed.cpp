@@ -150,7 +150,8 @@ TEST(Condensed, FurtherPassesRefineTheFirstAndTheBestIsKept) {
     const Solution first = by_itself(1e-5);
     if (first.status != Status::converged || first.layer != Layer::newton) continue;
     const Real best = by_itself(1e-18).certificate.residual;
-    // Newton keeps the best by the laws on the contact dofs; the certificate's own rounding is 1e-12 here.
+    // Newton keeps the best by the laws on the contact dofs; the certificate's own rounding is
+    // 1e-12 here.
     EXPECT_LE(best, std::max(first.certificate.residual, 1e-12)) << recipe;
     ++solved;
     refined += best < first.certificate.residual;
