@@ -59,7 +59,9 @@ Vector bounds(const CondensedProblem& problem, const DenseMatrix& W) {
   for (Index i = 0; i < m; ++i)
     for (Index j = 0; j < m; ++j) {
       const Index first = dofs.begin[j], t = dofs.begin[j + 1] - first;
-      M(i, j) -= increment.mu[j] * H.col(i).segment(first, t).norm();
+      const Real unit = H.col(i).segment(first, t).norm();
+      M(i, j) -= increment.mu[j] * unit;
+      if (increment.g.size() > 0) N0[i] += increment.g[j] * unit;
     }
   const Vector p = LU(M).solve(N0);
   if (!p.allFinite() || !(p.array() > 0).all()) return {};
