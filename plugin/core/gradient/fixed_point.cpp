@@ -125,7 +125,7 @@ bool FixedPoint::update_sliding_limit() {
   return true;
 }
 
-/// G(g) = mu max(r_N, 0); returns |G(g) - g| in norm_D over the scale.
+/// G(g) = given limit + mu max(r_N, 0); returns |G(g) - g| in norm_D over the scale.
 Real FixedPoint::measure_image() {
   image_ = sliding_limits();
   Real sum = 0;
@@ -204,8 +204,8 @@ Real FixedPoint::displacement_scale() const {
   return (F.cwiseAbs().array() / D.array()).maxCoeff() + std::numeric_limits<Real>::min();
 }
 
-/// mu max(r_N, 0) at the present x; 0 where the node is open: what rounding leaves of its r_N is no
-/// pressure, however large mu.
+/// Given limit + mu max(r_N, 0) at the present x; r_N = 0 where the node is open: what rounding
+/// leaves of it is no pressure, however large mu.
 Vector FixedPoint::sliding_limits() const {
   const System& system = *problem_.system;
   Vector g(problem_.nodes());

@@ -364,6 +364,24 @@ TEST(OsculatingQuadric, IsNoneWhereItLeansFromTheMeanNormal) {
   EXPECT_TRUE(osculating_quadric(2, along, Vec3::UnitX()));
 }
 
+TEST(OsculatingQuadric, IsAPlaneWhereNoPointTellsMore) {
+  for (Real t : {0.1, 0.3, 0.7}) {
+    EXPECT_EQ(osculating_quadric(2, {Vec3(t / 3, 1, 0)}, Vec3::UnitX())->curvature.norm(), 0);
+    const std::vector<Vec3> two = {Vec3(1, t / 3, t / 7), Vec3(t / 5, 1, -t / 9)};
+    EXPECT_EQ(osculating_quadric(3, two, Vec3::UnitZ())->curvature.norm(), 0);
+  }
+}
+
+TEST(OsculatingQuadric, OfASaddleIsItsTwistWhereNoCurvatureMakesItDevelopable) {
+  // on two lines that cross, x^2 and y^2 are one
+  for (Real turn : {0.1, 0.2, 0.3, 0.5}) {
+    const Vec3 a(std::cos(turn), std::sin(turn), 0.1), b(-std::sin(turn), std::cos(turn), -0.1);
+    const std::vector<Vec3> around = {a, Vec3(-a[0], -a[1], 0.1), b, Vec3(-b[0], -b[1], -0.1)};
+    const Vec3 lines = osculating_quadric(3, around, Vec3::UnitZ())->curvature * a;
+    EXPECT_LT((lines - 0.2 / 1.01 * Vec3(a[0], a[1], 0)).norm(), 1e-2) << turn;
+  }
+}
+
 TEST(SmoothNormals, OfCancellingFacetsAreNone) {
   Faceted s;
   s.X = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1e-3, 0)};
