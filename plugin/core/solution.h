@@ -9,7 +9,8 @@ namespace frictioncg {
 enum class Route {
   iterative,  ///< a method of the paper on A
   condensed,  ///< one factorization, then the laws on the contact dofs
-  multigrid   ///< Newton steps on A, preconditioned by multigrid
+  multigrid,  ///< Newton steps on A, preconditioned by multigrid
+  sparse      ///< Newton steps on A, or a central path, by a sparse factor for each
 };
 
 /// Which layer answered: a fallback that did shows here.
@@ -23,7 +24,9 @@ enum class Layer {
   gcx,             ///< stick as a face, on A
   gc,              ///< GC1, GC2 or GC3, on A
   sorp,
-  multigrid  ///< inexact Newton steps on A, preconditioned by multigrid
+  multigrid,      ///< inexact Newton steps on A, preconditioned by multigrid
+  sparse_newton,  ///< Newton steps on A, each with its own factor
+  sparse_interior_point  ///< the same, from the end of the central path on A
 };
 
 /// The levels of a multigrid preconditioner; none where there is no such preconditioner.

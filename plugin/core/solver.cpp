@@ -15,6 +15,7 @@
 #include "gradient/sorp.h"
 #include "model/validate.h"
 #include "multigrid/multigrid_solver.h"
+#include "sparse/sparse_solver.h"
 #include "statics/floating.h"
 
 namespace frictioncg {
@@ -27,6 +28,9 @@ constexpr Real rounding = 1e-10;
 /// Rounding that leaves more than this belongs to a field that has run away, and says nothing of
 /// another: 0.05 to 4 in degenerate scenes, up to 1e-4 on slender, nearly incompressible beams.
 constexpr Real runaway_rounding = 1e-3;
+
+/// Flops of a dense factor from which on another ordering of A is looked at.
+constexpr double worth_an_ordering = 1e8;
 
 /// Where no factor can be had, the alternative to multigrid is a gradient method: multigrid may
 /// then cost so many times what it does as a rule, which is more than it ever does.
@@ -118,7 +122,8 @@ Status replace_if_better(Solution& s, Solution t) {
   return status;
 }
 
-/// Where the condensed route fails short of rounding, stick as a face on A itself: it needs no
+/// Where the condensed route ends at rounding, no method comes nearer, but the load may still be
+/// shown to have no answer. Where it fails short of it, stick as a face on A itself: it needs no
 /// factor, which a nearly singular A spoils. It takes what the condensed route has left of the
 /// bound on the iterations.
 void try_without_factor(const ContactProblem& problem, const Settings& settings, Observer* observer,
@@ -150,6 +155,7 @@ Plan make_plan(const ContactProblem& problem, const Settings& settings) {
   if (may_replace_a_factor(settings)) {
     plan.costs = estimate_costs(*problem.system);
     if (plan.costs.multigrid < plan.costs.condensed) plan.route = Route::multigrid;
+    if (plan.costs.sparse < plan.costs.condensed) plan.route = Route::sparse;
   }
   plan.dofs = problem.dofs();
   plan.nodes = problem.nodes();
@@ -199,6 +205,8 @@ Solution Solver::by_route(const ContactProblem& problem, const Settings& setting
       if (factored_ && may_replace_a_factor(settings))  // the hierarchy was poor
         return by_condensation(problem, settings, x0, observer);
       return by_multigrid(problem, settings, x0, plan.costs, observer);
+    case Route::sparse:
+      return by_sparse_factors(problem, settings, x0, observer);
   }
   return iterate(problem, settings, x0, observer, floating_);
 }
@@ -209,7 +217,11 @@ Solution Solver::by_condensation(const ContactProblem& problem, const Settings& 
                                  const Vector& x0, Observer* observer) {
   if (!condense(settings, observer))
     return iterate(problem, without_factor(settings), x0, observer, floating_);
-  Solution s = condensed_->solve(problem, settings, x0, observer);
+  const auto path = [&](Index max_steps) -> std::optional<Solution> {
+    if (max_steps <= 0 || !is_cheaper_on_A(settings)) return std::nullopt;
+    return sparse_->follow_path(problem, settings, max_steps, observer);
+  };
+  Solution s = condensed_->solve(problem, settings, x0, observer, path);
   if (settings.newton) try_without_factor(problem, settings, observer, floating_, s);
   if (!factor_reported_) {
     factor_reported_ = true;
@@ -233,14 +245,40 @@ Solution Solver::by_multigrid(const ContactProblem& problem, const Settings& set
     multigrid_ = std::make_unique<MultigridSolver>(system_);
   }
   if (!multigrid_->has_hierarchy()) return by_condensation(problem, rest, x0, observer);
-  Solution s = multigrid_->solve(problem, settings, x0, observer, allowance(settings, costs));
+  return or_by_condensation(
+      multigrid_->solve(problem, settings, x0, observer, allowance(settings, costs)), problem, rest,
+      observer);
+}
+
+/// Sparse factors of A; where they do not arrive, or do not fit, the condensed route.
+Solution Solver::by_sparse_factors(const ContactProblem& problem, const Settings& settings,
+                                   const Vector& x0, Observer* observer) {
+  if (!sparse_) sparse_ = std::make_unique<SparseSolver>(system_);
+  if (!sparse_->laid_out() || sparse_->bytes() > settings.memory)
+    return by_condensation(problem, settings, x0, observer);
+  return or_by_condensation(sparse_->solve(problem, settings, x0, observer), problem, settings,
+                            observer);
+}
+
+/// s, or where it decides nothing short of rounding, what the condensed route and those after it
+/// find with what it has left of the bound on the iterations.
+Solution Solver::or_by_condensation(Solution s, const ContactProblem& problem, Settings rest,
+                                    Observer* observer) {
   if (decided(s) || s.certificate.residual <= rounding) return s;
-  const Index left = bound_of(problem, settings) - s.iterations;
-  rest.nbiter = left;
-  const Status last = left > 0 ? replace_if_better(s, by_condensation(problem, rest, {}, observer))
-                               : Status::max_iterations;
-  if (!decided(s)) s.status = last;  // it says why, not multigrid, which gave way
+  rest.nbiter = bound_of(problem, rest) - s.iterations;
+  const Status last = rest.nbiter > 0
+                          ? replace_if_better(s, by_condensation(problem, rest, {}, observer))
+                          : Status::max_iterations;
+  if (!decided(s)) s.status = last;  // it says why, not the route that gave way
   return s;
+}
+
+/// Whether a sparse factor of A is cheaper than a dense one of S, and fits.
+bool Solver::is_cheaper_on_A(const Settings& settings) {
+  const double dense = std::pow(double(system_->contact_dofs()), 3) / 3;
+  if (dense < worth_an_ordering) return false;
+  if (!sparse_) sparse_ = std::make_unique<SparseSolver>(system_);
+  return sparse_->laid_out() && sparse_->bytes() <= settings.memory && sparse_->flops() < dense;
 }
 
 /// What the condensed route costs, over multigrid as a rule: infinite where the latter is named.

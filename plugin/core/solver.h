@@ -28,6 +28,7 @@ std::unique_ptr<TrescaSolver> make_tresca_solver(const ContactProblem& problem,
 
 class CondensedSolver;
 class MultigridSolver;
+class SparseSolver;
 
 /// Solves increment after increment of one system: a factorization, or a hierarchy, is made at the
 /// first call that wants it, and kept.
@@ -54,6 +55,11 @@ class Solver {
                            const Vector& x0, Observer* observer);
   Solution by_multigrid(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                         const Costs& costs, Observer* observer);
+  Solution by_sparse_factors(const ContactProblem& problem, const Settings& settings,
+                             const Vector& x0, Observer* observer);
+  Solution or_by_condensation(Solution s, const ContactProblem& problem, Settings rest,
+                              Observer* observer);
+  bool is_cheaper_on_A(const Settings& settings);
   double allowance(const Settings& settings, const Costs& costs) const;
   bool condense(const Settings& settings, Observer* observer);
   [[noreturn]] void refuse_memory(double given) const;
@@ -66,6 +72,7 @@ class Solver {
   bool factor_reported_ = false;  ///< a solution has told what the factorization took
   bool indefinite_ = false;       ///< A has no factor, whatever the memory
   std::unique_ptr<MultigridSolver> multigrid_;
+  std::unique_ptr<SparseSolver> sparse_;
 };
 
 /// One problem, solved once.

@@ -140,6 +140,8 @@ inline void report_plan(const Arguments& args, const Scene& scene, const Contact
   if (s.method == Method::automatic && plan.route == Route::multigrid)
     std::cout << " by multigrid: about 1/"
               << std::round(plan.costs.condensed / plan.costs.multigrid) << " of a factorization";
+  if (s.method == Method::automatic && plan.route == Route::sparse)
+    std::cout << " by sparse factors, the bodies being slender";
   if (plan.regularization) std::cout << ", " << name_of(s.reg, regularizations);
   report_left_out(args, scene, plan);
   std::cout << "; version " << version << std::endl;

@@ -20,7 +20,7 @@ constexpr const char* work_names[works] = {
     "the factorization",
     "the multigrid hierarchy",
     "Newton on the condensed laws",
-    "the interior point on the condensed laws",
+    "the interior point",
     "Newton on the condensed laws, with springs that vanish",
     "the regularized conjugate gradient on the condensed system"};
 

@@ -114,6 +114,10 @@ inline const char* name_of(Layer layer) {
       return "SORP on A";
     case Layer::multigrid:
       return "Newton on A, preconditioned by multigrid";
+    case Layer::sparse_newton:
+      return "Newton on A, by sparse factors";
+    case Layer::sparse_interior_point:
+      return "an interior point on A, by sparse factors, with Newton after it";
   }
   return "unknown";
 }

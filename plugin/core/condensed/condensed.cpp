@@ -43,6 +43,7 @@ struct CondensedSolver::Run {
   bool asked = false;         ///< whether the load can be held
   DenseMatrix rigid = {};     ///< n x k, found where it was asked for
   Observer* observer = nullptr;
+  const PathOnA* path = nullptr;
 
   Index left() const { return bound - s.iterations; }
 };
@@ -51,7 +52,7 @@ CondensedSolver::CondensedSolver(SystemPtr system)
     : system_(std::move(system)), elimination_(std::make_unique<CholmodElimination>()) {}
 
 Solution CondensedSolver::solve(const ContactProblem& problem, const Settings& settings,
-                                const Vector& x0, Observer* observer) {
+                                const Vector& x0, Observer* observer, const PathOnA& path) {
   Run run{problem,
           settings,
           bound_of(problem, settings),
@@ -60,6 +61,7 @@ Solution CondensedSolver::solve(const ContactProblem& problem, const Settings& s
           Vector::Zero(problem.contact_dofs()),
           {}};
   run.observer = observer;
+  run.path = &path;
   Solution& s = run.s;
   s.route = Route::condensed;
   if (unheld(run, balance(elimination_->floating(), problem)))
@@ -152,9 +154,16 @@ Attempt CondensedSolver::solve_laws(Run& run, const CondensedProblem& condensed,
     return a;
   }
   run.asked = true;
-  a = by_interior_point(condensed, run.left());
-  s.iterations += a.steps;
-  if (a.solved) return answered(Layer::interior_point);
+  if (const auto on_A = *run.path ? (*run.path)(run.left()) : std::nullopt) {
+    s.iterations += on_A->iterations;
+    a.x = on_A->x.tail(condensed.f.size());
+    a.solved = on_A->status == Status::converged;
+    if (a.solved) return answered(Layer::sparse_interior_point);
+  } else {
+    a = by_interior_point(condensed, run.left());
+    s.iterations += a.steps;
+    if (a.solved) return answered(Layer::interior_point);
+  }
   a = by_proximal_points(condensed, run.left());
   s.iterations += a.steps;
   // what ended a layer says nothing about the bound of the call

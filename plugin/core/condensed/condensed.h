@@ -1,5 +1,7 @@
 #pragma once
+#include <functional>
 #include <memory>
+#include <optional>
 
 #include "condensed/attempt.h"
 #include "condensed/elimination.h"
@@ -12,6 +14,9 @@ namespace frictioncg {
 /// loads, gaps and laws; then contact and friction on the dense S alone.
 class CondensedSolver {
  public:
+  /// A central path on A, of at most so many steps, where that is cheaper than on S; else nothing.
+  using PathOnA = std::function<std::optional<Solution>(Index max_steps)>;
+
   explicit CondensedSolver(SystemPtr system);
 
   Elimination::Outcome factor(double memory_bound) {
@@ -23,7 +28,7 @@ class CondensedSolver {
   /// point on S. x0: n, or empty to start from the last answer. problem.system is the one that was
   /// factored.
   Solution solve(const ContactProblem& problem, const Settings& settings, const Vector& x0,
-                 Observer* observer = nullptr);
+                 Observer* observer = nullptr, const PathOnA& path = {});
 
   const Elimination& elimination() const { return *elimination_; }
 

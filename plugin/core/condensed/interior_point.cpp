@@ -40,19 +40,24 @@ Real room_in_cone(Real h, const Tangent& v, Real dh, const Tangent& dv) {
 }  // namespace
 
 CentralPath::CentralPath(const CondensedProblem& problem)
-    : problem_(problem),
-      nodes_(problem.laws.nodes()),
-      unit_(problem.D.cwiseSqrt()),
-      f_(problem.f.cwiseQuotient(unit_)),
+    : CentralPath(problem.laws, std::make_unique<DensePathMatrix>(problem), problem.f, problem.D,
+                  problem.observer) {}
+
+CentralPath::CentralPath(const ContactProblem& laws, std::unique_ptr<PathMatrix> K, const Vector& f,
+                         const Vector& D, Observer* observer)
+    : problem_(laws),
+      K_(std::move(K)),
+      observer_(observer),
+      nodes_(laws.nodes()),
+      offset_(laws.dofs() - static_cast<Index>(f.size())),
+      unit_(D.cwiseSqrt()),
+      f_(f.cwiseQuotient(unit_)),
       gap_(Vector::Zero(nodes_)),
       mu_(gap_),
       g_(gap_),
       closes_(nodes_, 0),
       rubs_(nodes_, 0) {
-  const Increment& increment = problem.laws.increment;
-  const Vector inverse = unit_.cwiseInverse();
-  K_ = inverse.asDiagonal() * problem.S * inverse.asDiagonal();
-  K_.diagonal().array() += problem.springs;
+  const Increment& increment = laws.increment;
   for (Index i = 0; i < nodes_; ++i) {
     const Index N = normal(i);
     const NodeLaw law = law_of(increment, i);
@@ -68,13 +73,13 @@ CentralPath::CentralPath(const CondensedProblem& problem)
 
 /// Near the least of the energy, where every node sees a weak spring to its gap.
 bool CentralPath::start() {
-  M_ = K_;
-  M_.diagonal().array() += first_shift;
-  const Cholesky llt(M_);
-  if (!llt.found()) return false;
+  PathLaws springs;
+  springs.diagonal = Vector::Zero(f_.size());
+  springs.diagonal.tail(problem_.contact_dofs()).setConstant(first_shift);
+  if (!K_->factor(springs)) return false;
   Vector b = f_;
   for (Index i = 0; i < nodes_; ++i) b[normal(i)] += first_shift * gap_[i];
-  at_.y = llt.solve(b);
+  at_.y = K_->solve(b);
   at_.s = at_.N = at_.t = Vector::Zero(nodes_);
   at_.T = Vector::Zero(at_.y.size());
   make_positive();
@@ -131,53 +136,28 @@ Real CentralPath::mean_product(const Point& p) const {
 
 /// M = K + what the laws add; false where it cannot be factored.
 bool CentralPath::factor() {
-  M_ = K_;
+  PathLaws laws{Vector::Zero(f_.size()), friction_.B, Vector::Zero(f_.size()), symmetric_};
   for (Index i = 0; i < nodes_; ++i) {
     const Index N = normal(i), T = N + 1, d = tangents(i);
-    M_(N, N) += closes_[i] ? omega_[i] : proximal;
-    if (!rubs_[i]) {
-      M_.diagonal().segment(T, d).array() += proximal;
-      continue;
-    }
-    M_.block(T, T, d, d) += friction_.B.block(T, 0, d, d);
-    M_.block(T, N, d, 1) += friction_.e.segment(T, d) * omega_[i];
+    laws.diagonal[N] = closes_[i] ? omega_[i] : proximal;
+    if (rubs_[i])
+      laws.by_normal.segment(T, d) = friction_.e.segment(T, d) * omega_[i];
+    else
+      laws.diagonal.segment(T, d).setConstant(proximal);
   }
-  if (!(M_.diagonal().minCoeff() > 0) || !M_.allFinite()) return false;
-  scale_ = M_.diagonal().cwiseSqrt().cwiseInverse();
-  M_ = scale_.asDiagonal() * M_ * scale_.asDiagonal();
-  if (symmetric_) return llt_.emplace(M_).found();
-  single_.reset();
-  if (M_.rows() >= large && !fine_)
-    single_ = std::make_unique<const SinglePrecision>(M_);
-  else
-    lu_.emplace(M_);
-  return true;
-}
-
-/// dy = M^{-1} b
-Vector CentralPath::solve(const Vector& b) {
-  const Vector scaled = scale_.cwiseProduct(b);
-  if (symmetric_) return scale_.cwiseProduct(llt_->solve(scaled));
-  if (single_) {
-    const Vector y = single_->solve(scaled);
-    if (y.size() > 0) return scale_.cwiseProduct(y);
-    fine_ = true;
-    single_.reset();
-    lu_.emplace(M_);
-  }
-  return scale_.cwiseProduct(lu_->solve(scaled));
+  return K_->factor(laws);
 }
 
 /// The step of the linear laws.
 CentralPath::Point CentralPath::step() {
   Point d;
-  Vector b = f_ - K_ * at_.y - at_.T - friction_.a;
+  Vector b = f_ - K_->multiply(at_.y) - at_.T - friction_.a;
   for (Index i = 0; i < nodes_; ++i) {
     if (closes_[i]) b[normal(i)] -= at_.N[i] + alpha_[i];
     b.segment(normal(i) + 1, tangents(i)) -=
         friction_.e.segment(normal(i) + 1, tangents(i)) * alpha_[i];
   }
-  d.y = solve(b);
+  d.y = K_->solve(b);
   d.s = d.N = d.t = Vector::Zero(nodes_);
   d.T = friction_.a;
   for (Index i = 0; i < nodes_; ++i) {
@@ -221,7 +201,7 @@ void CentralPath::move(Point& p, const Point& d, Real part) const {
 }
 
 Index CentralPath::follow(Index max_steps) {
-  if (problem_.laws.increment.bilateral || !start()) return 0;
+  if (problem_.increment.bilateral || !start()) return 0;
   Real mark = mean_product(at_);
   const Real goal = far_down * mark;
   Index steps = 0;
@@ -233,7 +213,7 @@ Index CentralPath::follow(Index max_steps) {
       mark = mean;
     }
     ++steps;
-    if (problem_.observer) problem_.observer->step(Work::interior_point, far_down * mean / goal);
+    if (observer_) observer_->step(Work::interior_point, far_down * mean / goal);
     linearize(0, nullptr);
     if (!factor()) break;
     const Point predictor = step();

@@ -1,10 +1,8 @@
 #pragma once
 #include <memory>
-#include <optional>
 
 #include "condensed/attempt.h"
-#include "condensed/single_precision.h"
-#include "factorization.h"
+#include "condensed/path_matrix.h"
 
 namespace frictioncg {
 
@@ -19,6 +17,10 @@ class CentralPath {
  public:
   explicit CentralPath(const CondensedProblem& problem);
 
+  /// On the last dofs of a problem, or on all of them. K: as f and x, in units of D^{1/2}; D > 0.
+  CentralPath(const ContactProblem& laws, std::unique_ptr<PathMatrix> K, const Vector& f,
+              const Vector& D, Observer* observer);
+
   /// Along the path towards its end; returns the steps it took. Where it cannot start, and for
   /// bilateral contact, none.
   Index follow(Index max_steps);
@@ -28,11 +30,11 @@ class CentralPath {
  private:
   /// A point of the path, or a step between two; r_N apart from r_T.
   struct Point {
-    Vector y, s, N, T, t;  ///< contact_dofs, m, m, contact_dofs (its tangential part), m
+    Vector y, s, N, T, t;  ///< n, m, m, n (its tangential part), m
   };
   /// dr_T = a + B dx_T + e dr_N, what the laws of a node leave of friction.
   struct Friction {
-    Vector a, e;    ///< contact_dofs
+    Vector a, e;    ///< n
     DenseMatrix B;  ///< d - 1 columns: the blocks of the nodes, one below the other
     Vector rest;    ///< m, right side of the law that has dt
   };
@@ -40,27 +42,22 @@ class CentralPath {
   void make_positive();
   Real mean_product(const Point& p) const;
   bool factor();
-  Vector solve(const Vector& b);
   void linearize(Real tau, const Point* before);
   void linearize_friction(Index i, Real tau, const Point* before);
   Point step();
   Real room(const Point& d) const;
   void move(Point& p, const Point& d, Real part) const;
   Real limit(Index i, const Point& p) const { return mu_[i] * p.N[i] + g_[i]; }
-  Index normal(Index i) const { return problem_.normal(i); }
-  Index tangents(Index i) const { return problem_.laws.tangents(i); }
+  Index normal(Index i) const { return problem_.system->first[i] - offset_; }
+  Index tangents(Index i) const { return problem_.tangents(i); }
 
-  const CondensedProblem& problem_;
-  const Index nodes_;
+  const ContactProblem& problem_;
+  const std::unique_ptr<PathMatrix> K_;
+  Observer* const observer_;
+  const Index nodes_, offset_;      ///< dofs that the path leaves out come first
   Vector unit_, f_, gap_, mu_, g_;  ///< unit = D^{1/2}; the others in its units
   std::vector<char> closes_, rubs_;
   bool symmetric_ = true;
-  DenseMatrix K_, M_;
-  Vector scale_;                 ///< of M, D^{-1/2}
-  std::optional<Cholesky> llt_;  ///< in M, as are lu and, beside it, single
-  std::optional<LU> lu_;
-  std::unique_ptr<const SinglePrecision> single_;
-  bool fine_ = false;     ///< single precision does not do any more
   Vector alpha_, omega_;  ///< m: dr_N = alpha + omega dx_N
   Friction friction_;
   Point at_;

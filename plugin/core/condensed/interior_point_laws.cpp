@@ -7,7 +7,7 @@ namespace frictioncg {
 /// The laws of all nodes, linear in dy, for a target tau; before: the predictor, whose products
 /// they take into account.
 void CentralPath::linearize(Real tau, const Point* before) {
-  const Index n = static_cast<Index>(f_.size()), most = problem_.laws.system->dimension - 1;
+  const Index n = static_cast<Index>(f_.size()), most = problem_.system->dimension - 1;
   alpha_.setZero(nodes_);
   omega_.setZero(nodes_);
   friction_.a.setZero(n);

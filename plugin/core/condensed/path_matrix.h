@@ -1,0 +1,49 @@
+#pragma once
+#include <memory>
+#include <optional>
+
+#include "condensed/single_precision.h"
+#include "factorization.h"
+
+namespace frictioncg {
+
+/// What the laws of a step add to the matrix of a central path: n rows, in its units.
+struct PathLaws {
+  Vector diagonal;         ///< n
+  DenseMatrix tangential;  ///< d - 1 columns: the blocks of the tangents, one below the other
+  Vector by_normal;        ///< n: the entries of the tangents in the column of their normal
+  bool symmetric = true;   ///< no node has either of the last two
+
+  /// My += laws y; first: of each node, its normal.
+  void multiply(const System& system, const Vector& y, Vector& My) const;
+};
+
+/// The matrix K of a central path, and M = K + laws. The contact dofs are its last rows.
+class PathMatrix {
+ public:
+  virtual ~PathMatrix() = default;
+  virtual Vector multiply(const Vector& y) const = 0;  ///< K y
+  virtual bool factor(const PathLaws& laws) = 0;       ///< false where M has no factor
+  virtual Vector solve(const Vector& b) = 0;           ///< M^{-1} b
+};
+
+/// K = D^{-1/2} S D^{-1/2}, dense.
+class DensePathMatrix final : public PathMatrix {
+ public:
+  explicit DensePathMatrix(const CondensedProblem& problem);
+  Vector multiply(const Vector& y) const override { return K_ * y; }
+  bool factor(const PathLaws& laws) override;
+  Vector solve(const Vector& b) override;
+
+ private:
+  const CondensedProblem& problem_;
+  DenseMatrix K_, M_;
+  Vector scale_;  ///< of M, D^{-1/2}
+  bool symmetric_ = true;
+  std::optional<Cholesky> llt_;  ///< in M, as are lu and, beside it, single
+  std::optional<LU> lu_;
+  std::unique_ptr<const SinglePrecision> single_;
+  bool fine_ = false;  ///< single precision does not do any more
+};
+
+}  // namespace frictioncg

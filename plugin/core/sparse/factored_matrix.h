@@ -1,0 +1,45 @@
+#pragma once
+#include <cholmod.h>
+
+#include "multigrid/hierarchy.h"
+
+namespace frictioncg {
+
+/// In place of a hierarchy, A itself, factored by CHOLMOD with each set of faces: the dofs are
+/// ordered once, the factor is laid out once, and takes new values. An inverse to rounding, where A
+/// is slender enough for its factor to be cheap, or too slender for a hierarchy.
+class FactoredMatrix final : public Hierarchy {
+ public:
+  explicit FactoredMatrix(SystemPtr system);
+  ~FactoredMatrix() override;
+  FactoredMatrix(const FactoredMatrix&) = delete;
+  FactoredMatrix& operator=(const FactoredMatrix&) = delete;
+
+  bool laid_out() const { return L_ != nullptr; }  ///< else too large for CHOLMOD
+  double flops() const { return common_.fl; }      ///< of one factorization
+
+  void truncate(const std::vector<char>& fixed, const std::vector<TangentialStiffness>& W,
+                const Vector& springs) override;
+  /// Whether the last truncation left a matrix that is positive definite; apply is 0 where not.
+  bool definite() const { return definite_; }
+  void apply(const Vector& r, Vector& z) override;
+  Index levels() const override { return 1; }
+  Real operator_complexity() const override;
+  double bytes() const override { return laid_out() ? sizeof(Real) * double(L_->xsize) : 0; }
+
+ private:
+  void copy_upper_triangle();
+  Real& diagonal(Index j) { return now_[column_[j + 1] - 1]; }
+
+  const SystemPtr system_;
+  cholmod_common common_;
+  cholmod_factor* L_ = nullptr;
+  cholmod_dense *X_ = nullptr, *Y_ = nullptr, *E_ = nullptr;  ///< kept by cholmod_solve2
+  std::vector<Index> column_, row_;  ///< upper triangle; the two tangents of a node are coupled
+  std::vector<Real> value_, now_;
+  cholmod_sparse view_{};
+  std::vector<char> fixed_;
+  bool definite_ = false;
+};
+
+}  // namespace frictioncg

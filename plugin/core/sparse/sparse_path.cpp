@@ -1,0 +1,58 @@
+#include "sparse/sparse_path.h"
+
+namespace frictioncg {
+
+namespace {
+
+constexpr Real enough = 1e-8;  ///< of the residual: the next step starts from what this one leaves
+constexpr int most_directions = 40;
+
+}  // namespace
+
+Vector SparsePathMatrix::multiply(const Vector& y) const {
+  return (system_.A * y.cwiseQuotient(unit_)).cwiseQuotient(unit_);
+}
+
+bool SparsePathMatrix::factor(const PathLaws& laws) {
+  laws_ = laws;
+  const Index interior = system_.interior();
+  Vector springs = (laws.diagonal.array() * system_.weight.array()).tail(system_.contact_dofs());
+  std::vector<TangentialStiffness> W;
+  for (Index i = 0; i < system_.nodes() && !laws.symmetric; ++i) {
+    const Index T = system_.first[i] + 1;
+    if (system_.tangents(i) == 1)
+      springs[T - interior] += laws.tangential(T, 0) * system_.weight[T];
+    if (system_.tangents(i) != 2) continue;
+    const Eigen::Matrix2d B = laws.tangential.block<2, 2>(T, 0);
+    W.push_back({T, system_.weight[T] / 2 * (B + B.transpose())});
+  }
+  factor_.truncate(std::vector<char>(system_.contact_dofs(), 0), W, springs);
+  return factor_.definite();
+}
+
+/// By generalized conjugate residuals: one step where M is symmetric.
+Vector SparsePathMatrix::solve(const Vector& b) {
+  Vector y = Vector::Zero(b.size()), r = b, z;
+  std::vector<std::pair<Vector, Vector>> directions;  // and M times them, orthonormal
+  const Real goal = enough * b.norm();
+  while (r.norm() > goal && directions.size() < most_directions) {
+    factor_.apply(unit_.cwiseProduct(r), z);
+    z = unit_.cwiseProduct(z);
+    Vector Mz = multiply(z);
+    laws_.multiply(system_, z, Mz);
+    for (const auto& [before, image] : directions) {
+      const Real along = Mz.dot(image);
+      z -= along * before;
+      Mz -= along * image;
+    }
+    const Real size = Mz.norm();
+    if (!(size > 0)) break;
+    directions.emplace_back(z / size, Mz / size);
+    const Real along = r.dot(directions.back().second);
+    y += along * directions.back().first;
+    r -= along * directions.back().second;
+  }
+  return y;
+}
+
+}  // namespace frictioncg

@@ -1,0 +1,58 @@
+#include "sparse/sparse_solver.h"
+
+#include <algorithm>
+
+#include "condensed/interior_point.h"
+#include "sparse/sparse_path.h"
+
+namespace frictioncg {
+
+namespace {
+
+/// Of the cycles that multigrid takes as a rule, which are 50: from stick Newton's method settles
+/// in three steps or, in slender bodies, not at all; from the last answer it may take more.
+constexpr Real from_stick = 0.1, from_last = 0.4;
+constexpr Index from_path = 40;  ///< steps, from the end of the central path: it takes 2 to 10
+
+}  // namespace
+
+SparseSolver::SparseSolver(SystemPtr system)
+    : SparseSolver(system, std::make_unique<FactoredMatrix>(system)) {}
+
+SparseSolver::SparseSolver(SystemPtr system, std::unique_ptr<FactoredMatrix> factor)
+    : factor_(*factor), newton_(std::move(system), std::move(factor)) {}
+
+Solution SparseSolver::solve(const ContactProblem& problem, const Settings& settings,
+                             const Vector& x0, Observer* observer) {
+  Solution s = newton_.solve(problem, settings, x0, observer,
+                             answered_ || x0.size() > 0 ? from_last : from_stick);
+  s.route = Route::sparse;
+  if (s.layer == Layer::multigrid) s.layer = Layer::sparse_newton;
+  answered_ = answered_ || s.status == Status::converged;
+  const Index bound = settings.nbiter > 0 ? settings.nbiter : default_iterations(problem);
+  const bool decided = s.status == Status::converged || s.status == Status::no_equilibrium;
+  if (decided || s.iterations >= bound) return s;
+  Solution t = follow_path(problem, settings, bound - s.iterations, observer);
+  t.iterations += s.iterations;
+  t.steps += s.steps;
+  t.times.contact += s.times.contact;
+  return t;
+}
+
+Solution SparseSolver::follow_path(const ContactProblem& problem, const Settings& settings,
+                                   Index max_steps, Observer* observer) {
+  const System& system = *problem.system;
+  CentralPath path(problem, std::make_unique<SparsePathMatrix>(system, factor_),
+                   problem.increment.F, system.weight, observer);
+  const Index steps = path.follow(max_steps);
+  Settings rest = settings;
+  rest.nbiter = std::clamp<Index>(max_steps - steps, 1, from_path);
+  Solution s = newton_.solve(problem, rest, steps > 0 ? path.x() : Vector(), observer);
+  answered_ = answered_ || s.status == Status::converged;
+  s.iterations += steps;
+  s.route = Route::sparse;
+  s.layer = Layer::sparse_interior_point;
+  return s;
+}
+
+}  // namespace frictioncg

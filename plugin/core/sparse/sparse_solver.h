@@ -1,0 +1,32 @@
+#pragma once
+#include "multigrid/multigrid_solver.h"
+#include "sparse/factored_matrix.h"
+
+namespace frictioncg {
+
+/// Newton steps on A, each with its own sparse factor, and where they do not settle the central
+/// path, by such factors too: for slender bodies, in which hierarchies are poor, contact dofs many
+/// and factors cheap.
+class SparseSolver {
+ public:
+  explicit SparseSolver(SystemPtr system);
+
+  double bytes() const { return factor_.bytes(); }
+  double flops() const { return factor_.flops(); }
+  bool laid_out() const { return factor_.laid_out(); }
+
+  /// x0: n, or empty to start from the last answer.
+  Solution solve(const ContactProblem& problem, const Settings& settings, const Vector& x0,
+                 Observer* observer);
+  /// The central path at once.
+  Solution follow_path(const ContactProblem& problem, const Settings& settings, Index max_steps,
+                       Observer* observer);
+
+ private:
+  SparseSolver(SystemPtr system, std::unique_ptr<FactoredMatrix> factor);
+  FactoredMatrix& factor_;
+  MultigridSolver newton_;
+  bool answered_ = false;  ///< newton_ has faces to start from
+};
+
+}  // namespace frictioncg

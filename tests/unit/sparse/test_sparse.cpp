@@ -1,0 +1,153 @@
+// Sparse factors of A: alone, under the central path, and as the route of slender bodies.
+#include <gtest/gtest.h>
+
+#include "../condensed/bodies.h"
+#include "../multigrid/scene_in_blocks.h"
+#include "../verifier.h"
+#include "core/condensed/interior_point.h"
+#include "core/solver.h"
+#include "core/sparse/sparse_path.h"
+#include "core/statics/slenderness.h"
+
+using namespace frictioncg;
+using namespace frictioncg::test;
+
+namespace {
+
+BlockOptions held(int d, Law law) {
+  BlockOptions o;
+  o.d = d;
+  o.cells = d == 2 ? 8 : 3;
+  o.law = law;
+  o.clamp_side = true;
+  o.shear = 4;
+  return o;
+}
+
+/// A plate 100 times as wide as thick, held at its side, that a pressure bends onto a floor.
+SparseOptions plate(int cells) {
+  SparseOptions o;
+  o.cells = {cells, cells, 1};
+  o.size = {1, 1, 0.01};
+  o.pressure = 1e-4;
+  o.shear = 0;
+  o.mu = 0.2;
+  return o;
+}
+
+}  // namespace
+
+TEST(FactoredMatrix, SolvesForTheFreeDofsWithWhatSpringsAndLawsAdd) {
+  for (int d : {2, 3}) {
+    const Posed posed = block(held(d, Law::coulomb)).system();
+    const SystemPtr system = posed.problem().system;
+    const Index interior = system->interior(), n = system->dofs(), m = system->contact_dofs();
+    Vector springs = Vector::LinSpaced(m, 1, 2);
+    std::vector<char> fixed(m, 0);
+    fixed[0] = fixed[m - 1] = 1;
+    Eigen::MatrixXd M = Eigen::MatrixXd(system->A);
+    M.diagonal().tail(m) += springs;
+    std::vector<TangentialStiffness> W;
+    if (d == 3) {
+      W.push_back({system->first[1] + 1, (Eigen::Matrix2d() << 5, 3, 3, 7).finished()});
+      M.block<2, 2>(W[0].first, W[0].first) += W[0].M;
+    }
+    FactoredMatrix factor(system);
+    ASSERT_TRUE(factor.laid_out());
+    EXPECT_GT(factor.flops(), 0);
+    EXPECT_GT(factor.bytes(), 8. * n);
+    for (int again : {0, 1}) {
+      factor.truncate(fixed, W, springs);
+      ASSERT_TRUE(factor.definite());
+      Vector z, r = Vector::Random(n);
+      factor.apply(r, z);
+      EXPECT_EQ(z[interior], 0);
+      EXPECT_EQ(z[n - 1], 0);
+      Vector left = r - M * z;
+      left[interior] = left[n - 1] = 0;
+      EXPECT_LT(left.norm(), 1e-11 * r.norm()) << d << again;
+    }
+  }
+}
+
+TEST(FactoredMatrix, SaysWhereAMatrixIsNotDefiniteAndRecovers) {
+  const Posed posed = block(held(2, Law::coulomb)).system();
+  const SystemPtr system = posed.problem().system;
+  const Index m = system->contact_dofs();
+  FactoredMatrix factor(system);
+  const std::vector<char> none(m, 0);
+  const Vector r = Vector::Random(system->dofs());
+  Vector z;
+  factor.truncate(none, {}, Vector::Constant(m, -1e6));
+  EXPECT_FALSE(factor.definite());
+  factor.apply(r, z);
+  EXPECT_TRUE(z.isZero(0));
+  factor.truncate(none, {}, Vector::Zero(m));
+  EXPECT_TRUE(factor.definite());
+  factor.apply(r, z);
+  EXPECT_LT((r - system->A * z).norm(), 1e-11 * r.norm());
+}
+
+TEST(SparsePath, EndsWhereThePathOnTheContactDofsEnds) {
+  for (int d : {2, 3})
+    for (Law law : {Law::frictionless, Law::tresca, Law::coulomb}) {
+      OnContact condensed(block(held(d, law)));
+      const ContactProblem& problem = condensed.posed.problem();
+      const CondensedProblem on_S = condensed.problem();
+      CentralPath dense(on_S);
+      FactoredMatrix factor(problem.system);
+      CentralPath sparse(problem, std::make_unique<SparsePathMatrix>(*problem.system, factor),
+                         problem.increment.F, problem.system->weight, nullptr);
+      ASSERT_GT(dense.follow(100), 3);
+      const Index steps = sparse.follow(100);
+      EXPECT_GT(steps, 3) << d << int(law);
+      EXPECT_LE(steps, 25) << d << int(law);
+      const Vector x = sparse.x().tail(problem.contact_dofs());
+      EXPECT_LT((x - dense.x()).norm(), 1e-5 * x.norm()) << d << int(law);
+      EXPECT_LT(condensed.residual(x), 1e-4) << d << int(law);
+    }
+}
+
+TEST(Slenderness, IsTheRatioOfLengthToThickness) {
+  for (int d : {2, 3}) {
+    SparseOptions o;
+    o.d = d;
+    o.cells = {20, 4, 4};
+    o.size = {50, 1, 1};
+    if (d == 3) std::swap(o.size[0], o.size[1]), std::swap(o.cells[0], o.cells[1]);
+    o.clamp_side = false;
+    const SceneInBlocks s(o);
+    const Real ratio = slenderness(*s.system);
+    EXPECT_GT(ratio, 40) << d;
+    EXPECT_LT(ratio, 60) << d;
+    System unknown = *s.system;
+    unknown.rigid_modes = {};
+    EXPECT_EQ(slenderness(unknown), 1);
+  }
+  EXPECT_LT(slenderness(*SceneInBlocks(SparseOptions()).system), 1.5);
+}
+
+TEST(SparseRoute, AnswersForThinPlatesByDefaultAndAsTheCondensedRouteDoes) {
+  SparseScene scene = sparse_block(plate(14));
+  scene.gap.setConstant(1e-4);
+  const Posed posed = scene.system(scene.node_of_dof);
+  ASSERT_EQ(make_plan(posed.problem(), Settings()).route, Route::sparse);
+  Solver solver(posed.problem().system);
+  const Solution a = solver.solve(posed.problem().increment, Settings());
+  EXPECT_EQ(a.status, Status::converged);
+  EXPECT_EQ(a.route, Route::sparse);
+  EXPECT_EQ(a.layer, Layer::sparse_interior_point);
+  EXPECT_LE(a.iterations, 60);
+  const auto verdict = verify(scene, posed.to_global(a.x), posed.force_to_global(a.certificate.r));
+  EXPECT_LT(verdict.worst(), 1e-5);
+  Settings settings;
+  settings.method = Method::condensed;
+  const Solution b = solve(posed.problem(), settings);
+  EXPECT_EQ(b.status, Status::converged);
+  EXPECT_LT((a.x - b.x).norm(), 1e-5 * b.x.norm());
+  // the next increment starts from the faces of the last
+  const Solution again = solver.solve(posed.problem().increment, Settings());
+  EXPECT_EQ(again.status, Status::converged);
+  EXPECT_EQ(again.layer, Layer::sparse_newton);
+  EXPECT_LE(again.iterations, 10);
+}
