@@ -13,7 +13,7 @@ void PathLaws::multiply(const System& system, const Vector& y, Vector& My) const
   }
 }
 
-DensePathMatrix::DensePathMatrix(const CondensedProblem& problem) : problem_(problem) {
+DensePathMatrix::DensePathMatrix(const CondensedProblem& problem) : laws_(problem.laws) {
   const Vector inverse = problem.D.cwiseSqrt().cwiseInverse();
   K_ = inverse.asDiagonal() * problem.S * inverse.asDiagonal();
   K_.diagonal().array() += problem.springs;
@@ -23,8 +23,8 @@ bool DensePathMatrix::factor(const PathLaws& laws) {
   symmetric_ = laws.symmetric;
   M_ = K_;
   M_.diagonal() += laws.diagonal;
-  for (Index i = 0; i < problem_.laws.nodes() && !symmetric_; ++i) {
-    const Index N = problem_.normal(i), T = N + 1, t = problem_.laws.tangents(i);
+  for (Index i = 0; i < laws_.nodes() && !symmetric_; ++i) {
+    const Index N = laws_.system->first[i] - laws_.interior(), T = N + 1, t = laws_.tangents(i);
     M_.block(T, T, t, t) += laws.tangential.block(T, 0, t, t);
     M_.block(T, N, t, 1) += laws.by_normal.segment(T, t);
   }

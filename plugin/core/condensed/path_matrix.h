@@ -36,7 +36,7 @@ class DensePathMatrix final : public PathMatrix {
   Vector solve(const Vector& b) override;
 
  private:
-  const CondensedProblem& problem_;
+  const ContactProblem& laws_;
   DenseMatrix K_, M_;
   Vector scale_;  ///< of M, D^{-1/2}
   bool symmetric_ = true;
