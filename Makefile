@@ -247,7 +247,7 @@ format: ## clang-format on our own code
 lint: ## no warning, clang-tidy, the core free of FreeFEM and of output, no include against the order of its folders
 	@$(MAKE) --no-print-directory -j$$(nproc) CI=1 PRECOMPILED= BUILD=$(BUILD)/lint all $(BUILD)/lint/unit_tests >/dev/null
 	@! grep -rlE 'ff\+\+|freefem|<iostream>|printf' plugin/core
-	@above="answer|cost|solver"; for folder in condensed gradient multigrid statics assembly model; do \
+	@above="answer|cost|solver"; for folder in sparse condensed gradient multigrid statics assembly model; do \
 	  ! grep -rnE "#include \"($$above)" plugin/core/$$folder || exit 1; above="$$above|$$folder/"; done
 	clang-format --dry-run -Werror $(OWN)
 	clang-tidy --quiet $(CORE) -- -std=c++17 $(INCLUDE)

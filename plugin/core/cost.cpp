@@ -1,5 +1,6 @@
 #include "cost.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -13,7 +14,7 @@ constexpr double of_factor = 1.2e-9;  ///< s over n^2, contact dofs last, 3D
 constexpr double of_laws = 5e-10;     ///< s over contact_dofs^3: S, and ten steps on it
 constexpr double of_cycles = 2.5e-7;  ///< s over the entries of A: 30 to 60 cycles, and the set-up
 constexpr double of_steps = 4e-7;     ///< s over n^1.5: 20 factors of a slender body
-/// From which on hierarchies are vain: bars and plates of 10 are as good as blocks, of 100 not.
+/// From which on such factors cost no more than that, and hierarchies may be poor.
 constexpr double slender = 30;
 constexpr double of_factor_2d = 1.5e-8;  ///< s over n^1.5, 2D
 constexpr double of_levels = 5e-8;       ///< s over the entries of A: the set-up alone
@@ -28,10 +29,9 @@ Costs estimate_costs(const System& system) {
   const bool known = system.rigid_modes && !system.mesh_node.empty();
   costs.multigrid = costs.sparse = std::numeric_limits<double>::infinity();
   if (known) costs.multigrid = of_cycles * double(system.A.nonZeros());
-  if (costs.multigrid < costs.condensed && slenderness(system) >= slender) {
-    costs.multigrid = std::numeric_limits<double>::infinity();
-    costs.sparse = of_steps * std::pow(n, 1.5);
-  }
+  const double sparse = of_steps * std::pow(n, 1.5);
+  if (std::max(costs.multigrid, sparse) < costs.condensed && slenderness(system) >= slender)
+    costs.sparse = sparse;
   return costs;
 }
 

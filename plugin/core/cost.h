@@ -9,7 +9,7 @@ namespace frictioncg {
 struct Costs {
   double condensed = 0;
   double multigrid = 0;  ///< infinite where the system does not tell nodes and rigid modes
-  double sparse = 0;     ///< infinite unless bodies are so slender that hierarchies are vain
+  double sparse = 0;     ///< infinite where bodies are not slender
 };
 
 /// Measured on P1 blocks of 14 000 to 114 000 dofs, with a margin for harder scenes. In 3D a factor

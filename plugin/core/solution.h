@@ -24,8 +24,8 @@ enum class Layer {
   gcx,             ///< stick as a face, on A
   gc,              ///< GC1, GC2 or GC3, on A
   sorp,
-  multigrid,      ///< inexact Newton steps on A, preconditioned by multigrid
-  sparse_newton,  ///< Newton steps on A, each with its own factor
+  multigrid,             ///< inexact Newton steps on A, preconditioned by multigrid
+  sparse_newton,         ///< Newton steps on A, each with its own factor
   sparse_interior_point  ///< the same, from the end of the central path on A
 };
 

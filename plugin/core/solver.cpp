@@ -155,7 +155,7 @@ Plan make_plan(const ContactProblem& problem, const Settings& settings) {
   if (may_replace_a_factor(settings)) {
     plan.costs = estimate_costs(*problem.system);
     if (plan.costs.multigrid < plan.costs.condensed) plan.route = Route::multigrid;
-    if (plan.costs.sparse < plan.costs.condensed) plan.route = Route::sparse;
+    if (plan.costs.sparse < plan.costs.multigrid) plan.route = Route::sparse;
   }
   plan.dofs = problem.dofs();
   plan.nodes = problem.nodes();
@@ -202,8 +202,8 @@ Solution Solver::by_route(const ContactProblem& problem, const Settings& setting
         return by_multigrid(problem, settings, x0, plan.costs, observer);
       return by_condensation(problem, settings, x0, observer);
     case Route::multigrid:
-      if (factored_ && may_replace_a_factor(settings))  // the hierarchy was poor
-        return by_condensation(problem, settings, x0, observer);
+      if ((factored_ || sparse_) && may_replace_a_factor(settings))  // the hierarchy was poor
+        return (this->*after_multigrid(plan.costs))(problem, settings, x0, observer);
       return by_multigrid(problem, settings, x0, plan.costs, observer);
     case Route::sparse:
       return by_sparse_factors(problem, settings, x0, observer);
@@ -235,7 +235,7 @@ Solution Solver::by_condensation(const ContactProblem& problem, const Settings& 
 }
 
 /// Multigrid; where it does not arrive short of rounding, or has no coordinates to build on, the
-/// condensed route and what follows it.
+/// route that is the cheapest of the others and what follows it.
 Solution Solver::by_multigrid(const ContactProblem& problem, const Settings& settings,
                               const Vector& x0, const Costs& costs, Observer* observer) {
   Settings rest = settings;
@@ -245,9 +245,9 @@ Solution Solver::by_multigrid(const ContactProblem& problem, const Settings& set
     multigrid_ = std::make_unique<MultigridSolver>(system_);
   }
   if (!multigrid_->has_hierarchy()) return by_condensation(problem, rest, x0, observer);
-  return or_by_condensation(
-      multigrid_->solve(problem, settings, x0, observer, allowance(settings, costs)), problem, rest,
-      observer);
+  return or_by(after_multigrid(costs),
+               multigrid_->solve(problem, settings, x0, observer, allowance(settings, costs)),
+               problem, rest, observer);
 }
 
 /// Sparse factors of A; where they do not arrive, or do not fit, the condensed route.
@@ -256,18 +256,23 @@ Solution Solver::by_sparse_factors(const ContactProblem& problem, const Settings
   if (!sparse_) sparse_ = std::make_unique<SparseSolver>(system_);
   if (!sparse_->laid_out() || sparse_->bytes() > settings.memory)
     return by_condensation(problem, settings, x0, observer);
-  return or_by_condensation(sparse_->solve(problem, settings, x0, observer), problem, settings,
-                            observer);
+  return or_by(&Solver::by_condensation, sparse_->solve(problem, settings, x0, observer), problem,
+               settings, observer);
 }
 
-/// s, or where it decides nothing short of rounding, what the condensed route and those after it
-/// find with what it has left of the bound on the iterations.
-Solution Solver::or_by_condensation(Solution s, const ContactProblem& problem, Settings rest,
-                                    Observer* observer) {
+/// Sparse factors do for slender bodies.
+Solver::Way Solver::after_multigrid(const Costs& costs) {
+  return costs.sparse < costs.condensed ? &Solver::by_sparse_factors : &Solver::by_condensation;
+}
+
+/// s, or where it decides nothing short of rounding, what the next route and those after it find
+/// with what it has left of the bound on the iterations.
+Solution Solver::or_by(Way next, Solution s, const ContactProblem& problem, Settings rest,
+                       Observer* observer) {
   if (decided(s) || s.certificate.residual <= rounding) return s;
   rest.nbiter = bound_of(problem, rest) - s.iterations;
   const Status last = rest.nbiter > 0
-                          ? replace_if_better(s, by_condensation(problem, rest, {}, observer))
+                          ? replace_if_better(s, (this->*next)(problem, rest, {}, observer))
                           : Status::max_iterations;
   if (!decided(s)) s.status = last;  // it says why, not the route that gave way
   return s;
@@ -281,11 +286,11 @@ bool Solver::is_cheaper_on_A(const Settings& settings) {
   return sparse_->laid_out() && sparse_->bytes() <= settings.memory && sparse_->flops() < dense;
 }
 
-/// What the condensed route costs, over multigrid as a rule: infinite where the latter is named.
+/// What the next route costs, over multigrid as a rule: infinite where the latter is named.
 double Solver::allowance(const Settings& settings, const Costs& costs) const {
   if (settings.method != Method::automatic) return std::numeric_limits<double>::infinity();
   if (indefinite_ || settings.memory < memory_needed_) return only_gradients;
-  return costs.condensed / costs.multigrid;
+  return std::min(costs.condensed, costs.sparse) / costs.multigrid;
 }
 
 /// Whether the condensed route is open: factors A where that was not done, and fits now.

@@ -57,8 +57,11 @@ class Solver {
                         const Costs& costs, Observer* observer);
   Solution by_sparse_factors(const ContactProblem& problem, const Settings& settings,
                              const Vector& x0, Observer* observer);
-  Solution or_by_condensation(Solution s, const ContactProblem& problem, Settings rest,
-                              Observer* observer);
+  using Way = Solution (Solver::*)(const ContactProblem&, const Settings&, const Vector&,
+                                   Observer*);
+  static Way after_multigrid(const Costs& costs);
+  Solution or_by(Way next, Solution s, const ContactProblem& problem, Settings rest,
+                 Observer* observer);
   bool is_cheaper_on_A(const Settings& settings);
   double allowance(const Settings& settings, const Costs& costs) const;
   bool condense(const Settings& settings, Observer* observer);

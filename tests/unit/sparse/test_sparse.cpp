@@ -129,17 +129,17 @@ TEST(Slenderness, IsTheRatioOfLengthToThickness) {
   EXPECT_LT(slenderness(*SceneInBlocks(SparseOptions()).system), 1.5);
 }
 
-TEST(SparseRoute, AnswersForThinPlatesByDefaultAndAsTheCondensedRouteDoes) {
+TEST(SparseRoute, AnswersForThinPlatesAfterMultigridAndAsTheCondensedRouteDoes) {
   SparseScene scene = sparse_block(plate(14));
   scene.gap.setConstant(1e-4);
   const Posed posed = scene.system(scene.node_of_dof);
-  ASSERT_EQ(make_plan(posed.problem(), Settings()).route, Route::sparse);
+  ASSERT_EQ(make_plan(posed.problem(), Settings()).route, Route::multigrid);
   Solver solver(posed.problem().system);
   const Solution a = solver.solve(posed.problem().increment, Settings());
   EXPECT_EQ(a.status, Status::converged);
   EXPECT_EQ(a.route, Route::sparse);
   EXPECT_EQ(a.layer, Layer::sparse_interior_point);
-  EXPECT_LE(a.iterations, 60);
+  EXPECT_LE(a.iterations, 100);  // multigrid's cycles before it included
   const auto verdict = verify(scene, posed.to_global(a.x), posed.force_to_global(a.certificate.r));
   EXPECT_LT(verdict.worst(), 1e-5);
   Settings settings;
