@@ -247,7 +247,6 @@ void CondensedSolver::settle(Run& run) {
   } else {
     s.undetermined = elimination_->floating();
   }
-  s.undetermined = rigid_among(*system_, s.undetermined);
   leave_least(run.problem, run.settings.tol, s);
 }
 

@@ -1,5 +1,4 @@
 #include "model/system.h"
-#include "model/validate.h"
 
 #include <algorithm>
 #include <cmath>
@@ -88,20 +87,13 @@ Vector magnitude(const Matrix& A, const Vector& x) {
   return sum;
 }
 
-namespace {
-
-/// Over the usual stiffness: contrasts of materials stay below, what is above is a penalty.
-constexpr Real penalty = 1e10;
-
-Real median(Vector values) {
-  if (values.size() == 0) return 0;
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-/// One stiffness per mesh node of the interior.
-void take_means(const System& system, Vector& weight) {
+Vector node_weights(const System& system) {
+  Vector weight = system.D;
+  for (Index i = 0; i < system.nodes(); ++i) {
+    const Index T = system.first[i] + 1, t = system.tangents(i);
+    if (t > 0) weight.segment(T, t).setConstant(system.D.segment(T, t).mean());
+  }
+  if (system.mesh_node.empty()) return weight;
   const auto end = system.mesh_node.begin() + system.interior();
   const auto last = std::max_element(system.mesh_node.begin(), end);
   const Index size = last == end ? 0 : *last + 1;
@@ -112,20 +104,6 @@ void take_means(const System& system, Vector& weight) {
   }
   for (Index k = 0; k < system.interior(); ++k)
     weight[k] = sum[system.mesh_node[k]] / count[system.mesh_node[k]];
-}
-
-}  // namespace
-
-Vector node_weights(const System& system) {
-  Vector weight = system.D;
-  for (Index i = 0; i < system.nodes(); ++i) {
-    const Index T = system.first[i] + 1, t = system.tangents(i);
-    if (t > 0) weight.segment(T, t).setConstant(system.D.segment(T, t).mean());
-  }
-  if (!system.mesh_node.empty()) take_means(system, weight);
-  const Real most = penalty * std::max(median(weight), median(weight.tail(system.contact_dofs())));
-  for (Real& w : weight.head(system.interior()))
-    if (w > most) w = std::min(w * (w / most), largest);
   return weight;
 }
 
