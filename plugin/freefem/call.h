@@ -93,16 +93,16 @@ inline std::shared_ptr<Scene> read_scene(Stack stack, const Arguments& args, con
 }
 
 /// Sizes, and finite values.
-inline void check_vectors(const Call& call, const Scene& scene) {
-  check_vector(call.b, "b", scene.dofs);
-  if (call.args.has(p_uold)) check_vector(call.u_old, "uold", scene.dofs);
+inline void check_vectors(const Call& call, const DofCount& dofs) {
+  check_vector(call.b, "b", dofs);
+  if (call.args.has(p_uold)) check_vector(call.u_old, "uold", dofs);
   if (call.args.has(call.args.start()))
-    check_vector(call.u_init, parameters[call.args.start()].name, scene.dofs);
+    check_vector(call.u_init, parameters[call.args.start()].name, dofs);
 }
 
 /// The vectors of the call, and its laws, as an increment in local dofs.
 inline LocalIncrement increment(const Call& call, const Scene& scene, PointLaws laws) {
-  check_vectors(call, scene);
+  check_vectors(call, scene.dofs);
   if (scene.system->nodes() == 0) laws.law = Law::frictionless;  // supports hold every normal
   LocalIncrement now = scene.increment(scene.system->load(call.b, call.u_old), laws);
   report_leftover(check_data(scene, call.b, now.u0), call.verb);

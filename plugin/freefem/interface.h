@@ -39,7 +39,9 @@ struct Interface {
 /// Fills an Interface from the two sides, which have the labels of all pairs.
 class InterfaceBuilder {
  public:
-  explicit InterfaceBuilder(const std::vector<mortar::LabelPair>& pairs) : all_{} {
+  /// of_part: others may know what joins the bodies.
+  InterfaceBuilder(const std::vector<mortar::LabelPair>& pairs, bool of_part)
+      : all_{}, of_part_(of_part) {
     for (const mortar::LabelPair& labels : pairs) {
       all_.pairs.emplace_back();
       all_.pairs.back().slave.labels = labels.slave;
@@ -145,13 +147,14 @@ class InterfaceBuilder {
       for (const BoundaryFacet& f : master.facets()) {
         if (!std::count(pair.master.labels.begin(), pair.master.labels.end(), f.label)) continue;
         mortar::Facet& facet = pair.master.facets[next++];
-        if (of_slave.count(body[f.element]))
+        if (of_part_ || of_slave.count(body[f.element]))
           facet.behind = node(node_at_vertex(master.space(), f.element, f.facet), d, 0);
       }
     }
   }
 
   Interface all_;
+  const bool of_part_;
   std::map<Index, Index> number_;  ///< first dof of a node -> its number
 };
 

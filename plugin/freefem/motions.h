@@ -19,17 +19,21 @@ inline std::set<Index> bodies_at(const Scene& scene, Index k, const std::vector<
 }
 
 /// Whether contact holds a body against its turn: by a node that sticks to another body or to the
-/// obstacle, or by the normals of those that touch. nodes: the contact nodes of the scene that the
-/// states belong to; counts: whether one of them says something about the body; system: sums over
-/// its processes.
-template <class Counts>
-bool held_by_contact(const Scene& scene, const std::vector<Index>& nodes,
-                     const std::vector<NodeState>& state, const System& system,
-                     const LargeTurn& turn, const Counts& counts) {
+/// obstacle, or by the normals of those that touch. Between the faces of one body, such as a crack,
+/// it holds nothing of its motion. nodes: the contact nodes of the scene that the states belong to;
+/// system: sums over its processes.
+inline bool held_by_contact(const Scene& scene, const std::vector<Index>& nodes,
+                            const std::vector<NodeState>& state, const System& system,
+                            const LargeTurn& turn) {
+  std::vector<Index> body(scene.ndof(), -1);
+  for (const NodePlace& n : scene.places())
+    for (int c = 0; c < scene.d; ++c) body[n.dof[c]] = n.body;
   StandAgainst normals;
   Real sticks = 0;
   for (std::size_t k = 0; k < nodes.size(); ++k) {
-    if (state[k] == NodeState::separated || !counts(nodes[k])) continue;
+    const std::set<Index> joined = bodies_at(scene, nodes[k], body);
+    const bool counts = joined.count(turn.body) && (joined.size() >= 2 || !scene.pairing);
+    if (state[k] == NodeState::separated || !counts) continue;
     if (state[k] == NodeState::stick && scene.system->system()->tangents(nodes[k]) > 0) sticks = 1;
     const BoundaryNode& node = scene.contact_point(nodes[k]);
     const std::array<Real, 3>& n = node.point.normal;
@@ -59,26 +63,20 @@ std::string runaway(const std::vector<NodePlace>& nodes, int d, const Vector& u,
 }
 
 /// The same of a converged field. The whole displacement counts, not the increment: the laws are
-/// those of the mesh as it is given. Between the faces of one body, such as a crack, contact holds
-/// nothing of its motion.
+/// those of the mesh as it is given.
 inline std::string runaway(const Scene& scene, const Solution& s, const Vector& field) {
   if (s.status != Status::converged || field.size() == 0) return "";
   const Real most = std::sqrt(scene.d) * field.lpNorm<Eigen::Infinity>();
   if (!(most > small_turn * scene.least_gyration())) return "";
   const std::vector<NodePlace> places = scene.places();
-  std::vector<Index> body(scene.ndof(), -1), nodes(scene.system->nodes());
-  for (const NodePlace& n : places)
-    for (int c = 0; c < scene.d; ++c) body[n.dof[c]] = n.body;
+  std::vector<Index> nodes(scene.system->nodes());
   std::iota(nodes.begin(), nodes.end(), 0);
   const System& system = *scene.system->system();
   const auto field_of = [&](const Vector& w) {
     return scene.system->to_global(w, Vector::Zero(scene.ndof()));
   };
   const auto held = [&](const LargeTurn& turn) {
-    return held_by_contact(scene, nodes, s.state, system, turn, [&](Index k) {
-      const std::set<Index> joined = bodies_at(scene, k, body);
-      return joined.count(turn.body) && (joined.size() >= 2 || !scene.pairing);
-    });
+    return held_by_contact(scene, nodes, s.state, system, turn);
   };
   return runaway(places, scene.d, field, system, field_of, held);
 }

@@ -162,12 +162,14 @@ inline PointLaws begun_laws(Stack stack, const Arguments& args, PointLaws given 
         "mu and slidinglimit are both given; Coulomb friction takes mu, a given limit "
         "slidinglimit");
   given.bilateral = args.value(stack, p_bilateral, given.bilateral);
+  if (args.has(p_gap)) given.gap.resize(0);
   return given;
 }
 
 /// The laws of a call: those of `laws` where the call names no other. They hold for this call only.
 inline PointLaws read_laws(Stack stack, const Arguments& args, const Scene& scene, PointLaws laws) {
-  if (args.has(p_gap) || laws.gap.size() == 0) laws.gap = read_gap(stack, args, scene);
+  if (laws.gap.size() != static_cast<Index>(scene.nodes.size()))
+    laws.gap = read_gap(stack, args, scene);
   if (args.has(p_mu)) {
     laws.mu = at_nodes(stack, args, p_mu, scene);
     laws.g.resize(0);

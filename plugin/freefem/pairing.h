@@ -2,10 +2,38 @@
 #include "freefem.h"
 
 #include <memory>
+#include <string>
 
+#include "../core/assembly/mortar/validation.h"
 #include "interface.h"
 
 namespace frictioncg {
+
+/// A pair for reports.
+struct FacingPair {
+  std::string labels;                   ///< "label 1 on label 2"
+  std::size_t slaves = 0, masters = 0;  ///< facets
+  mortar::Statistics found;
+  std::string held_at;  ///< a slave node whose normal Dirichlet conditions hold
+};
+
+/// What a mortar says of the slave's nodes.
+struct FacedPart {
+  std::vector<Real> gap, distance;     ///< of each contact point [length]
+  std::vector<mortar::MidEdge> edges;  ///< by the nodes of the Interface
+  std::vector<FacingPair> pairs;
+
+  void add(const mortar::ContactNode& m) {
+    gap.push_back(m.gap);
+    distance.push_back(m.distance);
+  }
+  void add(const mortar::Pair& pair, const mortar::Statistics& found, int d,
+           const std::vector<mortar::Vec3>& X) {
+    pairs.push_back({mortar::labels_of(pair.slave) + " on " + mortar::labels_of(pair.master),
+                     pair.slave.facets.size(), pair.master.facets.size(), found,
+                     found.held > 0 ? mortar::place(d, X[found.first_held]) : ""});
+  }
+};
 
 /// Contact of bodies with each other: their faces, and once A has told what Dirichlet conditions
 /// hold, the mortar between them.
@@ -24,16 +52,26 @@ class Pairing {
     const mortar::Nodes nodes{d, between_.X, mortar::held_components(d, between_.dof, *dirichlet_)};
     mortar_ = std::make_unique<mortar::Mortar>(nodes, between_.pairs, options);
     std::vector<BoundaryNode> contact;
-    const std::vector<ContactPoint> points = mortar::contact_points(*mortar_, between_.dof);
-    for (std::size_t k = 0; k < points.size(); ++k) {
-      const mortar::ContactNode& m = mortar_->nodes()[k];
-      BoundaryNode node = slave_node(m.node, m.label);
-      node.point = points[k];
-      node.mean = as_R3(node.point.normal);
-      node.weight = m.weight;
-      contact.push_back(node);
+    FacedPart faced;
+    for (const mortar::ContactNode& m : mortar_->nodes()) {
+      contact.push_back(contact_node(m.node, m));
+      faced.add(m);
     }
+    faced.edges = mortar_->edges();
+    for (std::size_t p = 0; p < between_.pairs.size(); ++p)
+      faced.add(between_.pairs[p], mortar_->statistics(static_cast<Index>(p)), d, between_.X);
+    set(std::move(faced));
     return contact;
+  }
+  void set(FacedPart faced) { faced_ = std::move(faced); }
+
+  /// Node i of the slave with what a mortar makes of it.
+  BoundaryNode contact_node(Index i, const mortar::ContactNode& m) const {
+    BoundaryNode node = slave_node(i, m.label);
+    for (int c = 0; c < 3; ++c) node.point.normal[c] = m.normal[c];
+    node.mean = as_R3(node.point.normal);
+    node.weight = m.weight;
+    return node;
   }
 
   std::unique_ptr<LocalSystem> system(const Triplets& A, int d, std::vector<ContactPoint> points,
@@ -53,20 +91,21 @@ class Pairing {
   }
   /// The gap of each contact node: between the meshes, or as given at each slave node.
   Vector gap() const {
-    Vector gap(static_cast<Index>(mortar_->nodes().size()));
-    for (Index k = 0; k < gap.size(); ++k) gap[k] = mortar_->nodes()[k].gap;
-    return gap;
+    return Eigen::Map<const Vector>(faced_.gap.data(), static_cast<Index>(faced_.gap.size()));
   }
   Vector gap(const Vector& given) const {
     Vector at_nodes = Vector::Zero(static_cast<Index>(between_.X.size()));
     at_nodes.head(given.size()) = given;
     return mortar_->weighted(at_nodes);
   }
-  Real distance(Index point) const { return mortar_->nodes()[point].distance; }
+  /// 0 at the points of other processes, which follow.
+  Real distance(std::size_t point) const {
+    return point < faced_.distance.size() ? faced_.distance[point] : 0;
+  }
 
   const Interface& between() const { return between_; }
-  const std::vector<mortar::MidEdge>& edges() const { return mortar_->edges(); }
-  const mortar::Statistics& statistics(Index pair) const { return mortar_->statistics(pair); }
+  const std::vector<mortar::MidEdge>& edges() const { return faced_.edges; }
+  const std::vector<FacingPair>& pairs() const { return faced_.pairs; }
 
  private:
   /// A node of the slave as one of its facets sees it, of the label if there is one.
@@ -92,7 +131,8 @@ class Pairing {
 
   Interface between_;
   std::unique_ptr<Dirichlet> dirichlet_;
-  std::unique_ptr<mortar::Mortar> mortar_;
+  std::unique_ptr<mortar::Mortar> mortar_;  ///< null where several processes have a common one
+  FacedPart faced_;
 };
 
 }  // namespace frictioncg

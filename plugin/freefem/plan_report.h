@@ -77,20 +77,13 @@ inline void report_faces(const mortar::Statistics& s, std::size_t slaves, std::s
 }
 
 /// The same of one pair; nodes that carry no law are named by place.
-inline void report_pair(const Scene& scene, Index number) {
-  const Interface& faces = scene.pairing->between();
-  const mortar::Pair& pair = faces.pairs[number];
-  const mortar::Statistics& s = scene.pairing->statistics(number);
-  line();
-  if (faces.pairs.size() > 1)
-    std::cout << mortar::labels_of(pair.slave) << " on " << mortar::labels_of(pair.master) << ": ";
-  else
-    std::cout << "two bodies: ";
-  report_faces(s, pair.slave.facets.size(), pair.master.facets.size());
+inline void report_pair(const FacingPair& pair, bool only) {
+  const mortar::Statistics& s = pair.found;
+  line() << (only ? "two bodies" : pair.labels) << ": ";
+  report_faces(s, pair.slaves, pair.masters);
   if (s.held > 0)
     std::cout << ", " << s.held << " of them since Dirichlet conditions hold the normal or a part "
-              << "of it, as at " << mortar::place(scene.d, faces.X[s.first_held])
-              << ": their neighbours take their share";
+              << "of it, as at " << pair.held_at << ": their neighbours take their share";
   std::cout << std::endl;
 }
 
@@ -98,19 +91,19 @@ inline void report_pair(const Scene& scene, Index number) {
 inline void report_pairs(const Scene& scene, long verb) {
   constexpr Index few = 2;
   if (!scene.pairing) return;
-  const std::vector<mortar::Pair>& pairs = scene.pairing->between().pairs;
+  const std::vector<FacingPair>& pairs = scene.pairing->pairs();
   const Index count = static_cast<Index>(pairs.size());
   if (count <= few || verb > 2) {
-    for (Index k = 0; k < count; ++k) report_pair(scene, k);
+    for (const FacingPair& pair : pairs) report_pair(pair, count == 1);
     return;
   }
-  mortar::Statistics all = scene.pairing->statistics(0);
+  mortar::Statistics all = pairs.front().found;
   std::size_t slaves = 0, masters = 0;
   all.facing = all.removed = all.partly_covered = all.beyond_steps = 0;
-  for (Index k = 0; k < count; ++k) {
-    const mortar::Statistics& s = scene.pairing->statistics(k);
-    slaves += pairs[k].slave.facets.size();
-    masters += pairs[k].master.facets.size();
+  for (const FacingPair& pair : pairs) {
+    const mortar::Statistics& s = pair.found;
+    slaves += pair.slaves;
+    masters += pair.masters;
     all.facing += s.facing;
     all.removed += s.removed;
     all.partly_covered += s.partly_covered;

@@ -196,17 +196,28 @@ std::shared_ptr<Scene> obstacle_scene(const FESpaceType& Vh, const std::vector<l
   return obstacle_scene(Vh, std::move(points));
 }
 
+/// The labels of two bodies; those that this process's part of the meshes has, and all pairs.
+struct PairLabels {
+  PairLabels(std::vector<long> slave_, std::vector<long> master_)
+      : slave(std::move(slave_)),
+        master(std::move(master_)),
+        pairs(mortar::label_pairs(slave, master)) {}
+
+  std::vector<long> slave, master;
+  std::vector<mortar::LabelPair> pairs;
+  bool of_part = false;  ///< of meshes that other processes have parts of
+};
+
 /// Two bodies in one space: two parts of a mesh, or the faces of a crack.
 template <class FESpaceType>
-std::shared_ptr<Scene> pair_scene(const FESpaceType& Vh, const std::vector<long>& slave,
-                                  const std::vector<long>& master) {
+std::shared_ptr<Scene> pair_scene(const FESpaceType& Vh, const PairLabels& labels) {
   auto scene = std::make_shared<Scene>();
   scene->d = Dimension<FESpaceType>::d;
   scene->dofs = dofs_of(Vh.NbOfDF);
   const NamedSpace<FESpaceType> space{Vh, "Vh", "the mesh", pair_inside};
-  InterfaceBuilder faces(mortar::label_pairs(slave, master));
-  faces.add_slave(BoundaryNodes<FESpaceType>(space, slave));
-  faces.add_master(BoundaryNodes<FESpaceType>(space, master), 0);
+  InterfaceBuilder faces(labels.pairs, labels.of_part);
+  faces.add_slave(BoundaryNodes<FESpaceType>(space, labels.slave));
+  faces.add_master(BoundaryNodes<FESpaceType>(space, labels.master), 0);
   scene->pairing = std::make_unique<Pairing>(faces.take());
   observe(Vh, *scene);
   return scene;
@@ -214,16 +225,17 @@ std::shared_ptr<Scene> pair_scene(const FESpaceType& Vh, const std::vector<long>
 
 /// Two bodies in spaces of their own: the dofs of V2 follow those of V1.
 template <class FESpaceType>
-std::shared_ptr<Scene> pair_scene(const FESpaceType& V1, const std::vector<long>& slave,
-                                  const FESpaceType& V2, const std::vector<long>& master) {
+std::shared_ptr<Scene> pair_scene(const FESpaceType& V1, const FESpaceType& V2,
+                                  const PairLabels& labels) {
   auto scene = std::make_shared<Scene>();
   scene->d = Dimension<FESpaceType>::d;
   scene->dofs = dofs_of(V1.NbOfDF, V2.NbOfDF);
   const Index offset = V1.NbOfDF;
-  InterfaceBuilder faces(mortar::label_pairs(slave, master));
-  faces.add_slave(BoundaryNodes<FESpaceType>({V1, "V1", "the mesh of V1", pair_inside}, slave));
-  faces.add_master(BoundaryNodes<FESpaceType>({V2, "V2", "the mesh of V2", pair_inside}, master),
-                   offset);
+  InterfaceBuilder faces(labels.pairs, labels.of_part);
+  faces.add_slave(
+      BoundaryNodes<FESpaceType>({V1, "V1", "the mesh of V1", pair_inside}, labels.slave));
+  faces.add_master(
+      BoundaryNodes<FESpaceType>({V2, "V2", "the mesh of V2", pair_inside}, labels.master), offset);
   scene->pairing = std::make_unique<Pairing>(faces.take());
   observe(V1, *scene);
   for (Index node : mesh_nodes(V2)) scene->mesh_node.push_back(V1.NbOfNodes + node);

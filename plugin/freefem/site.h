@@ -86,7 +86,7 @@ class OneSpaceSite final : public Site {
   std::shared_ptr<Scene> scene(Stack stack) const override {
     const auto& Vh = space_of<V>(stack, Vh_, "Vh");
     refuse_part_of_mesh(Vh);
-    return pair_scene(Vh, slave_(stack, "slave"), master_(stack, "master"));
+    return pair_scene(Vh, PairLabels(slave_(stack, "slave"), master_(stack, "master")));
   }
 
  private:
@@ -113,7 +113,7 @@ class TwoSpaceSite final : public Site {
     const auto &V1 = space_of<V>(stack, V1_, "V1"), &V2 = space_of<V>(stack, V2_, "V2");
     refuse_part_of_mesh(V1);
     refuse_part_of_mesh(V2);
-    return pair_scene(V1, slave_(stack, "slave"), V2, master_(stack, "master"));
+    return pair_scene(V1, V2, PairLabels(slave_(stack, "slave"), master_(stack, "master")));
   }
 
  private:

@@ -21,6 +21,7 @@ inline std::vector<std::string> command_line() {
 /// constructor, and calls init() and destroy().
 class ContactDomainVariable {
  public:
+  ~ContactDomainVariable() { destroy(); }
   void init() { domain_ = nullptr; }
   void destroy() {
     delete domain_;
@@ -35,6 +36,38 @@ class ContactDomainVariable {
 
  private:
   std::shared_ptr<const Domain>* domain_ = nullptr;
+};
+
+/// [C1, C2]: the domains of two spaces, whose dofs follow each other in a call.
+class JoinedDomains : public E_F0mps {
+ public:
+  using C = ContactDomainVariable*;
+  JoinedDomains(C_F0 first, C_F0 second) : first_(to<C>(first)), second_(to<C>(second)) {}
+  AnyType operator()(Stack stack) const override {
+    const auto a = GetAny<C>((*first_)(stack))->get(), b = GetAny<C>((*second_)(stack))->get();
+    if (!a != !b)
+      throw IllegalInput(std::string("domain = [C1, C2]: the ") + (a ? "second" : "first") +
+                         " is a contactdomain that is not set; let createMat(Th, C, Pk) set both");
+    auto* joined = new ContactDomainVariable;
+    joined->init();
+    if (a) joined->set(std::make_shared<const Domain>(*a, *b));
+    return SetAny<C>(Add2StackOfPtr2Free(stack, joined));
+  }
+
+ private:
+  Expression first_, second_;
+};
+
+/// The conversion of lists of two domains, at compile time.
+class JoinDomains : public E_F1_funcT_Type {
+ public:
+  JoinDomains() : E_F1_funcT_Type(atype<ContactDomainVariable*>(), atype<E_Array>(), nullptr) {}
+  E_F0* code(const basicAC_F0& args) const override {
+    const auto* list = dynamic_cast<const E_Array*>(args[0].LeftValue());
+    if (!list || list->size() != 2)
+      CompileError("domain = [C1, C2]: two contactdomains, of V1 and of V2");
+    return new JoinedDomains((*list)[0], (*list)[1]);
+  }
 };
 
 /// constructor(C, n, intersection, D, communicator=...), as createMat of macro_ddm.idp calls it; n
@@ -100,6 +133,7 @@ inline void register_contactdomain() {
       ::Destroy<ContactDomainVariable>);
   zzzfff->Add("contactdomain", atype<C>());
   parameters[p_domain].type = &typeid(C);
+  atype<C>()->AddCast(new JoinDomains);
   Global.Add("constructor", "(", new OneOperatorCode<MakeDomain>());
 }
 

@@ -1,51 +1,69 @@
 #include "domain.h"
 
+#include "messages.h"
+
 namespace frictioncg {
 
 namespace {
 
-constexpr int tag = 1412;            ///< of messages between neighbours
-constexpr int unexpected = tag + 1;  ///< of those that nobody waits for
-
-struct Message {
-  int rank;
-  std::vector<Real> values;
-};
-
-/// All messages out and in at once; the sizes of those received are known.
-void exchange(MPI_Comm communicator, const std::vector<Message>& out, std::vector<Message>& in) {
-  std::vector<MPI_Request> requests;
-  requests.reserve(in.size() + out.size());
-  for (Message& m : in) {
-    requests.emplace_back();
-    MPI_Irecv(m.values.data(), static_cast<int>(m.values.size()), MPI_DOUBLE, m.rank, tag,
-              communicator, &requests.back());
-  }
-  for (const Message& m : out) {
-    requests.emplace_back();
-    MPI_Isend(m.values.data(), static_cast<int>(m.values.size()), MPI_DOUBLE, m.rank, tag,
-              communicator, &requests.back());
-  }
-  MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+/// Domains that are made of this one share it.
+std::shared_ptr<const MPI_Comm> own_copy(MPI_Comm communicator) {
+  return {new MPI_Comm(duplicate(communicator)), [](MPI_Comm* copy) {
+            int ended = 0;
+            MPI_Finalized(&ended);
+            if (!ended) MPI_Comm_free(copy);
+            delete copy;
+          }};
 }
 
 }  // namespace
 
 Domain::Domain(MPI_Comm communicator, std::vector<Neighbour> neighbours, const Vector& D)
     : meeting_(Meeting::of(communicator)),
-      number_(meeting_->next_number()),
-      communicator_(duplicate(communicator)),
+      name_("no. " + std::to_string(meeting_->next_number())),
+      communicator_(own_copy(communicator)),
       owned_(D.size(), 1) {
-  MPI_Comm_rank(communicator_, &rank_);
-  MPI_Comm_size(communicator_, &size_);
+  MPI_Comm_rank(*communicator_, &rank_);
+  MPI_Comm_size(*communicator_, &size_);
   check_neighbours(neighbours);
   choose_owners(neighbours, D);
 }
 
-Domain::~Domain() {
-  int ended = 0;
-  MPI_Finalized(&ended);
-  if (!ended) MPI_Comm_free(&communicator_);
+Domain::Domain(const Domain& first, const Domain& second)
+    : meeting_(first.meeting_),
+      name_(first.name_ + " and " + second.name_),
+      communicator_(first.communicator_),
+      rank_(first.rank_),
+      size_(first.size_),
+      first_(first.dofs()),
+      owned_(first.owned_),
+      exchanges_(first.exchanges_) {
+  if (second.meeting_ != meeting_)
+    throw IllegalInput("the two domains were made with different communicators");
+  owned_.insert(owned_.end(), second.owned_.begin(), second.owned_.end());
+  add(second.exchanges_, first_);
+}
+
+Domain::Domain(const Domain& part, Index more, const std::map<int, Exchange>& exchanges)
+    : meeting_(part.meeting_),
+      name_(part.name_),
+      communicator_(part.communicator_),
+      rank_(part.rank_),
+      size_(part.size_),
+      first_(part.first_),
+      owned_(part.owned_),
+      exchanges_(part.exchanges_) {
+  owned_.resize(owned_.size() + static_cast<std::size_t>(more), 0);
+  add(exchanges, 0);
+}
+
+/// One message a process: what was sent to it before comes first, on both sides.
+void Domain::add(const std::map<int, Exchange>& more, Index offset) {
+  for (const auto& [rank, e] : more) {
+    Exchange& all = exchanges_[rank];
+    for (Index dof : e.sent) all.sent.push_back(dof + offset);
+    for (Index dof : e.received) all.received.push_back(dof + offset);
+  }
 }
 
 /// One message of all processes where on any of them something is wrong with the lists.
@@ -53,32 +71,6 @@ void Domain::require_match(bool matches) const {
   fail_together(!matches,
                 "the lists of shared dofs do not match between the processes; make the domain by "
                 "createMat(Th, C, Pk) of macro_ddm.idp, Th being made by buildDmesh or createMat");
-}
-
-/// Of the number that each process has for some others, by rank, those that others have for this
-/// one: it learns from the messages alone who they are. They have arrived where all processes know
-/// theirs received.
-std::map<int, int> Domain::addressed(const std::map<int, int>& mine) const {
-  std::map<int, int> theirs;
-  std::vector<MPI_Request> sent;
-  for (const auto& [rank, number] : mine)
-    MPI_Issend(&number, 1, MPI_INT, rank, unexpected, communicator_, &sent.emplace_back());
-  MPI_Request all_received = MPI_REQUEST_NULL;
-  for (int ended = 0, own_received = 0; !ended;) {
-    int found = 0;
-    MPI_Status from;
-    MPI_Iprobe(MPI_ANY_SOURCE, unexpected, communicator_, &found, &from);
-    if (found)
-      MPI_Recv(&theirs[from.MPI_SOURCE], 1, MPI_INT, from.MPI_SOURCE, unexpected, communicator_,
-               MPI_STATUS_IGNORE);
-    if (own_received) {
-      MPI_Test(&all_received, &ended, MPI_STATUS_IGNORE);
-      continue;
-    }
-    MPI_Testall(static_cast<int>(sent.size()), sent.data(), &own_received, MPI_STATUSES_IGNORE);
-    if (own_received) MPI_Ibarrier(communicator_, &all_received);
-  }
-  return theirs;
 }
 
 /// Each list has its counterpart of the same length: before anything is sent along them.
@@ -90,7 +82,7 @@ void Domain::check_neighbours(const std::vector<Neighbour>& neighbours) const {
     const bool legal = n.rank >= 0 && n.rank < size_ && n.rank != rank_;
     if (!legal || !mine.emplace(n.rank, static_cast<int>(n.shared.size())).second) matches = false;
   }
-  require_match(addressed(mine) == mine && matches);
+  require_match(addressed(*communicator_, mine) == mine && matches);
 }
 
 void Domain::choose_owners(const std::vector<Neighbour>& neighbours, const Vector& D) {
@@ -100,7 +92,7 @@ void Domain::choose_owners(const std::vector<Neighbour>& neighbours, const Vecto
     for (Index dof : n.shared) out.back().values.push_back(D[dof]);
     in.push_back({n.rank, std::vector<Real>(n.shared.size())});
   }
-  exchange(communicator_, out, in);
+  exchange(*communicator_, out, in);
   std::vector<int> owner(dofs(), rank_);
   Vector most = D;
   for (std::size_t k = 0; k < neighbours.size(); ++k)
@@ -122,19 +114,18 @@ void Domain::make_exchanges(const std::vector<Neighbour>& neighbours,
                             const std::vector<int>& owner) {
   std::vector<Message> out, in;
   for (const Neighbour& n : neighbours) {
-    Exchange e{n.rank, {}, {}};
+    Exchange& e = exchanges_[n.rank];
     for (Index dof : n.shared) {
       if (owner[dof] == rank_) e.sent.push_back(dof);
       if (owner[dof] == n.rank) e.received.push_back(dof);
     }
     out.push_back({n.rank, {Real(e.sent.size())}});
     in.push_back({n.rank, {0}});
-    exchanges_.push_back(std::move(e));
   }
-  exchange(communicator_, out, in);
+  exchange(*communicator_, out, in);
   bool matches = true;
-  for (std::size_t k = 0; k < in.size(); ++k)
-    matches = matches && in[k].values[0] == Real(exchanges_[k].received.size());
+  for (const Message& m : in)
+    matches = matches && m.values[0] == Real(exchanges_[m.rank].received.size());
   require_match(matches);
 }
 
@@ -143,17 +134,17 @@ void Domain::transfer(List from, List to, Index width, const Pack& pack,
                       const Unpack& unpack) const {
   std::vector<Message> out, in;
   std::vector<const std::vector<Index>*> arriving;
-  for (const Exchange& e : exchanges_) {
+  for (const auto& [rank, e] : exchanges_) {
     const std::vector<Index>&sent = e.*from, &received = e.*to;
     if (!sent.empty()) {
-      out.push_back({e.rank, std::vector<Real>(sent.size() * width)});
+      out.push_back({rank, std::vector<Real>(sent.size() * width)});
       for (std::size_t s = 0; s < sent.size(); ++s) pack(sent[s], &out.back().values[s * width]);
     }
     if (received.empty()) continue;
-    in.push_back({e.rank, std::vector<Real>(received.size() * width)});
+    in.push_back({rank, std::vector<Real>(received.size() * width)});
     arriving.push_back(&received);
   }
-  exchange(communicator_, out, in);
+  exchange(*communicator_, out, in);
   for (std::size_t k = 0; k < in.size(); ++k)
     for (std::size_t s = 0; s < arriving[k]->size(); ++s)
       unpack((*arriving[k])[s], &in[k].values[s * width]);
@@ -177,29 +168,29 @@ void Domain::update(Vector& values) const {
 /// Their lengths first.
 std::vector<Real> Domain::lists(const PackList& pack) const {
   std::vector<Message> out, in, lengths_out, lengths_in;
-  for (const Exchange& e : exchanges_) {
+  for (const auto& [rank, e] : exchanges_) {
     if (!e.sent.empty()) {
-      out.push_back({e.rank, pack(e.sent)});
-      lengths_out.push_back({e.rank, {Real(out.back().values.size())}});
+      out.push_back({rank, pack(e.sent)});
+      lengths_out.push_back({rank, {Real(out.back().values.size())}});
     }
-    if (!e.received.empty()) lengths_in.push_back({e.rank, {0}});
+    if (!e.received.empty()) lengths_in.push_back({rank, {0}});
   }
-  exchange(communicator_, lengths_out, lengths_in);
+  exchange(*communicator_, lengths_out, lengths_in);
   for (const Message& m : lengths_in)
     in.push_back({m.rank, std::vector<Real>(static_cast<std::size_t>(m.values[0]))});
-  exchange(communicator_, out, in);
+  exchange(*communicator_, out, in);
   std::vector<Real> all;
   for (const Message& m : in) all.insert(all.end(), m.values.begin(), m.values.end());
   return all;
 }
 
 void Domain::sum(Real* values, Index count) const {
-  MPI_Allreduce(MPI_IN_PLACE, values, count, MPI_DOUBLE, MPI_SUM, communicator_);
+  MPI_Allreduce(MPI_IN_PLACE, values, count, MPI_DOUBLE, MPI_SUM, *communicator_);
   reductions_ += 1;
 }
 
 void Domain::largest(Real* values, Index count) const {
-  MPI_Allreduce(MPI_IN_PLACE, values, count, MPI_DOUBLE, MPI_MAX, communicator_);
+  MPI_Allreduce(MPI_IN_PLACE, values, count, MPI_DOUBLE, MPI_MAX, *communicator_);
   reductions_ += 1;
 }
 
@@ -210,7 +201,7 @@ Real Domain::largest(Real value) const {
 
 Real Domain::sum_before(Real value) const {
   Real before = 0;
-  MPI_Exscan(&value, &before, 1, MPI_DOUBLE, MPI_SUM, communicator_);
+  MPI_Exscan(&value, &before, 1, MPI_DOUBLE, MPI_SUM, *communicator_);
   reductions_ += 1;
   return rank_ == 0 ? 0 : before;
 }
@@ -218,11 +209,11 @@ Real Domain::sum_before(Real value) const {
 Vector Domain::gathered(const Vector& own) const {
   const int count = static_cast<int>(own.size());
   std::vector<int> counts(size_), starts(size_, 0);
-  MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, communicator_);
+  MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, *communicator_);
   for (int r = 1; r < size_; ++r) starts[r] = starts[r - 1] + counts[r - 1];
   Vector all(starts.back() + counts.back());
   MPI_Allgatherv(own.data(), count, MPI_DOUBLE, all.data(), counts.data(), starts.data(),
-                 MPI_DOUBLE, communicator_);
+                 MPI_DOUBLE, *communicator_);
   reductions_ += 2;
   return all;
 }
@@ -233,17 +224,35 @@ Vector Domain::combined(Vector own,
   const int count = static_cast<int>(own.size());
   for (int step = 1; step < size_; step *= 2) {
     if (rank_ % (2 * step) == step) {
-      MPI_Send(own.data(), count, MPI_DOUBLE, rank_ - step, tag, communicator_);
+      MPI_Send(own.data(), count, MPI_DOUBLE, rank_ - step, message_tag, *communicator_);
       break;
     }
     if (rank_ + step >= size_) continue;
     Vector other(count);
-    MPI_Recv(other.data(), count, MPI_DOUBLE, rank_ + step, tag, communicator_, MPI_STATUS_IGNORE);
+    MPI_Recv(other.data(), count, MPI_DOUBLE, rank_ + step, message_tag, *communicator_,
+             MPI_STATUS_IGNORE);
     own = both(own, other);
   }
-  MPI_Bcast(own.data(), count, MPI_DOUBLE, 0, communicator_);
+  MPI_Bcast(own.data(), count, MPI_DOUBLE, 0, *communicator_);
   reductions_ += 1;
   return own;
+}
+
+/// Nobody goes on to other letters before all have left the search for these.
+Domain::Letters Domain::delivered(const Letters& out) const {
+  std::map<int, int> lengths;
+  std::vector<Message> sent, received;
+  for (const auto& [rank, values] : out) {
+    lengths[rank] = static_cast<int>(values.size());
+    sent.push_back({rank, values});
+  }
+  for (const auto& [rank, length] : addressed(*communicator_, lengths))
+    received.push_back({rank, std::vector<Real>(length)});
+  MPI_Barrier(*communicator_);
+  exchange(*communicator_, sent, received);
+  Letters in;
+  for (Message& m : received) in[m.rank] = std::move(m.values);
+  return in;
 }
 
 void Domain::agree(const std::function<void()>& body) const {
@@ -253,8 +262,8 @@ void Domain::agree(const std::function<void()>& body) const {
 
 void Domain::fail_together(bool failed, const std::string& message) const {
   int least[] = {failed ? rank_ : size_, failed};
-  MPI_Allreduce(MPI_IN_PLACE, least, 2, MPI_INT, MPI_MIN, communicator_);
-  if (least[0] < size_) throw_together(communicator_, least[0], least[1] != 0, message);
+  MPI_Allreduce(MPI_IN_PLACE, least, 2, MPI_INT, MPI_MIN, *communicator_);
+  if (least[0] < size_) throw_together(*communicator_, least[0], least[1] != 0, message);
 }
 
 }  // namespace frictioncg

@@ -20,17 +20,27 @@ class Domain {
     int rank;
     std::vector<Index> shared;  ///< dofs, in the same order on both sides
   };
+  /// The dofs whose values go from their owner to another process.
+  struct Exchange {
+    std::vector<Index> sent, received;
+  };
 
   /// D: one value for each dof of the space. Collective; throws IllegalInput on all processes where
   /// the lists of neighbours do not match.
   Domain(MPI_Comm communicator, std::vector<Neighbour> neighbours, const Vector& D);
-  ~Domain();
+  /// Of two spaces, whose dofs follow each other. Throws IllegalInput where other processes share
+  /// them.
+  Domain(const Domain& first, const Domain& second);
+  /// With so many dofs of others more, behind those of the part.
+  Domain(const Domain& part, Index more, const std::map<int, Exchange>& exchanges);
   Domain(const Domain&) = delete;
   Domain& operator=(const Domain&) = delete;
 
-  MPI_Comm communicator() const { return communicator_; }
+  MPI_Comm communicator() const { return *communicator_; }
   Meeting& meeting() const { return *meeting_; }
-  int number() const { return number_; }  ///< in the order in which its processes made domains
+  /// By numbers in the order in which its processes made domains.
+  const std::string& name() const { return name_; }
+  Index first() const { return first_; }  ///< of two spaces, the dofs of the first, else 0
   int rank() const { return rank_; }
   int size() const { return size_; }
   Index dofs() const { return static_cast<Index>(owned_.size()); }
@@ -55,6 +65,9 @@ class Domain {
   /// As in Processes; the same on all.
   Vector combined(Vector own,
                   const std::function<Vector(const Vector&, const Vector&)>& both) const;
+  /// Numbers to some processes, by rank, and those from others.
+  using Letters = std::map<int, std::vector<Real>>;
+  Letters delivered(const Letters& out) const;
 
   double reductions() const { return reductions_; }  ///< over all processes, so far
 
@@ -63,25 +76,22 @@ class Domain {
   void agree(const std::function<void()>& body) const;
 
  private:
-  struct Exchange {
-    int rank;
-    std::vector<Index> sent, received;
-  };
   using List = std::vector<Index> Exchange::*;
   void transfer(List from, List to, Index width, const Pack& pack, const Unpack& unpack) const;
   void require_match(bool matches) const;
-  std::map<int, int> addressed(const std::map<int, int>& mine) const;
   void check_neighbours(const std::vector<Neighbour>& neighbours) const;
   void choose_owners(const std::vector<Neighbour>& neighbours, const Vector& D);
   void make_exchanges(const std::vector<Neighbour>& neighbours, const std::vector<int>& owner);
   void fail_together(bool failed, const std::string& message) const;
+  void add(const std::map<int, Exchange>& more, Index offset);
 
   std::shared_ptr<Meeting> meeting_;
-  int number_;
-  MPI_Comm communicator_ = MPI_COMM_NULL;
+  std::string name_;
+  std::shared_ptr<const MPI_Comm> communicator_;
   int rank_ = 0, size_ = 1;
-  std::vector<char> owned_;  ///< n
-  std::vector<Exchange> exchanges_;
+  Index first_ = 0;
+  std::vector<char> owned_;            ///< n
+  std::map<int, Exchange> exchanges_;  ///< by rank
   mutable double reductions_ = 0;
 };
 

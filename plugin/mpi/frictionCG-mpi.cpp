@@ -10,6 +10,7 @@
 #include "../freefem/memory.h"
 #include "../freefem/usage.h"
 #include "shared_operators.h"
+#include "shared_pair_site.h"
 
 namespace frictioncg {
 namespace {
@@ -25,16 +26,22 @@ void add_shared(const char* name, const std::vector<aType>& site,
                           [=](const basicAC_F0& args) { return make(args, first); }));
 }
 
+LabelForm form_of(aType type) {
+  for (LabelForm form : label_forms)
+    if (type == type_of(form)) return form;
+  throw std::logic_error("labels of an unknown type");
+}
+
 /// The operators for a space of V and an obstacle, or two bodies.
 template <class V>
 void add_sites() {
   for_each_site<V>([](const std::vector<aType>& types, const MakeSite& make) {
     const auto shared = [types](const basicAC_F0& args, int first) -> std::shared_ptr<SharedSite> {
-      if (types.size() != 2) return nullptr;
-      for (LabelForm form : label_forms)
-        if (types[1] == type_of(form))
-          return std::make_shared<SharedObstacleSite<V>>(args, first, form);
-      return nullptr;
+      const LabelForm form = form_of(types[1]);
+      if (types.size() == 2) return std::make_shared<SharedObstacleSite<V>>(args, first, form);
+      if (types.size() == 3)
+        return std::make_shared<SharedOneSpaceSite<V>>(args, first, form, form_of(types[2]));
+      return std::make_shared<SharedTwoSpaceSite<V>>(args, first, form, form_of(types[3]));
     };
     add_shared<SharedSolveOnce>(operator_name, types, [=](const basicAC_F0& args, int first) {
       return new SharedSolveOnce(args, make(args, first), shared(args, first));

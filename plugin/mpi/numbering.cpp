@@ -46,7 +46,16 @@ Numbering::Numbering(const Domain& domain, const LocalSystem& local,
     for (std::size_t k = 0; k < dofs.size(); ++k)
       slot[dofs[k]] = static_cast<PetscInt>(start[basis.origin[dofs[k]]]) + PetscInt(k);
 
-  const System& system = *local.system();
+  for (Index i = 0, place = 0; i < domain.dofs(); ++i) {
+    place = i > 0 && mesh_node[i] == mesh_node[i - 1] ? place + 1 : 0;
+    const auto found = by_node.find(mesh_node[i]);
+    const bool stands = found != by_node.end() && place < Index(found->second.size());
+    at_place.push_back(stands ? found->second[place] : -1);
+  }
+  find_own(*local.system());
+}
+
+void Numbering::find_own(const System& system) {
   for (Index p = 0; p < system.interior(); ++p)
     if (is_own(p)) own.push_back(p);
   for (Index i = 0; i < system.nodes(); ++i) {
@@ -56,6 +65,14 @@ Numbering::Numbering(const Domain& domain, const LocalSystem& local,
     for (Index p = system.first[i]; p < system.first[i + 1]; ++p) own.push_back(p);
   }
   own_first.push_back(static_cast<Index>(own.size()));
+}
+
+void Numbering::update(const Domain& domain, Vector& local) const {
+  domain.update(
+      1, [&](Index dof, Real* out) { *out = at_place[dof] < 0 ? 0 : local[at_place[dof]]; },
+      [&](Index dof, const Real* in) {
+        if (at_place[dof] >= 0) local[at_place[dof]] = *in;
+      });
 }
 
 }  // namespace frictioncg

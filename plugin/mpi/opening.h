@@ -20,7 +20,7 @@ inline std::string in_brackets(const std::vector<long>& labels) {
 }
 
 /// What several processes do not do is refused by name.
-inline void refuse_options(const Arguments& args) {
+inline void refuse_options(const Arguments& args, bool two_bodies) {
   const auto refuse = [&](Parameter p, const char* why) {
     if (args.has(p)) throw IllegalInput(std::string(parameters[p].name) + " " + why);
   };
@@ -28,7 +28,7 @@ inline void refuse_options(const Arguments& args) {
       "belongs to methods of one process; with domain= there is multigrid alone";
   for (Parameter p : {p_newton, p_reg, p_regeps, p_precon, p_omega, p_step, p_memory})
     refuse(p, own);
-  refuse(p_distance, "is that of two bodies; there is one, and an obstacle");
+  if (!two_bodies) refuse(p_distance, "is that of two bodies; there is one, and an obstacle");
   refuse(p_times, "is of one process; measure around the call, by mpiWtime()");
 }
 
@@ -80,9 +80,11 @@ class Opening {
     });
   }
 
-  int problem = 0;  ///< the contactproblem's number, or 0
-  int domain = 0;   ///< the domain's
-  std::vector<long> labels;
+  int problem = 0;     ///< the contactproblem's number, or 0
+  std::string domain;  ///< its name, or none
+  std::vector<long> labels, masters;
+  Real maxgap = 0;  ///< of two bodies
+  bool smooth = true;
   std::unique_ptr<Call> call;  ///< null where a problem is posed
   PointLaws laws;              ///< before their values at nodes
 
@@ -95,10 +97,12 @@ class Opening {
     for (int p = 0; p < parameter_count; ++p)
       if (p != p_verb) all.add(parameters[p].name, args_.has(Parameter(p)) ? "given" : "");
     all.mark();
-    const auto made = [](int number) { return number > 0 ? "no. " + std::to_string(number) : ""; };
-    all.add("the contactproblem", made(problem));
-    all.add("the domain", made(domain));
+    all.add("the contactproblem", problem > 0 ? "no. " + std::to_string(problem) : "");
+    all.add("the domain", domain);
     all.add("the list of labels", in_brackets(labels));
+    all.add("the list of the master's labels", in_brackets(masters));
+    all.add("maxgap", exact(maxgap));
+    all.add("smooth", smooth ? "true" : "false");
     all.add("tol", call ? exact(call->settings.tol) : "");
     all.add("nbiter", call ? std::to_string(call->settings.nbiter) : "");
     all.add("bilateral", laws.bilateral ? "true" : "false");

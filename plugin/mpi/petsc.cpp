@@ -39,8 +39,8 @@ bool petsc_failed() { return failed; }
 
 namespace {
 
-constexpr const char* phase_names[] = {"fCGPose",  "fCGHierarchy", "fCGSolve",
-                                       "fCGFaces", "fCGCycle",     "fCGProduct"};
+constexpr const char* phase_names[] = {"fCGPose",  "fCGPairing", "fCGHierarchy", "fCGSolve",
+                                       "fCGFaces", "fCGCycle",   "fCGProduct"};
 PetscLogEvent events[std::size(phase_names)];
 
 void name_phases() {

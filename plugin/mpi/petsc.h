@@ -22,7 +22,7 @@ void start_petsc(const std::vector<std::string>& arguments);
 void end_petsc();
 
 /// A phase of a call under the name that -log_view has for it, to the end of its block.
-enum class Phase { pose, hierarchy, solve, faces, cycle, product };
+enum class Phase { pose, pairing, hierarchy, solve, faces, cycle, product };
 class Timed {
  public:
   explicit Timed(Phase phase);

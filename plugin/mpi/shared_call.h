@@ -15,19 +15,18 @@ inline Solution solve_together(SharedScene& shared, const ContactProblem& proble
       [&] { return shared.solver->solve(problem, call.settings, x0, observer); });
 }
 
-/// A solution over the own dofs as one over the local ones; ghosts are 0.
+/// A solution over the own dofs as one over the local ones, ghosts by their owners.   Collective.
 inline Solution on_local_dofs(const SharedScene& shared, const Solution& own) {
-  const Numbering& numbering = shared.numbering();
-  const System& local = *shared.scene->system->system();
+  const System &local = *shared.scene->system->system(), &system = *shared.system;
   Solution s = own;
-  s.x = s.certificate.r = Vector::Zero(local.dofs());
-  for (std::size_t k = 0; k < numbering.own.size(); ++k) {
-    s.x[numbering.own[k]] = own.x[static_cast<Index>(k)];
-    s.certificate.r[numbering.own[k]] = own.certificate.r[static_cast<Index>(k)];
-  }
-  s.state.assign(local.nodes(), NodeState::none);
-  for (std::size_t k = 0; k < numbering.own_nodes.size(); ++k)
-    s.state[numbering.own_nodes[k]] = own.state[k];
+  s.x = shared.A->on_local(own.x);
+  s.certificate.r = shared.A->on_local(own.certificate.r);
+  Vector state = Vector::Zero(system.dofs());  // of each node, at its normal
+  for (Index k = 0; k < system.nodes(); ++k) state[system.first[k]] = Real(own.state[k]);
+  state = shared.A->on_local(state);
+  s.state.clear();
+  for (Index k = 0; k < local.nodes(); ++k)
+    s.state.push_back(static_cast<NodeState>(static_cast<int>(state[local.first[k]])));
   return s;
 }
 
@@ -42,6 +41,12 @@ void update(const Domain& domain, KN<Number>* values) {
       [&](Index dof, const Real* in) { v[dof] = static_cast<Number>(*in); });
 }
 
+/// Leaves the script's dofs of those with guests.
+template <class Number>
+void resize(const SharedScene& shared, KN<Number>* values) {
+  if (values) values->resize(shared.script.count);
+}
+
 /// The outputs of a call: of own dofs as in one process, of ghosts as their owners have them.
 inline void write_together(const SharedScene& shared, const Solution& local,
                            const Progress& progress, const Outputs& out) {
@@ -49,6 +54,28 @@ inline void write_together(const SharedScene& shared, const Solution& local,
   update(*shared.domain, out.force);
   update(*shared.domain, out.state);
   update(*shared.domain, out.normals);
+  update(*shared.domain, out.distance);
+  resize(shared, out.force);
+  resize(shared, out.state);
+  resize(shared, out.normals);
+  resize(shared, out.distance);
+}
+
+/// A vector of the script with the values of guests. Between two bodies all that is shared is its
+/// owner's word: forces on the slave are summed up at masters elsewhere.   Collective.
+inline Vector with_guests(const SharedScene& shared, const Vector& of_script) {
+  if (!shared.interface) return of_script;
+  Vector all = Vector::Zero(shared.scene->ndof());
+  all.head(of_script.size()) = of_script;
+  shared.domain->update(all);
+  return all;
+}
+
+/// A displacement in local dofs, ghosts by their owners: the rows of W are whole for own dofs
+/// alone. Collective.
+inline Vector local_state(const SharedScene& shared, const Vector& u) {
+  const Vector local = shared.scene->system->to_local(with_guests(shared, u));
+  return shared.A->on_local(shared.A->own_part(local));
 }
 
 /// The vectors of a call, consistent between the processes, as an increment.   Collective.
@@ -56,14 +83,14 @@ inline LocalIncrement increment_together(const Call& call, const SharedScene& sh
                                          const PointLaws& laws, ContactProblem& problem) {
   const Domain& domain = *shared.domain;
   const Scene& scene = *shared.scene;
-  domain.agree([&] { check_vectors(call, scene); });
-  const Vector b = shared.patch->load(domain, call.b);
-  Vector u_old = call.u_old;
-  if (call.args.has(p_uold)) domain.update(u_old);
+  domain.agree([&] { check_vectors(call, shared.script); });
+  const Vector b = shared.patch->load(domain, with_guests(shared, call.b));
+  Vector w_old;
+  if (call.args.has(p_uold)) w_old = local_state(shared, call.u_old);
   LocalIncrement local;
   LocalLoad load;
   domain.agree([&] {
-    load = scene.system->load(b, u_old);
+    load = scene.system->load_from(b, w_old);
     local = scene.increment(load, laws);
   });
   report_leftover(check_data(shared, b, local.u0), domain.rank() == 0 ? call.verb : 0);
@@ -76,7 +103,7 @@ inline LocalIncrement increment_together(const Call& call, const SharedScene& sh
 inline Vector start_of(const Call& call, const SharedScene& shared) {
   if (!call.args.has(call.args.start())) return {};
   const Vector start = call.u_old.size() == 0 ? call.u_init : Vector(call.u_init - call.u_old);
-  return shared.A->own_part(shared.scene->system->to_local(start));
+  return shared.A->own_part(shared.scene->system->to_local(with_guests(shared, start)));
 }
 
 /// The field of one increment.   Collective.
@@ -112,6 +139,7 @@ inline KN_<double> solve_together(Stack stack, const Call& call, SharedScene& sh
   if (speaks) warn_of_large_displacements(shared, field, verb);
   for (long i = 0; i < n; ++i) (*u)[i] = field[i];
   update(domain, u);
+  resize(shared, u);
   return *u;
 }
 

@@ -137,6 +137,13 @@ Vector SharedMatrix::own_part(const Vector& local) const {
   return own;
 }
 
+Vector SharedMatrix::on_local(const Vector& own) const {
+  Vector local = Vector::Zero(static_cast<Index>(numbering_.slot.size()));
+  for (Index k = 0; k < own.size(); ++k) local[numbering_.own[k]] = own[k];
+  numbering_.update(*domain_, local);
+  return local;
+}
+
 void SharedMatrix::multiply(const Vector& x, Vector& Ax) const {
   const Timed timed(Phase::product);
   to_slots(x, x_.get());

@@ -41,6 +41,8 @@ class SharedMatrix final : public Processes {
   void from_slots(Vec slots, Vector& x) const;
   /// The values of own dofs in a vector over the local ones.
   Vector own_part(const Vector& local) const;
+  /// Own values over the local dofs, those of ghosts by their owners.   Collective.
+  Vector on_local(const Vector& own) const;
 
  private:
   void assemble(const System& local);

@@ -1,7 +1,7 @@
 #pragma once
 #include "../freefem/freefem.h"
 
-#include "shared_site.h"
+#include "shared_problem.h"
 
 namespace frictioncg {
 
@@ -41,20 +41,18 @@ inline std::string form_of(const char* name, const Site& site) {
          std::to_string(site.dimension()) + "D";
 }
 
-/// Begins a call on a space: its domain, or null, its labels, and what its laws are. shared: null
-/// with two bodies.
+/// Begins a call on a space: its domain, or null, its labels, and what its laws are.
 inline std::shared_ptr<const Domain> opened(Opening& opening, Stack stack, const Arguments& args,
-                                            const Site& site, const SharedSite* shared) {
+                                            const Site& site, const SharedSite& shared) {
   std::shared_ptr<const Domain> domain;
   opening.alone([&] {
     domain = domain_of(stack, args, site);
     if (!domain) return;
-    if (!shared)
-      throw IllegalInput(
-          "contact of two bodies is of one process: facets that face each other may lie on "
-          "different ones; leave domain out, or give the obstacle by gap and normal");
-    opening.domain = domain->number();
-    opening.labels = shared->labels(stack);
+    opening.domain = domain->name();
+    opening.labels = shared.labels(stack);
+    opening.masters = shared.masters(stack);
+    opening.maxgap = args.value(stack, p_maxgap, opening.maxgap);
+    opening.smooth = args.value(stack, p_smooth, opening.smooth);
     opening.laws = begun_laws(stack, args);
   });
   return domain;
@@ -76,10 +74,10 @@ class SharedSolveOnce : public E_F0mps {
 
   AnyType operator()(Stack stack) const override {
     Opening opening(operator_name, form_of(operator_name, *site_), arguments_);
-    const auto domain = opened(opening, stack, arguments_, *site_, shared_.get());
+    const auto domain = opened(opening, stack, arguments_, *site_, *shared_);
     if (!domain && !opening.failed()) return solved_alone(once_, stack);
     opening.alone([&] {
-      refuse_options(arguments_);
+      refuse_options(arguments_, site_->two_bodies());
       opening.call = std::make_unique<Call>(stack, arguments_, b_);
       set_method(opening.call->settings);
     });
@@ -97,7 +95,7 @@ class SharedSolveOnce : public E_F0mps {
   SolveOnce once_;
   std::shared_ptr<const Site> site_;
   Expression A_, b_;
-  std::shared_ptr<const SharedSite> shared_;  ///< null with two bodies
+  std::shared_ptr<const SharedSite> shared_;
 };
 
 /// contactproblem P = contactProblem(A, Vh, labels, ..., domain=C).
@@ -115,7 +113,7 @@ class SharedConstruct : public E_F0mps {
 
   AnyType operator()(Stack stack) const override {
     Opening opening(constructor_name, form_of(constructor_name, *site_), arguments_);
-    const auto domain = opened(opening, stack, arguments_, *site_, shared_.get());
+    const auto domain = opened(opening, stack, arguments_, *site_, *shared_);
     if (!domain && !opening.failed()) return solved_alone(once_, stack);
     return opening.together_with(domain.get(), [&] {
       PosedProblem posed;
@@ -134,7 +132,7 @@ class SharedConstruct : public E_F0mps {
   Construct once_;
   std::shared_ptr<const Site> site_;
   Expression A_;
-  std::shared_ptr<const SharedSite> shared_;  ///< null with two bodies
+  std::shared_ptr<const SharedSite> shared_;
 };
 
 /// u[] = frictionalContactCG(P, b, ...), on a contactproblem of one process or of all.
@@ -160,7 +158,7 @@ class SharedSolveIncrement : public E_F0mps {
     if (!posed.shared && !opening.failed()) return solved_alone(once_, stack);
     opening.alone([&] {
       opening.problem = posed.shared->number;
-      refuse_options(arguments_);
+      refuse_options(arguments_, posed.shared->interface != nullptr);
       if (!posed.scene->tangents && (arguments_.has(p_mu) || arguments_.has(p_slidinglimit)))
         throw IllegalInput(
             "P was made without friction; name mu or slidinglimit in contactProblem(...), too");
@@ -171,8 +169,10 @@ class SharedSolveIncrement : public E_F0mps {
     const Domain* domain = posed.shared ? posed.shared->domain.get() : nullptr;
     return opening.together_with(domain, [&] {
       SharedScene& shared = *posed.shared;
-      PointLaws laws;
-      domain->agree([&] { laws = read_increment_laws(stack, shared, opening.laws); });
+      PointLaws laws = opening.laws;
+      if (shared.interface && arguments_.has(p_gap))
+        laws.gap = gap_of_all(stack, arguments_, shared);
+      domain->agree([&] { laws = read_increment_laws(stack, shared, laws); });
       return SetAny<KN_<double>>(
           solve_together(stack, *opening.call, shared, with_ghosts(laws, shared)));
     });
@@ -180,10 +180,11 @@ class SharedSolveIncrement : public E_F0mps {
 
  private:
   /// Expressions of the call at the own points alone: ghosts have no place.
-  PointLaws read_increment_laws(Stack stack, SharedScene& shared, const PointLaws& given) const {
+  PointLaws read_increment_laws(Stack stack, SharedScene& shared, PointLaws given) const {
     Scene& scene = *shared.scene;
     std::vector<BoundaryNode> all = scene.nodes;
     scene.nodes.resize(shared.own_points);
+    if (given.gap.size() > 0) given.gap.conservativeResize(static_cast<Index>(shared.own_points));
     PointLaws laws;
     try {
       laws = read_laws(stack, arguments_, scene, given);

@@ -15,6 +15,7 @@ inline void report_plan(const SharedScene& shared, const ContactProblem& problem
   Real averted = shared.scene->averted.size();
   domain.sum(&averted, 1);
   if (verb <= 0) return;
+  report_pairs(*shared.scene, verb);
   line() << shared.scene->d << "D, " << static_cast<long>(sums[0]) << " dofs on " << domain.size()
          << (domain.size() == 1 ? " process" : " processes") << " (at most "
          << static_cast<long>(most) << " on one), " << static_cast<long>(sums[1])
@@ -53,13 +54,10 @@ inline void warn_of_large_displacements(const SharedScene& shared, const Vector&
   if (verb > 0 && most > size) warn_of_displacements(most, "mesh", size);
 }
 
-/// A motion of the own dofs in those of the script; 0 at ghosts.
+/// A motion of the own dofs in those of the script.   Collective.
 inline Vector field_of(const SharedScene& shared, const Vector& motion) {
   const Scene& scene = *shared.scene;
-  Vector on_local = Vector::Zero(scene.system->system()->dofs());
-  const std::vector<Index>& own = shared.numbering().own;
-  for (std::size_t k = 0; k < own.size(); ++k) on_local[own[k]] = motion[static_cast<Index>(k)];
-  return scene.system->to_global(on_local, Vector::Zero(scene.ndof()));
+  return scene.system->to_global(shared.A->on_local(motion), Vector::Zero(scene.ndof()));
 }
 
 /// Some nodes of each body, with their displacement: enough to tell what motion it is. Collective.
@@ -71,10 +69,9 @@ struct SampledMotion {
     constexpr Index of_all = 3000, least = 4;
     const Domain& domain = *shared.domain;
     const Scene& scene = *shared.scene;
-    const std::vector<Index> body = bodies_by_dof(shared);
     std::map<Index, std::vector<NodePlace>> own;
     for (const NodePlace& p : scene.places())
-      if (domain.owns(p.dof[0]) && body[p.dof[0]] >= 0) own[body[p.dof[0]]].push_back(p);
+      if (domain.owns(p.dof[0])) own[p.body].push_back(p);
     const Index count = static_cast<Index>(own.size());
     const std::size_t most = std::max(least, of_all / (domain.size() * std::max<Index>(count, 1)));
     std::vector<Real> packed;
@@ -91,15 +88,6 @@ struct SampledMotion {
   }
 
  private:
-  /// Of each dof of the script that a free one stands for, else -1.
-  static std::vector<Index> bodies_by_dof(const SharedScene& shared) {
-    std::vector<Index> body(shared.scene->ndof(), -1);
-    const std::vector<Index>& own = shared.numbering().own;
-    const Bodies bodies = shared.A->bodies();
-    for (std::size_t k = 0; k < own.size(); ++k)
-      body[shared.scene->system->basis().origin[own[k]]] = bodies.of[k];
-    return body;
-  }
   void unpack(const Vector& all, int d) {
     constexpr Index width = 7;  // place, body, displacement
     u.resize(all.size() / width * d);
@@ -131,17 +119,12 @@ inline std::string runaway(SharedScene& shared, const Solution& own, const Vecto
   const Real most = shared.domain->largest(largest_displacement(shared.scene->places(), d, field));
   if (!(most > small_turn * *shared.gyration)) return "";
   const SampledMotion sample(shared, field);
-  const Bodies bodies = shared.A->bodies();
-  const std::vector<Index>& nodes = shared.numbering().own_nodes;
   const auto field_in_sample = [&](const Vector& w) {
     return SampledMotion(shared, field_of(shared, w)).u;
   };
   const auto held = [&](const LargeTurn& turn) {
-    std::set<Index> of_body;
-    for (std::size_t k = 0; k < nodes.size(); ++k)
-      if (bodies.of[shared.system->first[Index(k)]] == turn.body) of_body.insert(nodes[k]);
-    return held_by_contact(*shared.scene, nodes, own.state, *shared.system, turn,
-                           [&](Index k) { return of_body.count(k) > 0; });
+    return held_by_contact(*shared.scene, shared.numbering().own_nodes, own.state, *shared.system,
+                           turn);
   };
   return runaway(sample.nodes, d, sample.u, *shared.system, field_in_sample, held);
 }

@@ -5,14 +5,14 @@
 #include "ghosts.h"
 #include "hierarchy.h"
 #include "multigrid/multigrid_solver.h"
-#include "shared_surface.h"
+#include "whole_interface.h"
 
 namespace frictioncg {
 
-/// One body of all processes: the overlapping part of this one, as the script has it, and the
+/// The bodies of all processes: the overlapping part of this one, as the script has it, and the
 /// system that it owns of the whole.
 struct SharedScene {
-  std::shared_ptr<const Domain> domain;
+  std::shared_ptr<const Domain> domain;   ///< with the guests of two bodies
   int number = 0;                         ///< as that of a domain
   std::shared_ptr<Scene> scene;           ///< overlapping; contact points of ghosts included
   std::size_t own_points = 0;             ///< of the contact points; those of ghosts follow
@@ -22,6 +22,10 @@ struct SharedScene {
   std::unique_ptr<MultigridSolver> solver;
   Extent extent;                 ///< of the nodes of all processes
   std::optional<Real> gyration;  ///< the least, of a body; found when it is first asked for
+  DofCount script;               ///< the part's own dofs, which come before guests
+  std::shared_ptr<const WholeInterface> interface;  ///< of two bodies, and their mortar; or null
+  std::shared_ptr<const mortar::Mortar> mortar;
+  std::vector<Index> in_mortar;  ///< of each own contact point, its number there
 
   const Numbering& numbering() const { return A->numbering(); }
 };
@@ -42,6 +46,41 @@ inline Extent extent_of_all(const Domain& domain, const std::vector<NodePlace>& 
   return e;
 }
 
+/// The rigid motions of nodes, in the dofs of the script.
+inline Eigen::MatrixXd motions(const SharedScene& shared, const std::vector<NodePlace>& nodes,
+                               const Extent& extent) {
+  return rigid_modes(nodes, shared.scene->d, static_cast<Index>(shared.scene->ndof()), extent);
+}
+
+/// Of all processes, which call them alike.   Collective.
+inline Index count_bodies(const Domain& domain, const std::vector<NodePlace>& places) {
+  Index count = 0;
+  for (const NodePlace& n : places) count = std::max(count, n.body + 1);
+  return static_cast<Index>(domain.largest(count));
+}
+
+/// Those of each body alone, whichever process has nodes of it.   Collective.
+inline Eigen::MatrixXd body_motions(const SharedScene& shared,
+                                    const std::vector<NodePlace>& places) {
+  auto bodies = by_body(places);
+  const Index count = count_bodies(*shared.domain, places);
+  std::vector<Eigen::MatrixXd> all;
+  for (Index body = 0; body < count; ++body)
+    all.push_back(motions(shared, bodies[body], extent_of_all(*shared.domain, bodies[body])));
+  Eigen::MatrixXd M(all.front().rows(), count * all.front().cols());
+  for (Index body = 0; body < count; ++body)
+    M.middleCols(body * all[body].cols(), all[body].cols()) = all[body];
+  return M;
+}
+
+/// Motions in the dofs of the script, as those of the own dofs.
+inline Eigen::MatrixXd own_modes(const SharedScene& shared, const Eigen::MatrixXd& M) {
+  const Eigen::MatrixXd local = shared.scene->system->basis().W * M;
+  Eigen::MatrixXd own(static_cast<Index>(shared.numbering().own.size()), M.cols());
+  for (Index k = 0; k < M.cols(); ++k) own.col(k) = shared.A->own_part(local.col(k));
+  return own;
+}
+
 /// The part of the local system that this process owns; finds the extent.   Collective.
 inline SystemPtr own_system(SharedScene& shared) {
   const LocalSystem& local = *shared.scene->system;
@@ -54,13 +93,30 @@ inline SystemPtr own_system(SharedScene& shared) {
   own->processes = shared.A;
   const std::vector<NodePlace> places = shared.scene->places();
   shared.extent = extent_of_all(*shared.domain, places);
-  const Index n = static_cast<Index>(shared.scene->ndof());
-  const Eigen::MatrixXd modes =
-      local.basis().W * rigid_modes(places, shared.scene->d, n, shared.extent);
-  Eigen::MatrixXd own_modes(own->dofs(), modes.cols());
-  for (Index k = 0; k < modes.cols(); ++k) own_modes.col(k) = shared.A->own_part(modes.col(k));
-  own->rigid_modes = [own_modes] { return own_modes; };
+  const Eigen::MatrixXd modes = own_modes(shared, motions(shared, places, shared.extent));
+  own->rigid_modes = [modes] { return modes; };
+  if (shared.interface)  // of many bodies they take much memory
+    own->body_modes = [&shared] {
+      return own_modes(shared, body_motions(shared, shared.scene->places()));
+    };
   return own;
+}
+
+/// A node has tangents where some process asks for friction.   Collective.
+inline void agree_on_tangents(SharedScene& shared, PointLaws& laws) {
+  Scene& scene = *shared.scene;
+  scene.tangents = shared.domain->largest(scene.tangents) > 0;
+  if (!scene.tangents) laws.law = Law::frictionless;
+}
+
+/// The matrix of all, from the local systems, and the multigrid on it.   Collective.
+inline void make_solver(SharedScene& shared) {
+  Scene& scene = *shared.scene;
+  shared.A = std::make_shared<SharedMatrix>(
+      shared.domain, Numbering(*shared.domain, *scene.system, scene.mesh_node), *scene.system);
+  shared.system = own_system(shared);
+  shared.solver = std::make_unique<MultigridSolver>(
+      shared.system, std::make_unique<SharedHierarchy>(shared.A, shared.system->rigid_modes()));
 }
 
 /// The scene of this process becomes one of all.   Collective.
@@ -68,6 +124,7 @@ inline void share(const Triplets& A, SharedScene& shared) {
   const Domain& domain = *shared.domain;
   Scene& scene = *shared.scene;
   shared.own_points = scene.nodes.size();
+  shared.script = scene.dofs;
   add_ghost_points(domain, scene);
   std::unique_ptr<Dirichlet> own;
   domain.agree([&] {
@@ -77,11 +134,7 @@ inline void share(const Triplets& A, SharedScene& shared) {
   });
   shared.patch = std::make_unique<PatchedMatrix>(domain, A, *own);
   domain.agree([&] { scene.assemble(shared.patch->triplets(A)); });
-  shared.A = std::make_shared<SharedMatrix>(
-      shared.domain, Numbering(domain, *scene.system, scene.mesh_node), *scene.system);
-  shared.system = own_system(shared);
-  shared.solver = std::make_unique<MultigridSolver>(
-      shared.system, std::make_unique<SharedHierarchy>(shared.A, shared.system->rigid_modes()));
+  make_solver(shared);
 }
 
 /// As scales_of, but for the extent, which is that of the body.   Collective.
@@ -105,13 +158,13 @@ inline std::vector<Leftover> leftovers_of_all(const SharedScene& shared, const V
   constexpr Index of_body = 7;  // the largest entry; the least and the largest of each component
   const Domain& domain = *shared.domain;
   const std::vector<NodePlace> places = shared.scene->places();
-  const Wholes bodies = bodies_of_all(domain, places);
-  std::vector<Leftover> left(bodies.count);
+  const Index bodies = count_bodies(domain, places);
+  std::vector<Leftover> left(bodies);
   for (const NodePlace& n : places)
-    if (domain.owns(n.dof[0])) left[bodies.of_part[n.body]].add(*shared.scene, b, n);
-  Eigen::Matrix<Real, 2, Eigen::Dynamic> counts(2, bodies.count);
-  Eigen::Matrix<Real, of_body, Eigen::Dynamic> most(of_body, bodies.count);
-  for (Index k = 0; k < bodies.count; ++k) {
+    if (domain.owns(n.dof[0])) left[n.body].add(*shared.scene, b, n);
+  Eigen::Matrix<Real, 2, Eigen::Dynamic> counts(2, bodies);
+  Eigen::Matrix<Real, of_body, Eigen::Dynamic> most(of_body, bodies);
+  for (Index k = 0; k < bodies; ++k) {
     counts.col(k) << left[k].loaded, left[k].empty;
     most(0, k) = left[k].most;
     for (int c = 0; c < 3; ++c) {
@@ -121,7 +174,7 @@ inline std::vector<Leftover> leftovers_of_all(const SharedScene& shared, const V
   }
   domain.sum(counts.data(), static_cast<Index>(counts.size()));
   domain.largest(most.data(), static_cast<Index>(most.size()));
-  for (Index k = 0; k < bodies.count; ++k) {
+  for (Index k = 0; k < bodies; ++k) {
     left[k].loaded = counts(0, k);
     left[k].empty = counts(1, k);
     left[k].most = most(0, k);

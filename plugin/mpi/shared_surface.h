@@ -146,26 +146,28 @@ inline void add_facets_of_others(const Domain& domain, int d, Boundary& boundary
   }
 }
 
-/// The bodies of all processes, by the parts of the mesh of each.   Collective.
-inline Wholes bodies_of_all(const Domain& domain, const std::vector<NodePlace>& places) {
+/// Gives the scene's nodes, wherever it is asked for them, and their bodies as all processes call
+/// them. Returns how many bodies there are.   Collective.
+inline Index name_bodies(const Domain& domain, std::vector<NodePlace> places, Scene& scene) {
   Index parts = 0;
   std::vector<DofOfPart> dofs;
   for (const NodePlace& n : places) {
     parts = std::max(parts, n.body + 1);
     dofs.push_back({n.dof[0], n.body});
   }
-  return join_parts(domain, dofs, parts);
+  const Wholes bodies = join_parts(domain, dofs, parts);
+  for (NodePlace& n : places) n.body = bodies.of_part[n.body];
+  scene.places = [places = std::move(places)] { return places; };
+  return bodies.count;
 }
 
 /// As in one process, over the own points of all.   Collective.
-inline void follow_motions_of_all(const Domain& domain, const std::vector<NodePlace>& places,
-                                  Scene& scene) {
+inline void follow_motions_of_all(const Domain& domain, Index bodies, Scene& scene) {
   if (domain.largest(any_curved(scene.nodes)) == 0) return;
-  const Wholes bodies = bodies_of_all(domain, places);
-  std::vector<Index> part(domain.dofs(), 0), body;
-  for (const NodePlace& n : places) part[n.dof[0]] = n.body;
-  for (const BoundaryNode& p : scene.nodes) body.push_back(bodies.of_part[part[p.point.dof[0]]]);
-  follow_motions(scene.d, body, bodies.count, scene.nodes,
+  std::vector<Index> body_at(domain.dofs(), 0), body;
+  for (const NodePlace& n : scene.places()) body_at[n.dof[0]] = n.body;
+  for (const BoundaryNode& p : scene.nodes) body.push_back(body_at[p.point.dof[0]]);
+  follow_motions(scene.d, body, bodies, scene.nodes,
                  [&](Real* values, Index count) { domain.sum(values, count); });
 }
 

@@ -88,6 +88,15 @@ Dirichlet::Dirichlet(const Triplets& A, const std::vector<ContactPoint>& points)
   find_lost(A);
 }
 
+Dirichlet Dirichlet::with_more(const std::vector<char>& held, const Vector& diagonal) const {
+  Dirichlet all = *this;
+  for (Index i = static_cast<Index>(number_.size()); i < static_cast<Index>(held.size()); ++i) {
+    all.number_.push_back(held[i] ? all.size() : -1);
+    if (held[i]) all.held_.push_back({i, diagonal[i], false, false});
+  }
+  return all;
+}
+
 /// A zero that is stored beside a free dof stands for a coupling that the assembly has taken out.
 void Dirichlet::find_lost(const Triplets& A) {
   if (std::none_of(held_.begin(), held_.end(), [](const Held& h) { return h.uncoupled; })) return;

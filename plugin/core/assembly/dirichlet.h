@@ -14,6 +14,10 @@ class Dirichlet {
   /// spring.
   Dirichlet(const Triplets& A, const std::vector<ContactPoint>& points);
 
+  /// The same where further dofs follow those of A, of which others know what holds them.   held,
+  /// diagonal: of all dofs
+  Dirichlet with_more(const std::vector<char>& held, const Vector& diagonal) const;
+
   Index size() const { return static_cast<Index>(held_.size()); }
   Index dof(Index k) const { return held_[k].dof; }
   /// Number of a held dof, or -1 for a free one.

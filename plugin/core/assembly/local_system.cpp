@@ -49,8 +49,8 @@ void LocalSystem::assemble(const Triplets& A, int dimension, const std::vector<I
   system->first = basis_->first;
   transform(A, *basis_, system->A, K_);
   system->D = system->A.diagonal();
-  check_stiffness(*system);
-  if (!A.half) check_symmetry(system->A, system->D, basis_->origin);
+  check_stiffness(A, *system);
+  if (!A.half) check_symmetry(A, system->A, system->D, basis_->origin);
   if (!mesh_node.empty()) {
     system->mesh_node.reserve(basis_->origin.size());
     for (Index dof : basis_->origin) system->mesh_node.push_back(mesh_node[dof]);
@@ -71,10 +71,10 @@ RigidModes LocalSystem::in_local_dofs(RigidModes modes) const {
 }
 
 /// By the numbering of A.
-void LocalSystem::check_stiffness(const System& system) const {
+void LocalSystem::check_stiffness(const Triplets& A, const System& system) const {
   for (Index p = 0; p < system.dofs(); ++p) {
-    if (has_squares(system.D[p])) continue;
     const Index i = basis_->origin[p];
+    if (has_squares(system.D[p]) || !A.is_whole(i)) continue;
     std::ostringstream m;
     m << "A(" << i << "," << i << ") = " << system.D[p] << "; a stiffness lies between " << smallest
       << " and " << largest << " (squares must not overflow): check the coefficients, or choose "
@@ -87,6 +87,10 @@ void LocalSystem::check_stiffness(const System& system) const {
 LocalLoad LocalSystem::load(const Vector& b, const Vector& u_old) const {
   require_size("b", b, basis_->T.rows(), "dof");
   if (u_old.size() > 0) require_size("u_old", u_old, basis_->T.rows(), "dof");
+  return load_from(b, u_old.size() > 0 ? to_local(u_old) : u_old);
+}
+
+LocalLoad LocalSystem::load_from(const Vector& b, const Vector& w_old) const {
   LocalLoad load;
   const Index w = basis_->local_dofs();
   load.start = Vector::Zero(w + fixed_dofs());
@@ -95,8 +99,8 @@ LocalLoad LocalSystem::load(const Vector& b, const Vector& u_old) const {
   load.total = load.external - K_ * load.start.tail(fixed_dofs());
   load.sizes = load.external.cwiseAbs() + magnitude(K_, load.start.tail(fixed_dofs()));
   load.F = load.total;
-  if (u_old.size() == 0) return load;
-  load.start.head(w) = to_local(u_old);
+  if (w_old.size() == 0) return load;
+  load.start.head(w) = w_old;
   load.F.noalias() -= system_->A * load.start.head(w);
   load.sizes += magnitude(system_->A, load.start.head(w));
   return load;

@@ -58,6 +58,7 @@ class LocalSystem {
 
   /// The load of that increment alone, and the increment under it.
   LocalLoad load(const Vector& b, const Vector& u_old) const;
+  LocalLoad load_from(const Vector& b, const Vector& w_old) const;  ///< the state in local dofs
   LocalIncrement increment(const LocalLoad& load, const PointLaws& laws) const;
 
   SystemPtr system() const { return system_; }
@@ -79,7 +80,7 @@ class LocalSystem {
   void assemble(const Triplets& A, int dimension, const std::vector<Index>& mesh_node,
                 const Coupling* coupling, RigidModes modes, RigidModes body_modes);
   RigidModes in_local_dofs(RigidModes modes) const;
-  void check_stiffness(const System& system) const;
+  void check_stiffness(const Triplets& A, const System& system) const;
   Real nearest_obstacle(const ContactNode& node, const PointLaws& laws, Real rounding,
                         const Vector& start) const;
 

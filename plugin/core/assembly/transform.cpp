@@ -158,13 +158,14 @@ void transform(const Triplets& A, const Basis& basis, Matrix& A_local, Matrix& K
 }
 
 /// A cursor a row meets the mirror image of each lower entry in order.
-void check_symmetry(const Matrix& A_local, const Vector& D, const std::vector<Index>& origin) {
+void check_symmetry(const Triplets& A, const Matrix& A_local, const Vector& D,
+                    const std::vector<Index>& origin) {
   const Index* row = A_local.outerIndexPtr();
   const Index* col = A_local.innerIndexPtr();
   const Real* a = A_local.valuePtr();
   std::vector<Index> cursor(A_local.rows());
   const auto compare = [&](Index p, Index q, Real a_pq, Real a_qp) {
-    if (a_pq == a_qp) return;
+    if (a_pq == a_qp || !A.is_whole(origin[p]) || !A.is_whole(origin[q])) return;
     if (std::abs(a_pq - a_qp) <= asymmetry * std::sqrt(std::abs(D[p] * D[q]))) return;
     std::ostringstream m;
     m << "A(" << origin[p] << "," << origin[q] << ") = " << a_pq << " but A(" << origin[q] << ","

@@ -10,8 +10,9 @@ namespace frictioncg {
 /// Throws IllegalInput where nothing is free, or where 32 bits do not index the entries.
 void transform(const Triplets& A, const Basis& basis, Matrix& A_local, Matrix& K);
 
-/// Throws IllegalInput where A_local, of diagonal D, is not symmetric; origin: as in Basis, for the
-/// message.
-void check_symmetry(const Matrix& A_local, const Vector& D, const std::vector<Index>& origin);
+/// Throws IllegalInput where A_local, of diagonal D, is not symmetric between whole rows of A;
+/// origin: as in Basis.
+void check_symmetry(const Triplets& A, const Matrix& A_local, const Vector& D,
+                    const std::vector<Index>& origin);
 
 }  // namespace frictioncg

@@ -12,9 +12,12 @@ struct Triplets {
   const Real* a = nullptr;
   Index base = 0;     ///< index of the first row: 0 or 1
   bool half = false;  ///< only one triangle is stored
+  /// n, or null: of a part of a matrix, whose rows are whole; others are not checked.
+  const char* whole = nullptr;
 
   Index row(std::size_t k) const { return i[k] - base; }
   Index col(std::size_t k) const { return j[k] - base; }
+  bool is_whole(Index row) const { return !whole || whole[row] != 0; }
 };
 
 }  // namespace frictioncg

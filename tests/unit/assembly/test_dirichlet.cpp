@@ -106,3 +106,16 @@ TEST(Dirichlet, PrescribedDisplacementsAreTheLoadOverTheDiagonal) {
   const Dirichlet dirichlet(A.triplets(), {});
   EXPECT_DOUBLE_EQ(dirichlet.data((Vector(3) << 5, 6, 2e29).finished())[0], 0.2);
 }
+
+TEST(Dirichlet, DofsThatFollowAreHeldAsOthersSayAndHaveTheirDiagonals) {
+  const Dirichlet part(chain(1e30).triplets(), {});
+  const Vector diagonal = (Vector(5) << 200, 200, 1e30, 4, 5).finished();
+  const Dirichlet all = part.with_more({0, 0, 1, 0, 1}, diagonal);
+  EXPECT_EQ(part.size(), 1);
+  ASSERT_EQ(all.size(), 2);
+  EXPECT_EQ(all.dof(1), 4);
+  EXPECT_EQ(all.number(4), 1);
+  EXPECT_FALSE(all.holds(3));
+  EXPECT_EQ(all.data((Vector(5) << 1, 1, 4e30, 7, 10).finished()),
+            Vector((Vector(2) << 4, 2).finished()));
+}

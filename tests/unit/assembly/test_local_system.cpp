@@ -229,6 +229,43 @@ TEST(LocalSystem, AnEntryWithoutItsMirrorImageIsRefusedWhereverItStands) {
   }
 }
 
+TEST(LocalSystem, RowsOfAPartThatAreNotWholeAreNotChecked) {
+  const auto refusal_of_part = [](const Scene& s, Index row) {
+    std::vector<char> whole(s.n, 1);
+    whole[row] = 0;
+    Triplets A = s.triplets();
+    A.whole = whole.data();
+    try {
+      const LocalSystem system(A, 2, {}, {});
+    } catch (const IllegalInput& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  Scene s = small(false);
+  for (std::size_t k = 0; k < s.a.size(); ++k) {
+    if (s.i[k] == 2 && s.j[k] == 0) s.a[k] += 1;
+    if (s.i[k] == 2 && s.j[k] == 2) s.a[k] = 1e-170;
+  }
+  EXPECT_EQ(refusal_of_part(s, 2), "");
+  EXPECT_NE(refusal_of_part(s, 4).find("A(2,2) = 1e-170; a stiffness"), std::string::npos);
+  s = small(false);
+  for (std::size_t k = 0; k < s.a.size(); ++k)
+    if (s.i[k] == 2 && s.j[k] == 0) s.a[k] += 1;
+  EXPECT_EQ(refusal_of_part(s, 0), "");
+  EXPECT_NE(refusal_of_part(s, 4).find("must be symmetric"), std::string::npos);
+}
+
+TEST(LocalSystem, TheStateOfALoadMayBeGivenInLocalDofs) {
+  const Scene s = small(false, 0.3);
+  const LocalSystem system(s.triplets(), 2, s.points);
+  const Vector u = Vector::LinSpaced(s.n, -1, 2);
+  const LocalLoad of_script = system.load(s.b, u),
+                  local = system.load_from(s.b, system.to_local(u));
+  EXPECT_EQ(local.F, of_script.F);
+  EXPECT_NE(local.F, system.load(s.b, {}).F);
+}
+
 TEST(LocalSystem, TheRoundingOfALoadIsThatOfTheTermsItIsSummedOf) {
   BlockOptions o;
   const auto rounding = [&](Real far) {

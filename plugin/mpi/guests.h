@@ -1,0 +1,52 @@
+#pragma once
+#include "assembly/basis.h"
+#include "assembly/dirichlet.h"
+#include "whole_interface.h"
+
+namespace frictioncg {
+
+/// Calls visit(row, column, value) for each entry that is not 0, of both triangles.
+template <class Visit>
+void for_each_entry(const Triplets& A, const Visit& visit) {
+  for (std::size_t k = 0; k < A.size; ++k) {
+    if (A.a[k] == 0) continue;
+    visit(A.row(k), A.col(k), A.a[k]);
+    if (A.half && A.row(k) != A.col(k)) visit(A.col(k), A.row(k), A.a[k]);
+  }
+}
+
+/// A mortar's change of basis, component by component, over the nodes of the whole interface.
+struct InterfaceBasis {
+  std::vector<Matrix> T, W;
+
+  InterfaceBasis(const WholeInterface& interface, const mortar::Mortar& mortar);
+};
+
+/// The part of a process, grown across the contact by guests: nodes of others that the rows of T'AT
+/// of its own dofs are made of. Row p of T'AT is the sum of T_ip A_ij T_jq: owners send the rows
+/// A_i of interface dofs to the owners of all p with T_ip != 0, and the columns of these rows, and
+/// of the rows of T at all columns j of rows that are here, become guests.
+///
+/// Rows of A and of T that no own row of T'AT needs are not whole here.
+class GrownPart {
+ public:
+  /// A: of the part; numbers get the guests.   Collective.
+  GrownPart(const Domain& part, const Triplets& A, const Dirichlet& of_A,
+            const WholeInterface& interface, const InterfaceBasis& basis, NodeNumbers& numbers);
+  Triplets matrix() const;  ///< of all dofs, as long as this lives
+
+  std::shared_ptr<const Domain> domain;
+  std::vector<char> held;  ///< by Dirichlet conditions
+  std::unique_ptr<const Dirichlet> dirichlet;
+  Coupling coupling;
+
+ private:
+  friend class Growth;
+  void put(Index i, Index j, Real a);
+
+  std::vector<Index> i_, j_;
+  std::vector<Real> a_;
+  std::vector<char> own_;
+};
+
+}  // namespace frictioncg

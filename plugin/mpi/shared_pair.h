@@ -1,0 +1,260 @@
+#pragma once
+#include "../freefem/freefem.h"
+
+#include "guests.h"
+#include "opening.h"
+#include "shared_scene.h"
+
+namespace frictioncg {
+
+/// What a process knows of the faces, with normals and weights where the call gives them.
+inline InterfacePart interface_part(Stack stack, const Arguments& args, const Scene& scene,
+                                    const Dirichlet& dirichlet) {
+  const Interface& faces = scene.pairing->between();
+  InterfacePart part;
+  part.X = faces.X;
+  part.dof = faces.dof;
+  part.pairs = faces.pairs;
+  part.slaves = static_cast<Index>(faces.slave.size());
+  part.held = mortar::held_components(scene.d, faces.dof, dirichlet);
+  std::vector<Index> body(scene.ndof(), 0);
+  for (const NodePlace& n : scene.places()) body[n.dof[0]] = n.body;
+  for (std::size_t i = 0; i < faces.dof.size(); ++i) {
+    for (Index c = 1; c < scene.d; ++c)
+      if (faces.dof[i][c] != faces.dof[i][0] + c)
+        throw std::logic_error("the dofs of a node do not follow each other");
+    const auto groups = faces.body_count.find(static_cast<Index>(i));
+    part.groups.push_back(groups == faces.body_count.end() ? 1 : groups->second);
+    part.body.push_back(body[faces.dof[i][0]]);
+  }
+  part.options.resize(faces.slave.size());
+  if (args.has(p_normal)) {
+    const std::vector<mortar::Vec3> normals = slave_normals(stack, args, scene);
+    for (std::size_t i = 0; i < normals.size(); ++i)
+      part.options[i].assign(normals[i].data(), normals[i].data() + 3);
+  }
+  const std::vector<Real> weight = slave_weights(stack, args, scene);
+  for (std::size_t i = 0; i < weight.size(); ++i) part.options[i].push_back(weight[i]);
+  return part;
+}
+
+/// macro_ddm.idp tells nodes by their places: faces that lie on each other when a mesh is
+/// decomposed may get each other's nodes for ghosts.   Collective.
+inline void refuse_exchanged_faces(const Domain& domain, const InterfacePart& part) {
+  std::vector<int> sides(domain.dofs(), 0);
+  for (const mortar::Pair& pair : part.pairs)
+    for (int side = 0; side < 2; ++side)
+      for (const mortar::Facet& f : (side == 0 ? pair.slave : pair.master).facets)
+        for (Index i : f.node)
+          if (i >= 0) sides[part.dof[i][0]] |= 1 << side;
+  bool exchanged = false;
+  domain.update(
+      1, [&](Index dof, Real* out) { *out = sides[dof]; },
+      [&](Index dof, const Real* in) {
+        exchanged = exchanged || (sides[dof] & ~static_cast<int>(*in)) != 0;
+      });
+  if (domain.largest(exchanged) > 0)
+    throw IllegalInput(
+        "the domain takes nodes of slave and master for each other, which lie at the same places; "
+        "decompose the mesh while the faces are apart, and move them together by movemesh after "
+        "createMat");
+}
+
+/// The mortar between the whole faces: the same on all processes.
+inline std::shared_ptr<const mortar::Mortar> mortar_of(const Arguments& args,
+                                                       const Opening& opening,
+                                                       const WholeInterface& faces) {
+  mortar::Options options;
+  if (args.has(p_maxgap)) options.maxgap = opening.maxgap;
+  options.smooth = opening.smooth;
+  for (const std::vector<Real>& given : faces.options) {
+    if (args.has(p_normal)) options.normals.emplace_back(given[0], given[1], given[2]);
+    if (args.has(p_weight)) options.weight.push_back(given.back());
+  }
+  options.bodies = [&] { return faces.body; };
+  options.element_groups = [&](Index i) { return faces.groups[i]; };
+  return std::make_shared<mortar::Mortar>(mortar::Nodes{faces.d, faces.X, faces.held}, faces.pairs,
+                                          options);
+}
+
+/// The contact points of own nodes, and what the outputs need of the mortar.
+inline void face_part(const NodeNumbers& numbers, const Domain& part, SharedScene& shared) {
+  Scene& scene = *shared.scene;
+  const WholeInterface& faces = *shared.interface;
+  const mortar::NodeDofs& dof = scene.pairing->between().dof;
+  std::unordered_map<Index, Index> here;  // first dof -> node of the part's interface
+  for (std::size_t i = 0; i < dof.size(); ++i) here.emplace(dof[i][0], static_cast<Index>(i));
+  const auto local = [&](Index node) -> Index {
+    const NodeNumbers::Number number = faces.number[node];
+    const auto found = here.find(numbers.is_here(number) ? numbers.dof(number, 0) : -1);
+    return found == here.end() ? -1 : found->second;
+  };
+  const auto is_own = [&](Index i) { return i >= 0 && part.owns(dof[i][0]); };
+  FacedPart faced;
+  const std::vector<mortar::ContactNode>& nodes = shared.mortar->nodes();
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const Index i = local(nodes[k].node);
+    if (!is_own(i)) continue;
+    scene.nodes.push_back(scene.pairing->contact_node(i, nodes[k]));
+    shared.in_mortar.push_back(static_cast<Index>(k));
+    faced.add(nodes[k]);
+  }
+  for (const mortar::MidEdge& e : shared.mortar->edges())
+    if (is_own(local(e.node)))
+      faced.edges.push_back({local(e.node), local(e.a), local(e.b), e.distance});
+  for (std::size_t p = 0; p < faces.pairs.size(); ++p)
+    faced.add(faces.pairs[p], shared.mortar->statistics(static_cast<Index>(p)), scene.d, faces.X);
+  scene.pairing->set(std::move(faced));
+}
+
+/// The gap at the contact points of own nodes: between the meshes, or as the call gives it at the
+/// slave's nodes.   Collective.
+inline Vector gap_of_all(Stack stack, const Arguments& args, const SharedScene& shared) {
+  const Scene& scene = *shared.scene;
+  if (!args.has(p_gap)) return scene.pairing->gap();
+  Vector given;
+  shared.domain->agree(
+      [&] { given = at_nodes(stack, args, p_gap, scene, scene.pairing->slave_nodes()); });
+  const WholeInterface& faces = *shared.interface;
+  Vector at_faces = Vector::Zero(faces.nodes());
+  const Vector at_slaves = faces.gathered(*shared.domain, given);
+  at_faces.head(at_slaves.size()) = at_slaves;
+  const Vector weighted = shared.mortar->weighted(at_faces);
+  Vector own(static_cast<Index>(shared.in_mortar.size()));
+  for (Index k = 0; k < own.size(); ++k) own[k] = weighted[shared.in_mortar[k]];
+  return own;
+}
+
+/// Places and bodies of guests, by their owners; each is a node of its own.   Collective.
+inline void place_guests(const Domain& domain, Scene& scene) {
+  const Index n = static_cast<Index>(scene.ndof()), d = scene.d;
+  std::vector<NodePlace> places = scene.places();
+  std::vector<std::array<Real, 4>> at(domain.dofs());
+  for (const NodePlace& p : places) at[p.dof[0]] = {p.x[0], p.x[1], p.x[2], Real(p.body)};
+  domain.update(
+      4, [&](Index dof, Real* out) { std::copy(at[dof].begin(), at[dof].end(), out); },
+      [&](Index dof, const Real* in) { std::copy(in, in + 4, at[dof].begin()); });
+  Index node = 0;
+  for (Index of_part : scene.mesh_node) node = std::max(node, of_part + 1);
+  for (Index i = n; i < domain.dofs(); i += d, ++node) {
+    NodePlace p;
+    p.x = {at[i][0], at[i][1], at[i][2]};
+    p.body = static_cast<Index>(at[i][3]);
+    for (Index c = 0; c < d; ++c) {
+      p.dof[c] = i + c;
+      scene.mesh_node.push_back(node);
+    }
+    places.push_back(p);
+  }
+  scene.places = [places = std::move(places)] { return places; };
+}
+
+/// The local system of the grown part, and of all.   Collective.
+inline void share_grown(const GrownPart& grown, SharedScene& shared) {
+  Scene& scene = *shared.scene;
+  const Domain& domain = *shared.domain;
+  place_guests(domain, scene);
+  scene.dofs.count = domain.dofs();
+  scene.held = grown.held;
+  shared.own_points = scene.nodes.size();
+  add_ghost_points(domain, scene);
+  const Triplets A = grown.matrix();
+  shared.patch = std::make_unique<PatchedMatrix>(domain, A, *grown.dirichlet);
+  domain.agree([&] {
+    std::vector<ContactPoint> points;
+    for (const BoundaryNode& n : scene.nodes) points.push_back(n.point);
+    scene.system = std::make_unique<LocalSystem>(A, scene.d, std::move(points), scene.mesh_node,
+                                                 *grown.dirichlet, grown.coupling);
+  });
+  make_solver(shared);
+}
+
+/// T'AT x against T'(A(T x)), A by the own rows of the script's matrix: a certificate cannot see
+/// that a matrix is not the one that is meant.   Collective.
+inline void check_transformed(const Triplets& A, const Domain& part, const SharedScene& shared) {
+  constexpr Real rounding = 1e-9;
+  const LocalSystem& local = *shared.scene->system;
+  Vector x(shared.system->dofs()), Ax;
+  for (Index k = 0; k < x.size(); ++k) x[k] = std::sin(Real(1 + k + shared.numbering().first));
+  Vector u = local.to_global(shared.A->on_local(x), Vector::Zero(shared.scene->ndof()));
+  shared.domain->update(u);
+  Vector f = Vector::Zero(u.size());
+  for_each_entry(A, [&](Index i, Index j, Real a) {
+    if (part.owns(i) && !shared.scene->held[i]) f[i] += a * u[j];
+  });
+  shared.domain->update(f);
+  const Vector by_parts = shared.A->own_part(local.basis().T.transpose() * f);
+  shared.system->multiply(x, Ax);
+  Real sums[] = {(by_parts - Ax).cwiseAbs2().cwiseQuotient(shared.system->D).sum(),
+                 Ax.cwiseAbs2().cwiseQuotient(shared.system->D).sum()};
+  shared.domain->sum(sums, 2);
+  if (!(sums[0] <= rounding * rounding * sums[1]))
+    throw IllegalInput(
+        "the matrix between the bodies is not that of A: some process does not have all elements "
+        "around its nodes; make the domains by createMat(Th, C, Pk) of macro_ddm.idp");
+}
+
+/// The script's matrix, and what Dirichlet conditions hold of it, as owners of ghosts see it.
+class PartMatrix {
+ public:
+  /// Collective.
+  PartMatrix(Stack stack, const Expression A, const Scene& scene, const Domain& part) {
+    std::unique_ptr<Dirichlet> own;
+    part.agree([&] {
+      given_ = read_matrix(stack, A, scene);
+      if (2 * scene.dofs.first == scene.dofs.count &&
+          BlockOrder(scene.places(), scene.d, scene.dofs).exchanged(given_))
+        refuse_order(scene.dofs);
+      own = std::make_unique<Dirichlet>(given_, std::vector<ContactPoint>{});
+    });
+    patch_ = std::make_unique<PatchedMatrix>(part, given_, *own);
+    part.agree(
+        [&] { dirichlet_ = std::make_unique<Dirichlet>(triplets(), std::vector<ContactPoint>{}); });
+  }
+  Triplets triplets() const { return patch_->triplets(given_); }
+  const Dirichlet& dirichlet() const { return *dirichlet_; }
+
+ private:
+  Triplets given_;
+  std::unique_ptr<PatchedMatrix> patch_;
+  std::unique_ptr<Dirichlet> dirichlet_;
+};
+
+/// The mortar of the whole faces, and this process's part of it; the grown part.   Collective.
+inline std::unique_ptr<GrownPart> grow(Stack stack, const Arguments& args, const Opening& opening,
+                                       const PartMatrix& A, SharedScene& shared) {
+  const Timed timed(Phase::pairing);
+  const Scene& scene = *shared.scene;
+  const Domain& part = *shared.domain;
+  InterfacePart faces;
+  part.agree([&] { faces = interface_part(stack, args, scene, A.dirichlet()); });
+  refuse_exchanged_faces(part, faces);
+  NodeNumbers numbers(part, scene.d, scene.mesh_node);
+  shared.interface = std::make_shared<WholeInterface>(part, numbers, scene.d, faces);
+  std::unique_ptr<InterfaceBasis> basis;
+  part.agree([&] {
+    shared.mortar = mortar_of(args, opening, *shared.interface);
+    basis = std::make_unique<InterfaceBasis>(*shared.interface, *shared.mortar);
+    face_part(numbers, part, shared);
+  });
+  return std::make_unique<GrownPart>(part, A.triplets(), A.dirichlet(), *shared.interface, *basis,
+                                     numbers);
+}
+
+/// Poses contact of two bodies, whose part is in the scene.   Collective.
+inline void read_pair(Stack stack, const Arguments& args, const Expression A, bool everywhere,
+                      const Opening& opening, SharedScene& shared, PointLaws& laws) {
+  const std::shared_ptr<const Domain> part = shared.domain;
+  shared.script = shared.scene->dofs;
+  const PartMatrix matrix(stack, A, *shared.scene, *part);
+  const auto grown = grow(stack, args, opening, matrix, shared);
+  laws = opening.laws;
+  laws.gap = gap_of_all(stack, args, shared);
+  part->agree([&] { laws = read_point_laws(stack, args, everywhere, *shared.scene, laws); });
+  agree_on_tangents(shared, laws);
+  shared.domain = grown->domain;
+  share_grown(*grown, shared);
+  check_transformed(matrix.triplets(), *part, shared);
+}
+
+}  // namespace frictioncg

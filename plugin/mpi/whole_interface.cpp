@@ -1,0 +1,122 @@
+#include "whole_interface.h"
+
+#include <algorithm>
+#include <set>
+
+namespace frictioncg {
+
+namespace {
+
+Vector as_vector(const std::vector<Real>& values) {
+  return Eigen::Map<const Vector>(values.data(), static_cast<Index>(values.size()));
+}
+
+/// The two surfaces of a pair, slave first.
+mortar::Surface& side_of(mortar::Pair& pair, int side) {
+  return side == 0 ? pair.slave : pair.master;
+}
+
+}  // namespace
+
+WholeInterface::WholeInterface(const Domain& domain, const NodeNumbers& numbers, Index dimension,
+                               const InterfacePart& part)
+    : d(dimension), pairs(part.pairs) {
+  for (mortar::Pair& pair : pairs)
+    for (int side = 0; side < 2; ++side) side_of(pair, side).facets.clear();
+  gather_nodes(domain, numbers, part);
+  gather_facets(domain, numbers, part);
+  drop_other_bodies();
+}
+
+/// Slaves and others, one gather each.
+void WholeInterface::gather_nodes(const Domain& domain, const NodeNumbers& numbers,
+                                  const InterfacePart& part) {
+  const Index all = static_cast<Index>(part.X.size());
+  const auto gather = [&](Index first, Index end) {
+    std::vector<Real> own;
+    for (Index i = first; i < end; ++i) {
+      if (!domain.owns(part.dof[i][0])) continue;
+      const mortar::Vec3& x = part.X[i];
+      const auto number_of_node = numbers.node(numbers.of(part.dof[i][0]));
+      own.insert(own.end(), {Real(number_of_node), x[0], x[1], x[2], Real(part.held[i]),
+                             Real(part.body[i]), Real(part.groups[i])});
+      if (i >= part.slaves) continue;
+      own_slaves_.push_back(i);
+      own.insert(own.end(), part.options[i].begin(), part.options[i].end());
+    }
+    return domain.gathered(as_vector(own));
+  };
+  const Index more =
+      static_cast<Index>(domain.largest(part.options.empty() ? 0 : part.options.front().size()));
+  const auto add = [&](const Vector& sent, Index extra) {
+    for (const Real* in = sent.data(); in != sent.data() + sent.size();) {
+      number.push_back(static_cast<NodeNumbers::Number>(*in++));
+      at.emplace(number.back(), nodes() - 1);
+      X.emplace_back(in[0], in[1], in[2]);
+      held.push_back(static_cast<unsigned char>(in[3]));
+      body.push_back(static_cast<Index>(in[4]));
+      groups.push_back(static_cast<Index>(in[5]));
+      in += 6;
+      if (extra > 0) options.emplace_back(in, in + extra);
+      in += extra;
+    }
+  };
+  add(gather(0, part.slaves), more);
+  add(gather(part.slaves, all), 0);
+}
+
+void WholeInterface::gather_facets(const Domain& domain, const NodeNumbers& numbers,
+                                   const InterfacePart& part) {
+  std::vector<Real> own;
+  const auto number_at = [&](Index i) { return numbers.node(numbers.of(part.dof[i][0])); };
+  for (std::size_t p = 0; p < part.pairs.size(); ++p)
+    for (int side = 0; side < 2; ++side) {
+      const mortar::Surface& surface = side == 0 ? part.pairs[p].slave : part.pairs[p].master;
+      const int count = mortar::nodes_of_facet(d, surface.quadratic);
+      for (const mortar::Facet& f : surface.facets) {
+        Index first = f.node[0];
+        for (int v = 1; v < d; ++v)
+          if (number_at(f.node[v]) < number_at(first)) first = f.node[v];
+        if (!domain.owns(part.dof[first][0])) continue;
+        own.insert(own.end(),
+                   {Real(p), Real(side), Real(f.label), f.outward[0], f.outward[1], f.outward[2],
+                    f.behind < 0 ? -1 : Real(number_at(f.behind)), Real(count)});
+        for (int k = 0; k < count; ++k) own.push_back(Real(number_at(f.node[k])));
+      }
+    }
+  const Vector sent = domain.gathered(as_vector(own));
+  for (const Real* in = sent.data(); in != sent.data() + sent.size();) add_facet(in);
+}
+
+void WholeInterface::add_facet(const Real*& in) {
+  const auto node = [&](Real sent) { return at.at(static_cast<NodeNumbers::Number>(sent)); };
+  mortar::Surface& surface =
+      side_of(pairs[static_cast<std::size_t>(in[0])], static_cast<int>(in[1]));
+  mortar::Facet f;
+  f.label = static_cast<long>(in[2]);
+  f.outward = {in[3], in[4], in[5]};
+  if (in[6] >= 0) f.behind = node(in[6]);
+  const int count = static_cast<int>(in[7]);
+  in += 8;
+  surface.quadratic = count > d;
+  for (int k = 0; k < count; ++k) f.node[k] = node(*in++);
+  surface.facets.push_back(f);
+}
+
+/// What lies behind a master counts where it is one body with its slave: a part does not know that.
+void WholeInterface::drop_other_bodies() {
+  for (mortar::Pair& pair : pairs) {
+    std::set<Index> of_slave;
+    for (const mortar::Facet& f : pair.slave.facets) of_slave.insert(body[f.node[0]]);
+    for (mortar::Facet& f : pair.master.facets)
+      if (of_slave.count(body[f.node[0]]) == 0) f.behind = -1;
+  }
+}
+
+Vector WholeInterface::gathered(const Domain& domain, const Vector& at_part) const {
+  Vector own(static_cast<Index>(own_slaves_.size()));
+  for (Index k = 0; k < own.size(); ++k) own[k] = at_part[own_slaves_[k]];
+  return domain.gathered(own);
+}
+
+}  // namespace frictioncg

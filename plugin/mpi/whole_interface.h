@@ -1,0 +1,49 @@
+#pragma once
+#include "assembly/mortar/coupling.h"
+#include "node_numbers.h"
+
+namespace frictioncg {
+
+/// What a process knows of the faces of two bodies: its own part with overlap.
+struct InterfacePart {
+  std::vector<mortar::Vec3> X;
+  mortar::NodeDofs dof;
+  std::vector<mortar::Pair> pairs;  ///< the same on all processes, but for their facets
+  Index slaves = 0;                 ///< nodes: those of slaves come first
+  std::vector<unsigned char> held;
+  std::vector<Index> body;                 ///< of each node, over all processes
+  std::vector<Index> groups;               ///< of elements around it: mortar::Options
+  std::vector<std::vector<Real>> options;  ///< of each slave node: normal and weight, where given
+};
+
+/// The faces of two bodies whole, the same on all processes in every bit and order: what they make
+/// of it is the same, too. Nodes are sent by their owners, facets by the owner of their vertex with
+/// the lowest number, around which it has all elements.
+struct WholeInterface {
+  /// Collective.
+  WholeInterface(const Domain& domain, const NodeNumbers& numbers, Index dimension,
+                 const InterfacePart& part);
+
+  Index nodes() const { return static_cast<Index>(number.size()); }
+  /// A value at each of the part's slave nodes, by their owners, at all slave nodes.   Collective.
+  Vector gathered(const Domain& domain, const Vector& at_part) const;
+
+  Index d = 2;
+  std::vector<NodeNumbers::Number> number;            ///< of each node; those of slaves come first
+  std::unordered_map<NodeNumbers::Number, Index> at;  ///< and back
+  std::vector<mortar::Vec3> X;
+  std::vector<unsigned char> held;
+  std::vector<Index> body, groups;
+  std::vector<std::vector<Real>> options;  ///< of each slave node
+  std::vector<mortar::Pair> pairs;
+
+ private:
+  void gather_nodes(const Domain& domain, const NodeNumbers& numbers, const InterfacePart& part);
+  void gather_facets(const Domain& domain, const NodeNumbers& numbers, const InterfacePart& part);
+  void add_facet(const Real*& in);
+  void drop_other_bodies();
+
+  std::vector<Index> own_slaves_;  ///< of the part, that this process owns
+};
+
+}  // namespace frictioncg
