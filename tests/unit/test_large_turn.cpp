@@ -114,6 +114,33 @@ TEST(LargeTurn, OnlyABodyThatIsFreeToTurnAboutTheAxisMayRunAway) {
   EXPECT_TRUE(leave_free_to_turn({along, Vector(along + about(z))}, nodes, 3, z));
 }
 
+TEST(LargeTurn, ATranslationThatRoundingTurnsLeavesNoTurnFree) {
+  const Eigen::Vector3d centre(3, -1, 0), axis = Eigen::Vector3d::UnitZ();
+  for (int d : {2, 3}) {
+    const auto nodes = bar(d, 1, centre, 0, 0);
+    const auto turning = [&](Real w) {
+      return field(nodes, d, centre, {1, 2, 0}, w * axis, 0, dofs_of(nodes, d));
+    };
+    EXPECT_FALSE(leave_free_to_turn({turning(1e-10)}, nodes, d, axis));
+    EXPECT_TRUE(leave_free_to_turn({turning(1e-3)}, nodes, d, axis));
+  }
+}
+
+TEST(LargeTurn, NormalsThatLeanByMoreThanATenthStandAgainstATurn) {
+  RigidMotion turn;
+  turn.c = Eigen::Vector3d::Zero();
+  turn.w = Eigen::Vector3d::UnitZ();
+  for (Real lean : {0.05, 0.2}) {
+    StandAgainst normals;
+    for (int k = 0; k < 20; ++k) {
+      const Real at = 0.1 * M_PI * k;
+      normals.add({std::cos(at + lean), std::sin(at + lean), 0}, {std::cos(at), std::sin(at), 0},
+                  turn);
+    }
+    EXPECT_EQ(normals.holds(), lean > 0.1);
+  }
+}
+
 TEST(LargeTurn, NoRandomSceneHasOne) {
   Index judged = 0;
   for (unsigned seed = 1; seed <= 400; ++seed) {

@@ -42,6 +42,12 @@ TEST(LinearAlgebra, TheNullSpaceIsOrthonormalAlsoOfFewRows) {
   }
 }
 
+TEST(LinearAlgebra, TheNullSpaceIsWhatTheToleranceLeaves) {
+  const DenseMatrix A = Eigen::Vector3d(1, 2e-9, 0.5e-9).asDiagonal();
+  EXPECT_EQ(null_space(A, 1e-9).cols(), 1);
+  EXPECT_EQ(null_space(DenseMatrix::Zero(2, 3), 0).cols(), 3);
+}
+
 TEST(LinearAlgebra, TheTriangleHasTheProductsOfTheColumns) {
   for (Index rows : {2, 5}) {
     const DenseMatrix A = dependent(rows, 3), R = triangle(A);
