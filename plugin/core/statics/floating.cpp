@@ -59,7 +59,8 @@ DenseMatrix candidates_of(const System& system) {
   DenseMatrix M(system.dofs(), 0);
   if (!made || system.largest(system.dofs()) == 0) return M;
   M = made();
-  return M.rows() == system.dofs() && M.allFinite() ? M : DenseMatrix(system.dofs(), 0);
+  const bool of_use = M.rows() == system.dofs() && M.allFinite();
+  return system.largest(of_use ? 0 : 1) == 0 ? M : DenseMatrix(system.dofs(), 0);  // on all alike
 }
 
 /// A M, column by column.
