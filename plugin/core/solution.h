@@ -64,6 +64,11 @@ struct Solution {
   Eigen::MatrixXd undetermined;
 };
 
+/// Converged, or shown to have no equilibrium.
+inline bool decided(const Solution& s) {
+  return s.status == Status::converged || s.status == Status::no_equilibrium;
+}
+
 /// Bound on the iterations of a call that names none.
 inline Index default_iterations(const ContactProblem& problem) {
   return 10000 + 20 * problem.nodes() + static_cast<Index>(20 * std::sqrt(problem.dofs()));

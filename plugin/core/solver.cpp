@@ -89,11 +89,6 @@ Solution iterate(const ContactProblem& problem, const Settings& settings, const 
   return s;
 }
 
-/// Converged, or shown to have no equilibrium.
-bool decided(const Solution& s) {
-  return s.status == Status::converged || s.status == Status::no_equilibrium;
-}
-
 /// Whether no method comes nearer to the laws.
 bool is_rounding(const Certificate& c) {
   const bool known = c.attainable < runaway_rounding;

@@ -272,8 +272,7 @@ void CholmodElimination::form_S(const Vector& D_C) {
 }
 
 Vector CholmodElimination::solve(int triangle, const Vector& rhs) {
-  const std::size_t n = n_;
-  cholmod_dense b{n, 1, n, n, const_cast<Real*>(rhs.data()), nullptr, CHOLMOD_REAL, CHOLMOD_DOUBLE};
+  cholmod_dense b = column_view(rhs);
   // cholmod_solve2 would make its own, but goes on without where there is no memory
   const auto ensure = [this](cholmod_dense*& workspace, std::size_t rows) {
     check(cholmod_ensure_dense(&workspace, rows, 1, rows, CHOLMOD_REAL, &common_), common_);

@@ -24,6 +24,11 @@ cholmod_sparse symmetric_view(Index n, std::vector<Index>& column, std::vector<I
   return view;
 }
 
+cholmod_dense column_view(const Vector& b) {
+  const std::size_t n = b.size();
+  return {n, 1, n, n, const_cast<Real*>(b.data()), nullptr, CHOLMOD_REAL, CHOLMOD_DOUBLE};
+}
+
 namespace {
 
 /// The graph of the mesh nodes: its upper triangle by columns, and the dofs of each node.

@@ -79,12 +79,7 @@ void FactoredMatrix::truncate(const std::vector<char>& fixed,
 void FactoredMatrix::apply(const Vector& r, Vector& z) {
   z.setZero(r.size());
   if (!definite_) return;
-  cholmod_dense b{};
-  b.nrow = b.d = b.nzmax = r.size();
-  b.ncol = 1;
-  b.x = const_cast<Real*>(r.data());
-  b.xtype = CHOLMOD_REAL;
-  b.dtype = CHOLMOD_DOUBLE;
+  cholmod_dense b = column_view(r);
   check(cholmod_solve2(CHOLMOD_A, L_, &b, nullptr, &X_, nullptr, &Y_, &E_, &common_), common_);
   z = Eigen::Map<const Vector>(static_cast<Real*>(X_->x), r.size());
   for (std::size_t c = 0; c < fixed_.size(); ++c)

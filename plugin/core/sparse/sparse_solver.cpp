@@ -29,9 +29,8 @@ Solution SparseSolver::solve(const ContactProblem& problem, const Settings& sett
   s.route = Route::sparse;
   if (s.layer == Layer::multigrid) s.layer = Layer::sparse_newton;
   answered_ = answered_ || s.status == Status::converged;
-  const Index bound = settings.nbiter > 0 ? settings.nbiter : default_iterations(problem);
-  const bool decided = s.status == Status::converged || s.status == Status::no_equilibrium;
-  if (decided || s.iterations >= bound) return s;
+  const Index bound = bound_of(problem, settings);
+  if (decided(s) || s.iterations >= bound) return s;
   Solution t = follow_path(problem, settings, bound - s.iterations, observer);
   t.iterations += s.iterations;
   t.steps += s.steps;

@@ -1,10 +1,10 @@
 #include "statics/slenderness.h"
 
-#include <Eigen/Eigenvalues>
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
+
+#include "linear_algebra.h"
 
 namespace frictioncg {
 
@@ -42,8 +42,7 @@ Real slenderness(const System& system) {
   Eigen::MatrixXd place = places_of(system, modes);
   if (place.rows() < 2) return 1;
   place.rowwise() -= place.colwise().mean().eval();
-  const Eigen::MatrixXd spread = place.transpose() * place;
-  const Vector extent = spread.selfadjointView<Eigen::Lower>().eigenvalues();
+  const Vector extent = eigenpairs(place.transpose() * place).values;
   return extent[0] > 0 ? std::sqrt(extent.tail(1)[0] / extent[0]) : 1;
 }
 
