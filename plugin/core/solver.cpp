@@ -248,16 +248,31 @@ Solution Solver::by_multigrid(const ContactProblem& problem, const Settings& set
 /// Sparse factors of A; where they do not arrive, or do not fit, the condensed route.
 Solution Solver::by_sparse_factors(const ContactProblem& problem, const Settings& settings,
                                    const Vector& x0, Observer* observer) {
-  if (!sparse_) sparse_ = std::make_unique<SparseSolver>(system_);
-  if (!sparse_->laid_out() || sparse_->bytes() > settings.memory)
-    return by_condensation(problem, settings, x0, observer);
+  if (!lay_out_sparse_factor(settings)) return by_condensation(problem, settings, x0, observer);
   return or_by(&Solver::by_condensation, sparse_->solve(problem, settings, x0, observer), problem,
                settings, observer);
 }
 
-/// Sparse factors do for slender bodies.
-Solver::Way Solver::after_multigrid(const Costs& costs) {
-  return costs.sparse < costs.condensed ? &Solver::by_sparse_factors : &Solver::by_condensation;
+/// The same without Newton's method before the central path.
+Solution Solver::by_central_path(const ContactProblem& problem, const Settings& settings,
+                                 const Vector& x0, Observer* observer) {
+  if (!lay_out_sparse_factor(settings)) return by_condensation(problem, settings, x0, observer);
+  const Index bound = bound_of(problem, settings);
+  return or_by(&Solver::by_condensation, sparse_->follow_path(problem, settings, bound, observer),
+               problem, settings, observer);
+}
+
+/// Whether there is one that fits.
+bool Solver::lay_out_sparse_factor(const Settings& settings) {
+  if (!sparse_) sparse_ = std::make_unique<SparseSolver>(system_);
+  return sparse_->laid_out() && sparse_->bytes() <= settings.memory;
+}
+
+/// Sparse factors do for slender bodies: along the central path where Newton's method has just
+/// failed.
+Solver::Way Solver::after_multigrid(const Costs& costs) const {
+  if (costs.condensed <= costs.sparse) return &Solver::by_condensation;
+  return sparse_ ? &Solver::by_sparse_factors : &Solver::by_central_path;
 }
 
 /// s, or where it decides nothing short of rounding, what the next route and those after it find
@@ -277,8 +292,7 @@ Solution Solver::or_by(Way next, Solution s, const ContactProblem& problem, Sett
 bool Solver::is_cheaper_on_A(const Settings& settings) {
   const double dense = std::pow(double(system_->contact_dofs()), 3) / 3;
   if (dense < worth_an_ordering) return false;
-  if (!sparse_) sparse_ = std::make_unique<SparseSolver>(system_);
-  return sparse_->laid_out() && sparse_->bytes() <= settings.memory && sparse_->flops() < dense;
+  return lay_out_sparse_factor(settings) && sparse_->flops() < dense;
 }
 
 /// What the next route costs, over multigrid as a rule: infinite where the latter is named.

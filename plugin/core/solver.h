@@ -59,9 +59,12 @@ class Solver {
                              const Vector& x0, Observer* observer);
   using Way = Solution (Solver::*)(const ContactProblem&, const Settings&, const Vector&,
                                    Observer*);
-  static Way after_multigrid(const Costs& costs);
+  Solution by_central_path(const ContactProblem& problem, const Settings& settings,
+                           const Vector& x0, Observer* observer);
+  Way after_multigrid(const Costs& costs) const;
   Solution or_by(Way next, Solution s, const ContactProblem& problem, Settings rest,
                  Observer* observer);
+  bool lay_out_sparse_factor(const Settings& settings);
   bool is_cheaper_on_A(const Settings& settings);
   double allowance(const Settings& settings, const Costs& costs) const;
   bool condense(const Settings& settings, Observer* observer);

@@ -12,9 +12,11 @@ namespace {
 /// Of the start, y = (K + shift)^{-1} (f + shift gap): at 1 to 1e-2 a beam takes four times the
 /// steps that it takes at 1e-6, at 1e-10 a quarter more.
 constexpr Real first_shift = 1e-6;
-constexpr Real proximal = 1e-8;      ///< stiffness against the step of a dof without a law, over D
-constexpr Real far_enough = 1.5;     ///< times the largest negative entry that the start adds
-constexpr Real most_of_room = 0.99;  ///< of the way to the nearest bound
+constexpr Real proximal = 1e-8;   ///< stiffness against the step of a dof without a law, over D
+constexpr Real far_enough = 1.5;  ///< times the largest negative entry that the start adds
+/// Of the way to the nearest bound at most all but this share, and all but the share of the mean
+/// product that is left: steps that stop at 0.99 gain two digits, however near the end is.
+constexpr Real least_distance = 0.01;
 /// Fall of the mean product at which the branches show: at 1e-10 one random scene in 15 does not
 /// end on them, at 1e-12 one in 300.
 constexpr Real far_down = 1e-13;
@@ -202,8 +204,8 @@ void CentralPath::move(Point& p, const Point& d, Real part) const {
 
 Index CentralPath::follow(Index max_steps) {
   if (problem_.increment.bilateral || !start()) return 0;
-  Real mark = mean_product(at_);
-  const Real goal = far_down * mark;
+  const Real first = mean_product(at_), goal = far_down * first;
+  Real mark = first;
   Index steps = 0;
   for (const Index most = std::min(max_steps, most_steps); steps < most;) {
     const Real mean = mean_product(at_);
@@ -222,7 +224,8 @@ Index CentralPath::follow(Index max_steps) {
     const Real falls_to = std::max<Real>(mean_product(ahead) / mean, 0);
     linearize(std::min<Real>(std::pow(falls_to, 3), 1) * mean, &predictor);
     const Point d = step();
-    const Real part = std::min<Real>(1, most_of_room * room(d));
+    const Real of_room = 1 - std::min(least_distance, mean / first);
+    const Real part = std::min<Real>(1, of_room * room(d));
     if (!d.y.allFinite() || !(part > stuck_step)) break;
     move(at_, d, part);
   }

@@ -75,7 +75,7 @@ class InexactNewton {
   int retreats_ = 0, soft_releases_ = 0;
 
   StepCounts steps_;
-  Index iterations_ = 0, updates_ = 0, max_iterations_ = 0;
+  Index iterations_ = 0, max_iterations_ = 0;
 };
 
 }  // namespace frictioncg
