@@ -5,6 +5,7 @@
 #include <string>
 
 #include "../core/assembly/mortar/validation.h"
+#include "freedom.h"
 #include "interface.h"
 
 namespace frictioncg {
@@ -42,13 +43,20 @@ class Pairing {
   explicit Pairing(Interface between) : between_(std::move(between)) {}
 
   /// The contact nodes: those of the slave that face the master.
-  std::vector<BoundaryNode> face(const Triplets& A, int d, mortar::Options options) {
+  std::vector<BoundaryNode> face(const Triplets& A, int d, mortar::Options options,
+                                 const std::function<std::vector<NodePlace>()>& places) {
     options.element_groups = [this](Index i) {
       const auto found = between_.body_count.find(i);
       return found == between_.body_count.end() ? 1 : found->second;
     };
     options.bodies = between_.slave_bodies;
     dirichlet_ = std::make_unique<Dirichlet>(A, std::vector<ContactPoint>{});
+    options.freedom = [&] {
+      const std::vector<NodePlace> all = places();
+      FreedomOfBodies bodies(d, between_.X, body_of_nodes(all, A.n));
+      bodies.add(A, *dirichlet_, all);
+      return bodies.freedom();
+    };
     const mortar::Nodes nodes{d, between_.X, mortar::held_components(d, between_.dof, *dirichlet_)};
     mortar_ = std::make_unique<mortar::Mortar>(nodes, between_.pairs, options);
     std::vector<BoundaryNode> contact;
@@ -104,6 +112,13 @@ class Pairing {
   }
 
   const Interface& between() const { return between_; }
+  /// Of the Interface, by the places of all nodes of the n dofs.
+  std::vector<Index> body_of_nodes(const std::vector<NodePlace>& places, Index n) const {
+    std::vector<Index> of_dof(n, 0), body;
+    for (const NodePlace& p : places) of_dof[p.dof[0]] = p.body;
+    for (const auto& dof : between_.dof) body.push_back(of_dof[dof[0]]);
+    return body;
+  }
   const std::vector<mortar::MidEdge>& edges() const { return faced_.edges; }
   const std::vector<FacingPair>& pairs() const { return faced_.pairs; }
 

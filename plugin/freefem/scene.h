@@ -82,7 +82,7 @@ inline std::vector<char> held_dofs(const Basis& basis) {
 
 inline void Scene::face(const Triplets& A, const mortar::Options& options) {
   const double start = cpu_seconds();
-  nodes = pairing->face(A, d, options);
+  nodes = pairing->face(A, d, options, places);
   copy_seconds = cpu_seconds() - start;
 }
 

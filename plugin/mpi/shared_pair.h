@@ -17,15 +17,13 @@ inline InterfacePart interface_part(Stack stack, const Arguments& args, const Sc
   part.pairs = faces.pairs;
   part.slaves = static_cast<Index>(faces.slave.size());
   part.held = mortar::held_components(scene.d, faces.dof, dirichlet);
-  std::vector<Index> body(scene.ndof(), 0);
-  for (const NodePlace& n : scene.places()) body[n.dof[0]] = n.body;
+  part.body = scene.pairing->body_of_nodes(scene.places(), static_cast<Index>(scene.ndof()));
   for (std::size_t i = 0; i < faces.dof.size(); ++i) {
     for (Index c = 1; c < scene.d; ++c)
       if (faces.dof[i][c] != faces.dof[i][0] + c)
         throw std::logic_error("the dofs of a node do not follow each other");
     const auto groups = faces.body_count.find(static_cast<Index>(i));
     part.groups.push_back(groups == faces.body_count.end() ? 1 : groups->second);
-    part.body.push_back(body[faces.dof[i][0]]);
   }
   part.options.resize(faces.slave.size());
   if (args.has(p_normal)) {
@@ -60,9 +58,36 @@ inline void refuse_exchanged_faces(const Domain& domain, const InterfacePart& pa
         "createMat");
 }
 
-/// The mortar between the whole faces: the same on all processes.
+/// The script's matrix, and what Dirichlet conditions hold of it, as owners of ghosts see it.
+class PartMatrix {
+ public:
+  /// Collective.
+  PartMatrix(Stack stack, const Expression A, const Scene& scene, const Domain& part) {
+    std::unique_ptr<Dirichlet> own;
+    part.agree([&] {
+      given_ = read_matrix(stack, A, scene);
+      if (2 * scene.dofs.first == scene.dofs.count &&
+          BlockOrder(scene.places(), scene.d, scene.dofs).exchanged(given_))
+        refuse_order(scene.dofs);
+      own = std::make_unique<Dirichlet>(given_, std::vector<ContactPoint>{});
+    });
+    patch_ = std::make_unique<PatchedMatrix>(part, given_, *own);
+    part.agree(
+        [&] { dirichlet_ = std::make_unique<Dirichlet>(triplets(), std::vector<ContactPoint>{}); });
+  }
+  Triplets triplets() const { return patch_->triplets(given_); }
+  const Dirichlet& dirichlet() const { return *dirichlet_; }
+
+ private:
+  Triplets given_;
+  std::unique_ptr<PatchedMatrix> patch_;
+  std::unique_ptr<Dirichlet> dirichlet_;
+};
+
+/// The mortar between the whole faces: the same on all processes.   Collective.
 inline std::shared_ptr<const mortar::Mortar> mortar_of(const Arguments& args,
-                                                       const Opening& opening,
+                                                       const Opening& opening, const PartMatrix& A,
+                                                       const Scene& scene, const Domain& part,
                                                        const WholeInterface& faces) {
   mortar::Options options;
   if (args.has(p_maxgap)) options.maxgap = opening.maxgap;
@@ -72,6 +97,15 @@ inline std::shared_ptr<const mortar::Mortar> mortar_of(const Arguments& args,
     if (args.has(p_weight)) options.weight.push_back(given.back());
   }
   options.bodies = [&] { return faces.body; };
+  options.freedom = [&] {
+    FreedomOfBodies bodies(faces.d, faces.X, faces.body);
+    part.agree([&] {
+      bodies.add(A.triplets(), A.dirichlet(), scene.places(),
+                 [&](Index i) { return part.owns(i); });
+    });
+    bodies.sum([&](Real* values, Index count) { part.sum(values, count); });
+    return bodies.freedom();
+  };
   options.element_groups = [&](Index i) { return faces.groups[i]; };
   return std::make_shared<mortar::Mortar>(mortar::Nodes{faces.d, faces.X, faces.held}, faces.pairs,
                                           options);
@@ -194,32 +228,6 @@ inline void check_transformed(const Triplets& A, const Domain& part, const Share
         "around its nodes; make the domains by createMat(Th, C, Pk) of macro_ddm.idp");
 }
 
-/// The script's matrix, and what Dirichlet conditions hold of it, as owners of ghosts see it.
-class PartMatrix {
- public:
-  /// Collective.
-  PartMatrix(Stack stack, const Expression A, const Scene& scene, const Domain& part) {
-    std::unique_ptr<Dirichlet> own;
-    part.agree([&] {
-      given_ = read_matrix(stack, A, scene);
-      if (2 * scene.dofs.first == scene.dofs.count &&
-          BlockOrder(scene.places(), scene.d, scene.dofs).exchanged(given_))
-        refuse_order(scene.dofs);
-      own = std::make_unique<Dirichlet>(given_, std::vector<ContactPoint>{});
-    });
-    patch_ = std::make_unique<PatchedMatrix>(part, given_, *own);
-    part.agree(
-        [&] { dirichlet_ = std::make_unique<Dirichlet>(triplets(), std::vector<ContactPoint>{}); });
-  }
-  Triplets triplets() const { return patch_->triplets(given_); }
-  const Dirichlet& dirichlet() const { return *dirichlet_; }
-
- private:
-  Triplets given_;
-  std::unique_ptr<PatchedMatrix> patch_;
-  std::unique_ptr<Dirichlet> dirichlet_;
-};
-
 /// The mortar of the whole faces, and this process's part of it; the grown part.   Collective.
 inline std::unique_ptr<GrownPart> grow(Stack stack, const Arguments& args, const Opening& opening,
                                        const PartMatrix& A, SharedScene& shared) {
@@ -233,7 +241,7 @@ inline std::unique_ptr<GrownPart> grow(Stack stack, const Arguments& args, const
   shared.interface = std::make_shared<WholeInterface>(part, numbers, scene.d, faces);
   std::unique_ptr<InterfaceBasis> basis;
   part.agree([&] {
-    shared.mortar = mortar_of(args, opening, *shared.interface);
+    shared.mortar = mortar_of(args, opening, A, scene, part, *shared.interface);
     basis = std::make_unique<InterfaceBasis>(*shared.interface, *shared.mortar);
     face_part(numbers, part, shared);
   });

@@ -3,15 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "linear_algebra.h"
-
 namespace frictioncg {
 
 namespace {
 
 using Vec3 = Eigen::Vector3d;
-using Fields = Eigen::Matrix<Real, 3, Eigen::Dynamic, 0, 3, 6>;
-using Square = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
+using Fields = RigidGenerators::Fields;
 
 /// A point that moves by less than this share of the mean motion is on the axis, where the motion
 /// has no direction.
@@ -19,11 +16,9 @@ constexpr Real at_rest = 0.05;
 /// A normal is made orthogonal to a motion only where this share of it is left.
 constexpr Real kept = 0.9;
 
-/// The generators of rigid motions, about the centre and over the extent of the points.
-class Motions {
- public:
-  Motions(int d, const std::vector<PointNormal>& points, const SumOverProcesses& sum)
-      : d_(d), count_(d == 2 ? 3 : 6) {
+/// The points, weighted.
+struct Spread {
+  Spread(const std::vector<PointNormal>& points, const SumOverProcesses& sum) {
     Real of_all[5] = {0, 0, 0, 0, 0};
     for (const PointNormal& p : points) {
       for (int c = 0; c < 3; ++c) of_all[c] += p.weight * p.x[c];
@@ -31,81 +26,82 @@ class Motions {
       of_all[4] += p.weight * std::pow(p.turn, 4);
     }
     if (sum) sum(of_all, 5);
-    total_ = of_all[3];
-    if (!(total_ > 0)) return;
-    centre_ = Vec3(of_all[0], of_all[1], of_all[2]) / total_;
-    allowed_ = of_all[4] / (16 * total_);
+    total = of_all[3];
+    if (!(total > 0)) return;
+    centre = Vec3(of_all[0], of_all[1], of_all[2]) / total;
+    allowed = of_all[4] / (16 * total);
     Real inertia = 0;
-    for (const PointNormal& p : points) inertia += p.weight * (p.x - centre_).squaredNorm();
+    for (const PointNormal& p : points) inertia += p.weight * (p.x - centre).squaredNorm();
     if (sum) sum(&inertia, 1);
-    size_ = std::sqrt(inertia / total_);
+    size = std::sqrt(inertia / total);
   }
-  bool any() const { return allowed_ > 0 && size_ > 0; }
-  Index count() const { return count_; }
-  Real total() const { return total_; }
-  Real allowed() const { return allowed_; }  ///< mean square of n.w over that of w
-
-  Fields at(const Vec3& x) const {
-    const Vec3 arm = (x - centre_) / size_;
-    Fields w = Fields::Zero(3, count_);
-    w.leftCols(d_).topRows(d_).setIdentity();
-    for (int axis = d_ == 2 ? 2 : 0; axis < 3; ++axis)
-      w.col(d_ == 2 ? 2 : 3 + axis) = Vec3::Unit(axis).cross(arm);
-    return w;
-  }
-
- private:
-  const int d_;
-  const Index count_;
-  Real total_ = 0, allowed_ = 0, size_ = 0;
-  Vec3 centre_ = Vec3::Zero();
+  Real total = 0, size = 0;
+  Real allowed = 0;  ///< mean square of n.w over that of w
+  Vec3 centre = Vec3::Zero();
 };
-
-/// The slippable motions, as columns of generators:   Q c = lambda M c,  lambda <= allowed,
-/// Q = sum m (w'n)(w'n)',  M = sum m w'w.
-Eigen::MatrixXd slippable(const Motions& motions, const std::vector<PointNormal>& points,
-                          const SumOverProcesses& sum) {
-  const Index k = motions.count();
-  Eigen::MatrixXd both = Eigen::MatrixXd::Zero(k, 2 * k);
-  for (const PointNormal& p : points) {
-    const Fields w = motions.at(p.x);
-    const Eigen::VectorXd g = w.transpose() * p.normal;
-    both.leftCols(k) += p.weight * g * g.transpose();
-    both.rightCols(k) += p.weight * w.transpose() * w;
-  }
-  if (sum) sum(both.data(), 2 * k * k);
-  constexpr Real rounding = 1e-12;  // points on a line do not tell the rotation about it
-  const Square Q = both.leftCols(k),
-               M = both.rightCols(k) + rounding * motions.total() * Square::Identity(k, k);
-  const Eigenpairs found = eigenpairs(Q, M);
-  Index count = 0;
-  while (count < k && found.values[count] <= motions.allowed()) ++count;
-  return found.vectors.leftCols(count);
-}
 
 /// Takes off what a normal has along the directions in which motions move its point, the strongest
 /// first: at most d - 1.
-void make_tangential(int d, const Fields& w, Real mean, PointNormal& p) {
+void make_tangential(int d, const Fields& w, Real least, PointNormal& p) {
   const Eigenpairs along = eigenpairs(w * w.transpose());
   Vec3 n = p.normal;
   for (Index c = 2; c > 3 - d; --c) {
-    if (along.values[c] < std::pow(at_rest * mean, 2)) break;
+    if (along.values[c] < at_rest * at_rest) break;
     const Vec3 u = along.vectors.col(c);
     n -= n.dot(u) * u;
   }
-  if (n.norm() > kept) p.normal = n.normalized();
+  if (n.norm() > least) p.normal = n.normalized();
 }
 
 }  // namespace
 
-int follow_slippable_motions(int d, std::vector<PointNormal>& points, const SumOverProcesses& sum) {
-  const Motions motions(d, points, sum);
-  if (!motions.any()) return 0;
-  const Eigen::MatrixXd c = slippable(motions, points, sum);
-  if (c.cols() == 0) return 0;
-  const Real mean = 1 / std::sqrt(motions.total());  // c'Mc = 1
+Fields RigidGenerators::at(const Vec3& x) const {
+  const Vec3 arm = (x - centre_) / size_;
+  Fields w = Fields::Zero(3, count());
+  w.leftCols(d_).topRows(d_).setIdentity();
+  for (int axis = d_ == 2 ? 2 : 0; axis < 3; ++axis)
+    w.col(d_ == 2 ? 2 : 3 + axis) = Vec3::Unit(axis).cross(arm);
+  return w;
+}
+
+DenseMatrix tangential_motions(const RigidGenerators& generators, const DenseMatrix& V,
+                               const std::vector<PointNormal>& points, Real allowed,
+                               const SumOverProcesses& sum) {
+  const Index k = static_cast<Index>(V.cols());
+  DenseMatrix both = DenseMatrix::Zero(k, 2 * k + 1);  // Q, M and the weight
+  for (const PointNormal& p : points) {
+    const DenseMatrix w = generators.at(p.x) * V;
+    const Vector g = w.transpose() * p.normal;
+    both.leftCols(k) += p.weight * g * g.transpose();
+    both.middleCols(k, k) += p.weight * w.transpose() * w;
+    both(0, 2 * k) += p.weight;
+  }
+  if (sum) sum(both.data(), static_cast<Index>(both.size()));
+  constexpr Real rounding = 1e-12;  // points on a line do not tell the rotation about it
+  const Real total = both.middleCols(k, k).trace();
+  const DenseMatrix M = both.middleCols(k, k) + rounding * total * DenseMatrix::Identity(k, k);
+  if (!(total > 0)) return DenseMatrix(V.rows(), 0);
+  const Eigenpairs found = eigenpairs(both.leftCols(k), M);
+  Index count = 0;
+  while (count < k && found.values[count] <= allowed) ++count;
+  return std::sqrt(both(0, 2 * k)) * V * found.vectors.leftCols(count);
+}
+
+void make_tangential(int d, const RigidGenerators& generators, const DenseMatrix& motions,
+                     std::vector<PointNormal>& points, Real least) {
   for (PointNormal& p : points)
-    if (p.turn > 0) make_tangential(d, motions.at(p.x) * c, mean, p);
+    if (motions.cols() > 0 && p.turn > 0)
+      make_tangential(d, generators.at(p.x) * motions, least, p);
+}
+
+int follow_slippable_motions(int d, std::vector<PointNormal>& points, const SumOverProcesses& sum) {
+  const Spread spread(points, sum);
+  if (!(spread.allowed > 0 && spread.size > 0)) return 0;
+  const RigidGenerators generators(d, spread.centre, spread.size);
+  const Index k = generators.count();
+  const DenseMatrix c =
+      tangential_motions(generators, DenseMatrix::Identity(k, k), points, spread.allowed, sum);
+  make_tangential(d, generators, c, points, kept);
   return static_cast<int>(c.cols());
 }
 

@@ -4,6 +4,7 @@
 #include <functional>
 #include <vector>
 
+#include "linear_algebra.h"
 #include "types.h"
 
 namespace frictioncg {
@@ -17,6 +18,34 @@ struct PointNormal {
 
 /// Adds numbers over all processes, in place.
 using SumOverProcesses = std::function<void(Real* values, Index count)>;
+
+/// The rigid motions w(x) = e, r x (x - centre)/size along and about the axes: 3, in 3D 6.
+class RigidGenerators {
+ public:
+  using Fields = Eigen::Matrix<Real, 3, Eigen::Dynamic, 0, 3, 6>;
+
+  RigidGenerators(int d, const Eigen::Vector3d& centre, Real size)
+      : d_(d), centre_(centre), size_(size) {}
+  Index count() const { return d_ == 2 ? 3 : 6; }
+  Fields at(const Eigen::Vector3d& x) const;  ///< 3 x count()
+
+ private:
+  int d_;
+  Eigen::Vector3d centre_;
+  Real size_;
+};
+
+/// Of motions V (generators x k) the combinations, as columns of generators, that normals leave
+/// tangential:   Q c = lambda M c,  lambda <= allowed,  Q = sum m (w'n)(w'n)',  M = sum m w'w,
+/// with a mean square of w of 1.
+DenseMatrix tangential_motions(const RigidGenerators& generators, const DenseMatrix& V,
+                               const std::vector<PointNormal>& points, Real allowed,
+                               const SumOverProcesses& sum = {});
+
+/// Makes normals that turn tangential to such motions, but where these hardly move, and where less
+/// than the share `kept` of the normal would be left.
+void make_tangential(int d, const RigidGenerators& generators, const DenseMatrix& motions,
+                     std::vector<PointNormal>& points, Real kept);
 
 /// Normals of one body that some rigid motions leave tangential as far as the mesh can tell (a
 /// surface of revolution, a cylinder, a screw) are made to leave them so exactly: the mesh knows

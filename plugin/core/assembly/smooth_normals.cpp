@@ -12,8 +12,6 @@ namespace {
 
 using Vec3 = Eigen::Vector3d;
 
-/// Normals are parallel where their cosine is above this: rounding makes the rest.
-constexpr Real parallel = 1 - 1e-14;
 /// A normal further from the mean one than 45 degrees (their cosine) is no normal of a surface.
 constexpr Real leaning = M_SQRT1_2;
 /// A jump of the curvature begins to count from the first share of the curvature on, and counts in
@@ -28,8 +26,6 @@ constexpr Real smooth = 0.02, rough = 0.06;
 /// one curvature differ by 1e-10 of it.
 constexpr Real alike = 1e-5;
 constexpr Real infinite = std::numeric_limits<Real>::infinity();
-
-bool same_direction(const Vec3& m, const Vec3& n) { return m.dot(n) > parallel; }
 
 /// From 0 at `from` to 1 at `to`.
 Real ramp(Real x, Real from, Real to) { return std::clamp<Real>((x - from) / (to - from), 0, 1); }
@@ -204,6 +200,11 @@ class Estimator {
 };
 
 }  // namespace
+
+bool same_direction(const Vec3& m, const Vec3& n) {
+  constexpr Real parallel = 1 - 1e-14;  // rounding makes the rest
+  return m.dot(n) > parallel;
+}
 
 std::vector<FanNormal> smooth_normals(const Faceted& surface) {
   const Estimator estimate(surface);

@@ -8,6 +8,9 @@
 
 namespace frictioncg {
 
+/// Whether unit vectors are one but for rounding.
+bool same_direction(const Eigen::Vector3d& m, const Eigen::Vector3d& n);
+
 /// The facets at a vertex that count as one smooth surface there: one fan, or on a ridge several.
 struct Fan {
   Index vertex = 0;

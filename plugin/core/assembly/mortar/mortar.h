@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "assembly/mortar/surface.h"
+#include "assembly/slippable.h"
 
 namespace frictioncg::mortar {
 
@@ -18,6 +19,13 @@ struct Nodes {
   std::vector<unsigned char> held;  ///< bit c: component c has a Dirichlet condition; empty: none
 };
 
+/// The rigid motions of bodies that nothing but contact resists.
+struct Freedom {
+  RigidGenerators generators;
+  std::vector<Index> body;           ///< of each node
+  std::vector<DenseMatrix> of_body;  ///< as columns of generators
+};
+
 struct Options {
   Real maxgap = std::numeric_limits<Real>::infinity();  ///< partners are no further apart [length]
   bool smooth = true;  ///< the gap is that of the curved surfaces through the vertices
@@ -28,6 +36,8 @@ struct Options {
   /// The body of each of the slave's nodes, 0, 1, ...; asked for curved slaves; without it all are
   /// one.
   std::function<std::vector<Index>()> bodies;
+  /// Asked for where a flat face is before a curved one; without it the slave's normals count.
+  std::function<Freedom()> freedom;
   /// How many facet-connected groups the elements around a node form; asked for nodes that are both
   /// slave and master: one at the tip of a crack, more where meshes were merged.
   std::function<Index(Index node)> element_groups;

@@ -5,6 +5,7 @@
 #include <sstream>
 #include <tuple>
 
+#include "assembly/mortar/common_normals.h"
 #include "assembly/mortar/slave_normals.h"
 #include "assembly/mortar/smooth_side.h"
 #include "assembly/mortar/validation.h"
@@ -46,9 +47,12 @@ Ownership::Ownership(const Nodes& nodes, const std::vector<Side>& slaves,
   rank_patches(slaves, covers);
   own(slaves, covers);
   set_labels(slaves);
-  normal = slave_normals(nodes, slaves, options,
-                         [&](std::size_t p, Index f, Index i) { return owner_[i] == rank_[p][f]; });
-  if (!options.normals.empty()) take_normals(nodes, options.normals);
+  const Owns owns = [&](std::size_t p, Index f, Index i) { return owner_[i] == rank_[p][f]; };
+  normal = slave_normals(nodes, slaves, options, owns);
+  if (options.normals.empty())
+    choose_common_normals(nodes, slaves, masters, covers, options, owns, normal);
+  else
+    take_normals(nodes, options.normals);
   remove_shared(masters, covers);
   if (!nodes.held.empty()) remove_held(nodes, slaves);
   for (std::size_t p = 0; p < slaves.size(); ++p)

@@ -1,0 +1,182 @@
+#include "assembly/mortar/common_normals.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "assembly/mortar/smooth_side.h"
+
+namespace frictioncg::mortar {
+
+namespace {
+
+/// Mean square of n.w over that of w, up to which a motion is tangential to flats: rounding.
+constexpr Real of_flats = 1e-12;
+constexpr Real rounding = 1e-14;  ///< of the cosine of parallel normals
+/// Cosine of 45 degrees: what a curved master has before a flat slave at a steeper angle is far
+/// away; the motion alone tells the normal there, which turns by up to 60 degrees.
+constexpr Real steep = M_SQRT1_2, kept = 0.5;
+
+/// What faces a node, by its measure.
+struct Facing {
+  Vec3 x, own, sum_flat = Vec3::Zero(), sum_curved = Vec3::Zero();  ///< of the master's normals
+  Real flat = 0, curved = 0;
+  Real turn = 0;  ///< of the curved side's normals from their facets
+  bool own_is_flat = true;
+
+  bool differs() const { return own_is_flat ? curved > 0 : flat > 0; }
+  /// The normal of the slave that the master's means, where one side is flat and the other is not.
+  Vec3 of_master() const {
+    const Vec3 theirs = own_is_flat ? sum_curved + curved * own : sum_flat + flat * own;
+    return differs() ? Vec3((own - theirs / (flat + curved)).normalized()) : own;
+  }
+};
+
+/// Nodes of one body before one other.
+struct Group {
+  std::map<Index, Facing> nodes;
+  std::vector<PointNormal> other;  ///< the surfaces, the master's where one is flat and one is not
+};
+
+/// A side with its smooth normals.
+class Curves {
+ public:
+  Curves(const Side& side, const std::vector<Vec3>& X)
+      : side_(side), X_(X), smooth_(side, X, joints_that_go_on(side)) {}
+  bool flat(Index f) const {
+    for (int v = 0; v < side_.d; ++v)
+      if (!same_direction(smooth_.at(f, v).normal, side_.planes[f].normal)) return false;
+    return true;
+  }
+  FanNormal at(Index f, const Vec3& lambda) const {
+    FanNormal here;
+    here.normal.setZero();
+    here.turn = 0;
+    for (int v = 0; v < side_.d; ++v) {
+      here.normal += lambda[v] * smooth_.at(f, v).normal;
+      here.turn = std::max(here.turn, smooth_.at(f, v).turn);
+    }
+    here.normal.normalize();
+    return here;
+  }
+  PointNormal vertex(Index f, int v, Real weight) const {
+    const FanNormal& n = smooth_.at(f, v);
+    return {X_[side_.facet(f).node[v]], n.normal, weight, n.turn};
+  }
+
+ private:
+  const Side& side_;
+  const std::vector<Vec3>& X_;
+  const SmoothSide smooth_;
+};
+
+/// Whether some facets of one side, and none of those beside them, are bent against each other, and
+/// some of the other side are.
+bool may_differ(const Side& slave, const Side& master) {
+  const auto has = [](const Side& side, bool wanted) {
+    std::vector<char> bent(side.facets(), 0);
+    for (const Joint& j : side.joints)
+      if (j.cosine > sharp && !(j.cosine > 1 - rounding)) bent[j.facet[0]] = bent[j.facet[1]] = 1;
+    return std::count(bent.begin(), bent.end(), char(wanted)) > 0;
+  };
+  return (has(slave, false) && has(master, true)) || (has(slave, true) && has(master, false));
+}
+
+/// The nodes of a pair that are before something, by the bodies of both sides.
+std::map<std::pair<Index, Index>, Group> facing_nodes(const Nodes& nodes, std::size_t p,
+                                                      const Side& slave, const Side& master,
+                                                      const Cover& cover, const Owns& owns,
+                                                      const std::vector<Index>& body,
+                                                      const std::vector<Vec3>& normal) {
+  const Curves own(slave, nodes.X), theirs(master, nodes.X);
+  std::map<std::pair<Index, Index>, Group> groups;
+  for (Index f = 0; f < slave.facets(); ++f) {
+    if (cover.cells[f].empty()) continue;
+    const bool own_is_flat = own.flat(f);
+    for (const Cell& cell : cover.cells[f]) {
+      const Facet& before = master.facet(cell.master);
+      const Vec3 lambda =
+          project(slave.d, slave.planes[f], before, nodes.X).at(centroid(cell.part));
+      const FanNormal n = theirs.at(cell.master, lambda);
+      const bool flat = theirs.flat(cell.master);
+      const Real measure = extent(cell.part) * slave.planes[f].measure;
+      for (int v = 0; v < slave.d; ++v) {
+        const Index i = slave.facet(f).node[v];
+        if (!owns(p, f, i)) continue;
+        Group& group = groups[{body[i], body[before.node[0]]}];
+        Facing& here = group.nodes[i];
+        here.x = nodes.X[i];
+        here.own = normal[i];
+        here.own_is_flat = here.own_is_flat && own_is_flat;
+        here.turn = std::max({here.turn, n.turn, own.at(f, Vec3::Unit(v)).turn});
+        (flat ? here.flat : here.curved) += measure;
+        (flat ? here.sum_flat : here.sum_curved) += measure * n.normal;
+        group.other.push_back(own_is_flat != flat ? theirs.vertex(cell.master, v, measure)
+                                                  : own.vertex(f, v, measure));
+      }
+    }
+  }
+  return groups;
+}
+
+/// Of the relative motions of two bodies those that normals let slip.
+DenseMatrix slipping(const Freedom& freedom, const DenseMatrix& relative,
+                     const std::vector<PointNormal>& points) {
+  Real total = 0, allowed = 0;
+  for (const PointNormal& p : points) {
+    total += p.weight;
+    allowed += p.weight * std::pow(p.turn, 4) / 16;
+  }
+  return tangential_motions(freedom.generators, relative, points,
+                            std::max(allowed / total, of_flats));
+}
+
+/// Takes the master's normals where more of the motions slip along them.
+void choose(int d, const Freedom& freedom, const DenseMatrix& relative, const Group& group,
+            std::vector<Vec3>& normal) {
+  std::vector<PointNormal> own;
+  bool other_is_flat = false;
+  for (const auto& [i, here] : group.nodes) {
+    own.push_back({here.x, here.own, here.flat + here.curved, here.own_is_flat ? 0 : here.turn});
+    other_is_flat = other_is_flat || (here.differs() && !here.own_is_flat);
+  }
+  const DenseMatrix of_own = slipping(freedom, relative, own),
+                    of_other = slipping(freedom, relative, group.other);
+  const Index more = static_cast<Index>(of_other.cols() - of_own.cols());
+  if (of_other.cols() == 0 || more < 0 || (more == 0 && !other_is_flat)) return;
+  if (slipping(freedom, of_other, own).cols() == of_other.cols()) return;  // no other motions
+  std::vector<PointNormal> taken;
+  for (const auto& [i, here] : group.nodes) {
+    const Vec3 theirs = here.of_master();
+    taken.push_back({here.x, !here.own_is_flat || theirs.dot(here.own) > steep ? theirs : here.own,
+                     here.flat + here.curved, here.own_is_flat ? here.turn : 0});
+  }
+  make_tangential(d, freedom.generators, of_other, taken, kept);
+  std::size_t k = 0;
+  for (const auto& [i, here] : group.nodes) normal[i] = taken[k++].normal;
+}
+
+}  // namespace
+
+void choose_common_normals(const Nodes& nodes, const std::vector<Side>& slaves,
+                           const std::vector<Side>& masters, const std::vector<Cover>& covers,
+                           const Options& options, const Owns& owns, std::vector<Vec3>& normal) {
+  if (!options.freedom) return;
+  std::optional<Freedom> freedom;
+  for (std::size_t p = 0; p < slaves.size(); ++p) {
+    if (!may_differ(slaves[p], masters[p])) continue;
+    if (!freedom) freedom = options.freedom();
+    for (const auto& [bodies, group] :
+         facing_nodes(nodes, p, slaves[p], masters[p], covers[p], owns, freedom->body, normal)) {
+      const auto [slave, master] = bodies;
+      if (slave == master) continue;
+      const DenseMatrix &V = freedom->of_body[slave], &W = freedom->of_body[master];
+      DenseMatrix relative(freedom->generators.count(), V.cols() + W.cols());
+      relative << V, W;
+      if (relative.cols() > 0) choose(nodes.dimension, *freedom, relative, group, normal);
+    }
+  }
+}
+
+}  // namespace frictioncg::mortar

@@ -1,0 +1,23 @@
+#pragma once
+#include "assembly/mortar/cover.h"
+#include "assembly/mortar/slave_normals.h"
+
+namespace frictioncg::mortar {
+
+/// Where a curved face is before a flat one, the normals are those of either: a disc of radius R
+/// touches a flat, points are matched once, and action is reaction. With normals that turn by b x a
+/// slip a and a rotation w about the contact change the gap by x (w - b a). What is exact to second
+/// order, w (w - a/R) R/2, has two motions without change: sliding along the flat (w = 0) and
+/// turning of the disc (w = a/R). One choice, b = 0 or 1/R, leaves one of them free, any other
+/// neither.
+///
+/// The slave's normals stay, unless A leaves free motions that those of the master let slip and the
+/// slave's do not: then the side counts that lets more of them slip, and of two alike the flat one.
+/// So the verdict on a load does not depend on which side is slave.
+///
+/// normal: of the slave's own surface, per node; owns: as there. Bodies that are one do not change.
+void choose_common_normals(const Nodes& nodes, const std::vector<Side>& slaves,
+                           const std::vector<Side>& masters, const std::vector<Cover>& covers,
+                           const Options& options, const Owns& owns, std::vector<Vec3>& normal);
+
+}  // namespace frictioncg::mortar
