@@ -142,3 +142,70 @@ TEST(MortarNormals, OfFlatFacesTheyAreTheFacetsToTheLastBit) {
     for (const ContactNode& node : mortar.nodes()) EXPECT_EQ(node.normal, Vec3(Vec3::Unit(d - 1)));
   }
 }
+
+namespace {
+
+/// A cap of the unit sphere around (0, 1), in 3D (0, 0, 1), and a flat below it, which gives way.
+Surfaces cap_on_flat(int d, bool cap_is_slave) {
+  Surfaces s(d);
+  const Vec3 middle(0.5, d == 3 ? 0.5 : 0, 0);
+  const Map cap = [=](const Vec3& x) {
+    Vec3 y = (x - middle) * 0.8;
+    y[d - 1] = 0;
+    y[d - 1] = 1 - std::sqrt(1 - y.squaredNorm());
+    return y;
+  };
+  const Map flat = [=](const Vec3& x) {
+    Vec3 y = 1.5 * (x - middle);
+    y[d - 1] = -0.05;
+    return y;
+  };
+  s.pairs[0].slave = cap_is_slave ? s.sheet(8, -1, cap, 2) : s.sheet(9, 1, flat, 2);
+  s.pairs[0].master = cap_is_slave ? s.sheet(9, 1, flat, 1) : s.sheet(8, -1, cap, 1);
+  return s;
+}
+
+/// The cap may move by the columns of `motions`, of generators about its centre; the flat is held.
+Options capping(const Surfaces& s, bool cap_is_slave, const DenseMatrix& motions) {
+  const int d = s.nodes.dimension;
+  Options options;
+  options.freedom = [=, n = s.nodes.X.size(), X = s.nodes.X] {
+    Freedom freedom{RigidGenerators(d, Vec3::Unit(d - 1), 1), {}, {}};
+    for (std::size_t i = 0; i < n; ++i)  // the flat alone lies below 0
+      freedom.body.push_back((X[i][d - 1] < 0) == cap_is_slave);
+    const DenseMatrix none(motions.rows(), 0);
+    freedom.of_body = {cap_is_slave ? motions : none, cap_is_slave ? none : motions};
+    return freedom;
+  };
+  return options;
+}
+
+}  // namespace
+
+TEST(MortarNormals, BetweenAFlatAndACapTheyLetSlipWhatIsFreeWhicheverIsSlave) {
+  for (int d : {2, 3})
+    for (bool cap_is_slave : {true, false}) {
+      const Index k = d == 2 ? 3 : 6, turns = d == 2 ? 1 : 3;
+      const DenseMatrix all = DenseMatrix::Identity(k, k), along = all.leftCols(1),
+                        turn = all.rightCols(turns);
+      const Vec3 down = -Vec3::Unit(d - 1), outward = cap_is_slave ? down : Vec3(-down);
+      const auto furthest = [&](const DenseMatrix& motions, auto&& expected) {
+        Surfaces s = cap_on_flat(d, cap_is_slave);
+        if (motions.cols() > 0) s.options = capping(s, cap_is_slave, motions);
+        const Mortar mortar = s.mortar();
+        Real off = 0;
+        for (const ContactNode& node : mortar.nodes())
+          off = std::max(off, (node.normal - expected(s.nodes.X[node.node])).norm());
+        return off;
+      };
+      const auto radial = [&](const Vec3& x) -> Vec3 {
+        return (x - Vec3::Unit(d - 1)).normalized() * (cap_is_slave ? 1 : -1);
+      };
+      const auto flat = [&](const Vec3&) { return outward; };
+      EXPECT_LT(furthest(along, flat), 1e-12) << d << cap_is_slave;
+      EXPECT_LT(furthest(turn, radial), 1e-12) << d << cap_is_slave;
+      EXPECT_LT(furthest(all, flat), 1e-12) << d << cap_is_slave;
+      const DenseMatrix none(k, 0);
+      EXPECT_LT(cap_is_slave ? furthest(none, radial) : furthest(none, flat), 1e-12) << d;
+    }
+}
