@@ -55,9 +55,9 @@ void LocalSystem::assemble(const Triplets& A, int dimension, const std::vector<I
     system->mesh_node.reserve(basis_->origin.size());
     for (Index dof : basis_->origin) system->mesh_node.push_back(mesh_node[dof]);
   }
-  system->weight = node_weights(*system);
   system->rigid_modes = in_local_dofs(std::move(modes));
   system->body_modes = in_local_dofs(std::move(body_modes));
+  system->weight = node_weights(*system);
   system_ = system;
 }
 

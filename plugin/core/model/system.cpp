@@ -1,4 +1,5 @@
 #include "model/system.h"
+#include "model/validate.h"
 
 #include <algorithm>
 #include <cmath>
@@ -87,13 +88,25 @@ Vector magnitude(const Matrix& A, const Vector& x) {
   return sum;
 }
 
-Vector node_weights(const System& system) {
-  Vector weight = system.D;
-  for (Index i = 0; i < system.nodes(); ++i) {
-    const Index T = system.first[i] + 1, t = system.tangents(i);
-    if (t > 0) weight.segment(T, t).setConstant(system.D.segment(T, t).mean());
-  }
-  if (system.mesh_node.empty()) return weight;
+namespace {
+
+/// Over the usual stiffness: contrasts of materials mostly stay below, penalties above.
+constexpr Real penalty = 1e10;
+/// A support resists a rigid motion by more than this share of its diagonal, rounding of what a
+/// body's stiffness sums up to by less.
+constexpr Real resists = 1e-8;
+/// Of the geometric mean of two diagonals: the couplings of a trace's mass.
+constexpr Real coupled = 1e-3;
+
+Real median(Vector values) {
+  if (values.size() == 0) return 0;
+  const auto middle = values.begin() + values.size() / 2;
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// One stiffness per mesh node of the interior.
+void take_means(const System& system, Vector& weight) {
   const auto end = system.mesh_node.begin() + system.interior();
   const auto last = std::max_element(system.mesh_node.begin(), end);
   const Index size = last == end ? 0 : *last + 1;
@@ -104,6 +117,45 @@ Vector node_weights(const System& system) {
   }
   for (Index k = 0; k < system.interior(); ++k)
     weight[k] = sum[system.mesh_node[k]] / count[system.mesh_node[k]];
+}
+
+/// Marks those of the stiff dofs that supports hold: rigid motions are resisted there, or beside
+/// them where the rows of a trace's mass sum up to 0. No candidates for motions: none is told.
+std::vector<char> supported(const System& system, const std::vector<Index>& stiff) {
+  std::vector<char> found(system.dofs(), 0);
+  const DenseMatrix M = system.rigid_modes ? system.rigid_modes() : DenseMatrix();
+  if (M.rows() != system.dofs() || !M.allFinite()) return found;
+  for (Index k : stiff) {
+    Vector resisted = Vector::Zero(M.cols());
+    for (Matrix::InnerIterator a(system.A, k); a; ++a)
+      resisted += a.value() * M.row(a.col()).transpose();
+    found[k] = resisted.cwiseAbs().maxCoeff() > resists * system.D[k];
+  }
+  std::vector<char> beside = found;
+  for (Index k : stiff)
+    for (Matrix::InnerIterator a(system.A, k); a && !beside[k]; ++a)
+      beside[k] = found[a.col()] &&
+                  std::abs(a.value()) > coupled * std::sqrt(system.D[k] * system.D[a.col()]);
+  return beside;
+}
+
+}  // namespace
+
+Vector node_weights(const System& system) {
+  Vector weight = system.D;
+  for (Index i = 0; i < system.nodes(); ++i) {
+    const Index T = system.first[i] + 1, t = system.tangents(i);
+    if (t > 0) weight.segment(T, t).setConstant(system.D.segment(T, t).mean());
+  }
+  if (!system.mesh_node.empty()) take_means(system, weight);
+  const Real most = penalty * std::max(median(weight), median(weight.tail(system.contact_dofs())));
+  std::vector<Index> stiff;
+  for (Index k = 0; k < system.interior(); ++k)
+    if (weight[k] > most) stiff.push_back(k);
+  if (stiff.empty()) return weight;
+  const std::vector<char> held = supported(system, stiff);
+  for (Index k : stiff)
+    if (held[k]) weight[k] = std::min(weight[k] * (weight[k] / most), largest);
   return weight;
 }
 

@@ -77,6 +77,12 @@ Vector magnitude(const Matrix& A, const Vector& x);
 /// which does not turn with the axes. A contact node has two, of its normal and of its tangents,
 /// whose frame turns with the body. Dofs without a mesh node have their own.   n, from D, first,
 /// mesh_node
+///
+/// A penalty holds an interior dof where w > most, 1e10 times the median of w, or of the contact
+/// dofs' where that is more, and where A resists rigid motions, as no body does, however stiff. A
+/// force r there counts by the displacement r/w that it makes, against the stiffness `most`: the
+/// weight is w^2 / most. By w alone the forces that a penalty takes, of the size of w, would hide
+/// all others.
 Vector node_weights(const System& system);
 
 /// Filled where it lies (Eigen 3.4 copies a sparse matrix that is moved), then shared as const.

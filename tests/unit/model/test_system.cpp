@@ -59,6 +59,60 @@ TEST(System, WithoutInteriorTheWeightsAreThoseOfTheContactNodes) {
   EXPECT_EQ(node_weights(s), s.D);
 }
 
+/// A chain of interior dofs with springs k between them and one contact dof, held at its first one.
+System chain(const Vector& k, Real support) {
+  const Index n = static_cast<Index>(k.size()) + 1;
+  DenseMatrix A = DenseMatrix::Zero(n, n);
+  for (Index i = 0; i + 1 < n; ++i)
+    for (Index a : {i, i + 1})
+      for (Index b : {i, i + 1}) A(a, b) += a == b ? k[i] : -k[i];
+  A(0, 0) += support;
+  System s;
+  s.dimension = 2;
+  s.A = A.sparseView();
+  s.D = A.diagonal();
+  s.first = {n - 1, n};
+  s.rigid_modes = [n] { return DenseMatrix(DenseMatrix::Ones(n, 1)); };
+  s.weight = node_weights(s);
+  return s;
+}
+
+TEST(System, APenaltyCountsByTheDisplacementThatItLetsThrough) {
+  const Real most = 1e10 * 2;  // over the median of 2
+  for (const Real support : {1e11, 1e20, 1e79}) {
+    const System s = chain(Vector::Ones(6), support);
+    EXPECT_NEAR(s.weight[0] / std::min(support * (support / most), 1e80), 1, 1e-10);
+    EXPECT_EQ(s.weight.tail(6), s.D.tail(6));
+  }
+}
+
+TEST(System, AStiffInclusionIsNoPenaltyNorWhatIsBesideOne) {
+  Vector k = Vector::Ones(10);
+  k.segment(3, 2).setConstant(1e13);
+  for (const Real support : {0., 1., 1e20}) {
+    const System s = chain(k, support);
+    EXPECT_EQ(s.weight.tail(10), s.D.tail(10)) << support;
+  }
+}
+
+TEST(System, WithoutRigidMotionsNoPenaltyIsTold) {
+  System s = chain(Vector::Ones(6), 1e20);
+  s.rigid_modes = {};
+  EXPECT_EQ(node_weights(s), s.D);
+}
+
+TEST(System, DofsThatAPenaltyCouplesStronglyAreHeldWithIt) {
+  System s = chain(Vector::Ones(6), 1e20);
+  s.A.coeffRef(1, 1) += 1e20;  // as rows of a trace's mass that sum up to 0
+  s.A.coeffRef(0, 1) = s.A.coeffRef(1, 0) = -1e20;
+  s.A.coeffRef(0, 0) += 1e20;
+  s.D = s.A.diagonal();
+  const Vector w = node_weights(s);
+  EXPECT_GT(w[0], 1e28);
+  EXPECT_GT(w[1], 1e28);
+  EXPECT_EQ(w.tail(5), s.D.tail(5));
+}
+
 TEST(System, ResidualsAreMeasuredOverTheRootOfTheWeight) {
   const System s = small({4, 4, 0, 1, 1, 1, 2});
   Vector r = Vector::Zero(7);
