@@ -78,29 +78,23 @@ inline bool leave_free_to_turn(const std::vector<Vector>& motions,
 /// What the normals of touching nodes say to a rotation w about c: of q_i = n_i.(w x (x_i - c))
 /// what no translation a, n_i.a, makes good, by sums over the nodes.
 struct StandAgainst {
-  Eigen::Matrix3d nn = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d nq = Eigen::Vector3d::Zero();
-  Real qq = 0, moved = 0;  ///< moved: sum of |w x (x_i - c)|^2
+  Eigen::Matrix<Real, 5, 5> vv = Eigen::Matrix<Real, 5, 5>::Zero();  ///< v: n, q, |w x (x - c)|
 
   void add(const Eigen::Vector3d& n, const Eigen::Vector3d& x, const RigidMotion& m) {
     const Eigen::Vector3d way = m.w.cross(x - m.c);
-    const Real q = n.dot(way);
-    nn += n * n.transpose();
-    nq += q * n;
-    qq += q * q;
-    moved += way.squaredNorm();
+    Eigen::Matrix<Real, 5, 1> v;
+    v << n, n.dot(way), way.norm();
+    vv += v * v.transpose();
   }
-  void sum(const System& system) {
-    Real* const parts[] = {nn.data(), nq.data(), &qq, &moved};
-    const Index counts[] = {9, 3, 1, 1};
-    for (int k = 0; k < 4; ++k) system.sum(parts[k], counts[k]);
-  }
+  void sum(const System& system) { system.sum(vv.data(), static_cast<Index>(vv.size())); }
   /// Contact itself holds the body against the turn: a floor or a slope, 0.3 and more of the way.
   /// Errors of normals make a few hundredths, surfaces of revolution and faces of a crack nothing.
   bool holds() const {
     constexpr Real clearly = 0.1;  // of the way
-    const Real left = qq - nq.dot(Vector(least_squares(nn, nq)));
-    return left > clearly * clearly * moved;
+    const Eigen::Matrix3d nn = vv.topLeftCorner<3, 3>();
+    const Eigen::Vector3d nq = vv.col(3).head<3>();
+    const Real left = vv(3, 3) - nq.dot(Vector(least_squares(nn, nq)));
+    return left > clearly * clearly * vv(4, 4);
   }
 };
 

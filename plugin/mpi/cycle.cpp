@@ -1,6 +1,7 @@
 #include "cycle.h"
 
 #include <cmath>
+#include <string>
 
 namespace frictioncg {
 
@@ -122,6 +123,9 @@ PCHandle make_cycle(const std::vector<Level>& levels, Index dimension) {
     for (KSP smoother : smoothers(pc, l)) set_smoother(smoother, level.truncated.get(), dimension);
   }
   set_coarsest(smoothers(pc, 0)[0], levels.back().truncated.get(), dimension);
+  // of one level alone, too: PETSc takes it for a smoother
+  check(KSPSetOptionsPrefix(smoothers(pc, 0)[0],
+                            (std::string(petsc_prefix) + "mg_coarse_").c_str()));
   check(PCSetFromOptions(pc));
   for (PetscInt l = 0; l < count; ++l)
     for (KSP smoother : smoothers(pc, l)) check(KSPSetFromOptions(smoother));

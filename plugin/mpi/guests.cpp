@@ -206,6 +206,10 @@ void Growth::fill_matrix(const Triplets& A, const Dirichlet& of_A) {
   std::vector<char> replaced(domain.dofs(), 0);
   for (Number i : received_rows_) replaced[numbers_.dof(i)] = 1;
   const std::vector<char>& fixed = grown_.held;
+  const std::size_t most = (A.half ? 2 : 1) * A.size + 2 * received_.size() + domain.dofs() - A.n;
+  grown_.i_.reserve(most);
+  grown_.j_.reserve(most);
+  grown_.a_.reserve(most);
   for_each_entry(A, [&](Index i, Index j, Real a) {
     if (!replaced[i] && !(replaced[j] && !fixed[i] && !fixed[j])) grown_.put(i, j, a);
   });

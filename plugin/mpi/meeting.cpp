@@ -111,7 +111,9 @@ Meeting::Meeting(MPI_Comm parent) : communicator_(duplicate(parent)) {
 Meeting::~Meeting() {
   int ended = 0;
   MPI_Finalized(&ended);
-  if (!ended) MPI_Comm_free(&communicator_);
+  if (ended) return;
+  end_answers();
+  MPI_Comm_free(&communicator_);
 }
 
 std::shared_ptr<Meeting> Meeting::of(MPI_Comm parent) {
@@ -151,6 +153,14 @@ void Meeting::stay_away() {
     int free = 1;
     if (answer != MPI_REQUEST_NULL) MPI_Test(&answer, &free, MPI_STATUS_IGNORE);
     if (free) MPI_Irecv(nullptr, 0, MPI_BYTE, after_, knock, communicator_, &answer);
+  }
+}
+
+void Meeting::end_answers() {
+  for (MPI_Request& answer : answers_) {
+    if (answer == MPI_REQUEST_NULL) continue;
+    MPI_Cancel(&answer);
+    MPI_Wait(&answer, MPI_STATUS_IGNORE);
   }
 }
 
@@ -252,6 +262,7 @@ void meet_at_end(const char* name) {
     } catch (const IllegalInput& e) {
       if (rank == 0) std::fprintf(stderr, "%s: %s\n", name, e.what());
     }
+  meeting->end_answers();
 }
 
 }  // namespace frictioncg

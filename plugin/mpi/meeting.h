@@ -48,6 +48,8 @@ class Meeting {
 
   /// This process has solved a problem of its own, which the others need not know.
   void stay_away();
+  /// Nobody waits any more: what stay_away has left is given up, before MPI ends.
+  void end_answers();
   /// Waits until all are here, as a collective operation tells. Ends them all where one that has
   /// stayed away waits elsewhere, in MPI, and cannot come: it answers while it is there, and not
   /// while it is at work. lost: what this process has to say where it should not be here itself,

@@ -1,6 +1,11 @@
 #pragma once
 #include "../freefem/freefem.h"
 
+#include <algorithm>
+#include <iostream>
+#include <string>
+#include <vector>
+
 #include "../freefem/motions.h"
 #include "shared_scene.h"
 
@@ -60,73 +65,73 @@ inline Vector field_of(const SharedScene& shared, const Vector& motion) {
   return scene.system->to_global(shared.A->on_local(motion), Vector::Zero(scene.ndof()));
 }
 
-/// Some nodes of each body, with their displacement: enough to tell what motion it is. Collective.
-struct SampledMotion {
-  std::vector<NodePlace> nodes;
-  Vector u;  ///< `d` values a node
-
-  SampledMotion(const SharedScene& shared, const Vector& field) {
-    constexpr Index of_all = 3000, least = 4;
-    const Domain& domain = *shared.domain;
-    const Scene& scene = *shared.scene;
-    std::map<Index, std::vector<NodePlace>> own;
-    for (const NodePlace& p : scene.places())
-      if (domain.owns(p.dof[0])) own[p.body].push_back(p);
-    const Index count = static_cast<Index>(own.size());
-    const std::size_t most = std::max(least, of_all / (domain.size() * std::max<Index>(count, 1)));
-    std::vector<Real> packed;
-    for (const auto& [number, places] : own) {
-      const std::size_t stride = 1 + places.size() / most;
-      for (std::size_t k = 0; k < places.size(); k += stride) {
-        const NodePlace& p = places[k];
-        packed.insert(packed.end(), p.x.begin(), p.x.end());
-        packed.push_back(number);
-        for (int c = 0; c < 3; ++c) packed.push_back(c < scene.d ? field[p.dof[c]] : 0);
-      }
+/// Some nodes of each body: enough to tell what motion a field is.
+class Sample {
+ public:
+  /// Collective.
+  explicit Sample(const SharedScene& shared) : domain_(*shared.domain), d_(shared.scene->d) {
+    choose_own(shared.scene->places());
+    Matrix4 packed(4, own_.size());
+    for (std::size_t k = 0; k < own_.size(); ++k)
+      packed.col(static_cast<Index>(k)) << position(own_[k]), Real(own_[k].body);
+    const Vector all = domain_.gathered(Eigen::Map<const Vector>(packed.data(), packed.size()));
+    for (Index i = 0; 4 * i < all.size(); ++i) {
+      NodePlace n;
+      n.x = {all[4 * i], all[4 * i + 1], all[4 * i + 2]};
+      n.body = static_cast<Index>(all[4 * i + 3]);
+      for (int c = 0; c < d_; ++c) n.dof[c] = i * d_ + c;
+      nodes_.push_back(n);
     }
-    unpack(domain.gathered(Eigen::Map<const Vector>(packed.data(), Index(packed.size()))), scene.d);
+  }
+  const std::vector<NodePlace>& nodes() const { return nodes_; }  ///< of all processes
+  /// A field at these: `d` values a node.   Collective.
+  Vector of(const Vector& field) const {
+    Vector own(d_ * static_cast<Index>(own_.size()));
+    for (Index k = 0; k < own.size(); ++k)
+      own[k] = field[own_[static_cast<std::size_t>(k / d_)].dof[k % d_]];
+    return domain_.gathered(own);
   }
 
  private:
-  void unpack(const Vector& all, int d) {
-    constexpr Index width = 7;  // place, body, displacement
-    u.resize(all.size() / width * d);
-    for (Index i = 0; i + width <= all.size(); i += width) {
-      NodePlace n;
-      for (int c = 0; c < 3; ++c) n.x[c] = all[i + c];
-      n.body = static_cast<Index>(all[i + 3]);
-      for (int c = 0; c < d; ++c) {
-        n.dof[c] = i / width * d + c;
-        u[n.dof[c]] = all[i + 4 + c];
-      }
-      nodes.push_back(n);
-    }
+  using Matrix4 = Eigen::Matrix<Real, 4, Eigen::Dynamic>;
+  void choose_own(const std::vector<NodePlace>& places) {
+    constexpr Index of_all = 3000, least = 4;
+    std::vector<NodePlace> own;
+    for (const NodePlace& p : places)
+      if (domain_.owns(p.dof[0])) own.push_back(p);
+    const auto bodies = by_body(own);
+    const Index count = std::max<Index>(static_cast<Index>(bodies.size()), 1);
+    const std::size_t most = std::max(least, of_all / (domain_.size() * count));
+    for (const auto& [number, body] : bodies)
+      for (std::size_t k = 0; k < body.size(); k += 1 + body.size() / most)
+        own_.push_back(body[k]);
   }
+
+  const Domain& domain_;
+  const int d_;
+  std::vector<NodePlace> own_, nodes_;
 };
 
 /// A motion of the own dofs in words.   Collective.
 inline std::string describe(const SharedScene& shared, const Vector& motion) {
-  const SampledMotion sample(shared, field_of(shared, motion));
-  return describe_motion(sample.nodes, shared.scene->d, sample.u);
+  const Sample sample(shared);
+  return describe_motion(sample.nodes(), shared.scene->d, sample.of(field_of(shared, motion)));
 }
 
-/// As in one process, by the numbers of SampledMotion; what the least gyration rules out needs no
-/// sample.   Collective.
+/// As in one process, by a sample; what the least gyration rules out needs none.   Collective.
 inline std::string runaway(SharedScene& shared, const Solution& own, const Vector& field) {
   if (own.status != Status::converged) return "";
   const int d = shared.scene->d;
-  if (!shared.gyration) shared.gyration = least_gyration(SampledMotion(shared, field).nodes, d);
+  if (!shared.gyration) shared.gyration = least_gyration(Sample(shared).nodes(), d);
   const Real most = shared.domain->largest(largest_displacement(shared.scene->places(), d, field));
   if (!(most > small_turn * *shared.gyration)) return "";
-  const SampledMotion sample(shared, field);
-  const auto field_in_sample = [&](const Vector& w) {
-    return SampledMotion(shared, field_of(shared, w)).u;
-  };
+  const Sample sample(shared);
+  const auto field_in_sample = [&](const Vector& w) { return sample.of(field_of(shared, w)); };
   const auto held = [&](const LargeTurn& turn) {
     return held_by_contact(*shared.scene, shared.numbering().own_nodes, own.state, *shared.system,
                            turn);
   };
-  return runaway(sample.nodes, d, sample.u, *shared.system, field_in_sample, held);
+  return runaway(sample.nodes(), d, sample.of(field), *shared.system, field_in_sample, held);
 }
 
 /// The motions that a call leaves open; the first of them that nothing holds, or empty. Collective.

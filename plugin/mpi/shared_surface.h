@@ -1,9 +1,12 @@
 #pragma once
 #include "../freefem/freefem.h"
 
+#include <algorithm>
+#include <array>
 #include <map>
 #include <set>
 #include <unordered_map>
+#include <vector>
 
 #include "../freefem/scene.h"
 #include "parts.h"
@@ -29,7 +32,9 @@ class NumberedFacet {
   using Key = std::array<Real, 3>;  ///< the numbers in ascending order
   static constexpr std::size_t width = 16;
 
-  explicit NumberedFacet(const Real* sent) { std::copy(sent, sent + width, values_.begin()); }
+  explicit NumberedFacet(const Real* sent) : was_sent_(true) {
+    std::copy(sent, sent + width, values_.begin());
+  }
   NumberedFacet(int d, const Boundary& boundary, const BoundaryFacet& f, const Vector& number) {
     values_.fill(-1);
     set(0, Real(f.label), f.normal);
@@ -38,6 +43,7 @@ class NumberedFacet {
       set(v + 1, number[n.dof[0]], n.x);
     }
   }
+  bool was_sent() const { return was_sent_; }  ///< by another process
   const std::array<Real, width>& values() const { return values_; }
   long label() const { return static_cast<long>(values_[0]); }
   Fem2D::R3 normal() const { return place(0); }
@@ -59,6 +65,7 @@ class NumberedFacet {
     return Fem2D::R3(four[1], four[2], four[3]);
   }
   std::array<Real, width> values_;
+  bool was_sent_ = false;
 };
 
 /// The facets of the contact boundary that a process knows: at first those of its part.
@@ -73,7 +80,6 @@ class KnownFacets {
     const auto [place, is_new] = facets_.emplace(f.key(), f);
     for (int v = 0; is_new && v < d_; ++v) around_[f.number(v)].push_back(&place->second);
   }
-  bool has(const NumberedFacet::Key& key) const { return facets_.count(key) > 0; }
   /// Those within so many facets of the vertices.
   Facets within(int rings, std::set<Real> vertices) const {
     Facets found;
@@ -126,11 +132,10 @@ inline void add_facets_of_others(const Domain& domain, int d, Boundary& boundary
     node_of[number[dof]] = i;
     if (domain.owns(dof)) own.insert(number[dof]);
   }
-  const KnownFacets here(d, boundary, number);
   KnownFacets known(d, boundary, number);
   learn_facets(domain, rings, number, known);
   for (const auto& [key, sent] : known.within(rings, own)) {
-    if (here.has(key)) continue;
+    if (!sent->was_sent()) continue;
     BoundaryFacet facet{sent->label(), sent->normal(), {}};
     for (int v = 0; v < d; ++v) {
       const auto [entry, is_new] = node_of.emplace(sent->number(v), boundary.nodes.size());
