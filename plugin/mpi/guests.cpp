@@ -45,7 +45,7 @@ class Growth {
   Domain::Letters packed_rows(const std::vector<Index>& place,
                               const std::vector<std::vector<Entry>>& rows) const;
   void add_received(const std::vector<char>& replaced);
-  void add_row(const Matrix& M, Index node, Index component,
+  void add_row(const Matrix& M, const std::vector<Index>& first, Index node, Index component,
                std::vector<Eigen::Triplet<Real, Index>>& entries) const;
   bool owns(Number node) const { return numbers_.owner(node) == part_.rank(); }
 
@@ -151,22 +151,25 @@ void Growth::find_guests(const Triplets& A) {
     in_T.push_back(e.j);
     guests_.push_back(numbers_.node(e.j));
   }
+  for (Number i : received_rows_) guests_.push_back(numbers_.node(i));
+  std::vector<char> wanted(interface_.nodes(), 0);
   const auto add_columns = [&](std::vector<Number>& dofs, const std::vector<Matrix>& M) {
     sort_once(dofs);
     for (Number j : dofs) {
       const auto found = interface_.at.find(numbers_.node(j));
       if (found == interface_.at.end()) continue;
       for (Matrix::InnerIterator e(M[numbers_.component(j)], found->second); e; ++e)
-        guests_.push_back(interface_.number[e.col()]);
+        wanted[e.col()] = 1;
     }
   };
   add_columns(in_T, basis_.T);
   add_columns(whole_rows_, basis_.W);
-  for (Number i : received_rows_) guests_.push_back(numbers_.node(i));
+  for (Index i = 0; i < interface_.nodes(); ++i)
+    if (wanted[i]) guests_.push_back(interface_.number[i]);
+  sort_once(guests_);
   guests_.erase(std::remove_if(guests_.begin(), guests_.end(),
                                [&](Number node) { return numbers_.is_here(node); }),
                 guests_.end());
-  sort_once(guests_);
 }
 
 /// Owners learn whom their nodes visit.
@@ -226,28 +229,31 @@ void Growth::add_received(const std::vector<char>& replaced) {
   }
 }
 
-/// A row that is not whole here is one of the identity: no own row of T'AT sees it.
-void Growth::add_row(const Matrix& M, Index node, Index component,
+/// A row that is not whole here is one of the identity: no own row of T'AT sees it. first: dof of
+/// each node of the interface, or -1.
+void Growth::add_row(const Matrix& M, const std::vector<Index>& first, Index node, Index component,
                      std::vector<Eigen::Triplet<Real, Index>>& entries) const {
-  const Index i = numbers_.dof(interface_.number[node], component);
+  const Index i = first[node] + component;
   bool whole = true;
-  for (Matrix::InnerIterator e(M, node); e; ++e)
-    whole = whole && numbers_.is_here(interface_.number[e.col()]);
+  for (Matrix::InnerIterator e(M, node); e; ++e) whole = whole && first[e.col()] >= 0;
   if (!whole) entries.emplace_back(i, i, 1);
   for (Matrix::InnerIterator e(M, node); e && whole; ++e)
-    entries.emplace_back(i, numbers_.dof(interface_.number[e.col()], component), e.value());
+    entries.emplace_back(i, first[e.col()] + component, e.value());
 }
 
 void Growth::fill_coupling() {
+  std::vector<Index> first;
+  for (Number node : interface_.number)
+    first.push_back(numbers_.is_here(node) ? numbers_.dof(node, 0) : -1);
   std::vector<Eigen::Triplet<Real, Index>> T, W;
   const Index n = grown_.domain->dofs();
   std::vector<char> coupled(n, 0);
   for (Index i = 0; i < interface_.nodes(); ++i) {
-    if (!numbers_.is_here(interface_.number[i])) continue;
+    if (first[i] < 0) continue;
     for (Index c = 0; c < interface_.d; ++c) {
-      coupled[numbers_.dof(interface_.number[i], c)] = 1;
-      add_row(basis_.T[c], i, c, T);
-      add_row(basis_.W[c], i, c, W);
+      coupled[first[i] + c] = 1;
+      add_row(basis_.T[c], first, i, c, T);
+      add_row(basis_.W[c], first, i, c, W);
     }
   }
   for (Index i = 0; i < n; ++i) {
