@@ -8,8 +8,6 @@ namespace frictioncg {
 namespace {
 
 constexpr Real overshoot = 1.7;  ///< of the smoother's correction, which diverges from 2 on
-constexpr PetscInt stalled =
-    10;  ///< over the bound on the coarsest: aggregation has given up before
 
 bool of_several(Mat A) {
   PetscMPIInt processes;
@@ -75,10 +73,11 @@ Real largest_eigenvalue(KSP smoother, Mat A) {
   return std::isfinite(largest) ? largest : overshoot;
 }
 
-/// By a factorization on one process; where aggregation has found no couplings to go on with, and
-/// too much is left for that, as on the other levels.
-void set_coarsest(KSP solver, Mat A, Index dimension) {
-  if (rows_of(A) > stalled * limited(coarsest_level)) return set_smoother(solver, A, dimension);
+/// By a factorization on one process; where aggregation has left too much for that, as on the other
+/// levels.
+void set_coarsest(KSP solver, const Level& coarsest, Index dimension) {
+  Mat A = coarsest.truncated.get();
+  if (!coarsest.exact) return set_smoother(solver, A, dimension);
   PC pc;
   PetscMPIInt processes;
   MPI_Comm_size(PetscObjectComm(reinterpret_cast<PetscObject>(A)), &processes);
@@ -122,10 +121,10 @@ PCHandle make_cycle(const std::vector<Level>& levels, Index dimension) {
     check(PCMGSetInterpolation(pc, l, level.P.get()));
     for (KSP smoother : smoothers(pc, l)) set_smoother(smoother, level.truncated.get(), dimension);
   }
-  set_coarsest(smoothers(pc, 0)[0], levels.back().truncated.get(), dimension);
+  set_coarsest(smoothers(pc, 0)[0], levels.back(), dimension);
   // of one level alone, too: PETSc takes it for a smoother
-  check(KSPSetOptionsPrefix(smoothers(pc, 0)[0],
-                            (std::string(petsc_prefix) + "mg_coarse_").c_str()));
+  check(
+      KSPSetOptionsPrefix(smoothers(pc, 0)[0], (std::string(petsc_prefix) + "mg_coarse_").c_str()));
   check(PCSetFromOptions(pc));
   for (PetscInt l = 0; l < count; ++l)
     for (KSP smoother : smoothers(pc, l)) check(KSPSetFromOptions(smoother));

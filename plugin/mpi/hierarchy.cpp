@@ -15,10 +15,10 @@ constexpr Real vanished = 1e-10;  ///< diagonal entries over what they were: not
 }  // namespace
 
 SharedHierarchy::SharedHierarchy(std::shared_ptr<const SharedMatrix> A,
-                                 const Eigen::MatrixXd& modes)
+                                 const Eigen::MatrixXd& modes, Coarsening coarsening)
     : A_(std::move(A)) {
   const Timed timed(Phase::hierarchy);
-  level_ = make_levels(*A_, modes);
+  level_ = make_levels(*A_, modes, coarsening);
   check(MatCreateVecs(A_->matrix(), r_.fill(), z_.fill()));
   check(VecSet(r_.get(), 0));
   make_contact_part();

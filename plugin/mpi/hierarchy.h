@@ -17,7 +17,8 @@ class SharedHierarchy final : public Hierarchy {
  public:
   /// modes: rigid motions of the own dofs (own x k), the same combinations on all processes.
   /// Collective.
-  SharedHierarchy(std::shared_ptr<const SharedMatrix> A, const Eigen::MatrixXd& modes);
+  SharedHierarchy(std::shared_ptr<const SharedMatrix> A, const Eigen::MatrixXd& modes,
+                  Coarsening coarsening);
 
   void truncate(const std::vector<char>& fixed, const std::vector<TangentialStiffness>& W,
                 const Vector& springs) override;

@@ -4,18 +4,24 @@
 
 namespace frictioncg {
 
+namespace {
+
 PetscInt rows_of(Mat A) {
   PetscInt rows;
   check(MatGetSize(A, &rows, nullptr));
   return rows;
 }
 
+/// A bound on what is factorized, or that of PETSc's option for it.
 PetscInt limited(PetscInt usual) {
   check(PetscOptionsGetInt(nullptr, petsc_prefix, "-pc_gamg_coarse_eq_limit", &usual, nullptr));
   return usual;
 }
 
-namespace {
+constexpr PetscInt coarsest_level = 600;  ///< dofs of the coarsest of several levels
+constexpr PetscInt stalled = 10;  ///< over that: aggregation has found no couplings to go on with
+/// Dofs up to which the whole is factorized where multigrid does not arrive: some seconds a step.
+constexpr PetscInt last_2D = 30000, last_3D = 8000;
 
 /// Dofs up to which the whole is factorized: aggregates are large for a body of few elements, and
 /// took three times the iterations where nu = 0.49.
@@ -75,8 +81,11 @@ void set_rings(PC gamg, Index dimension) {
   if (dimension == 2 && !squared && !aggressive) check(PCGAMGSetAggressiveLevels(gamg, 0));
 }
 
+bool has_at_most(const SharedMatrix& A, PetscInt in_2D, PetscInt in_3D) {
+  return rows_of(A.matrix()) <= (A.numbering().dimension == 2 ? in_2D : in_3D);
+}
 bool is_small(const SharedMatrix& A) {
-  return rows_of(A.matrix()) <= limited(A.numbering().dimension == 2 ? direct_2D : direct_3D);
+  return has_at_most(A, limited(direct_2D), limited(direct_3D));
 }
 
 /// GAMG gives levels and prolongations alone, whose cycle is made anew: options that would be read
@@ -131,11 +140,13 @@ Level level_of(Mat A) {
 
 /// Levels and prolongations by GAMG, which is then given up: a change of the matrix would make it
 /// begin anew.
-std::vector<Level> make_levels(const SharedMatrix& A, const Eigen::MatrixXd& modes) {
+std::vector<Level> make_levels(const SharedMatrix& A, const Eigen::MatrixXd& modes,
+                               Coarsening coarsening) {
   refuse_options_without_effect();
   std::vector<Level> levels;
-  if (is_small(A)) {
+  if (coarsening == Coarsening::none || is_small(A)) {
     levels.push_back(level_of(A.matrix()));
+    levels.back().exact = true;
     return levels;
   }
   set_near_kernel(A, modes);
@@ -156,7 +167,10 @@ std::vector<Level> make_levels(const SharedMatrix& A, const Eigen::MatrixXd& mod
     if (l < count - 1) check(MatSetOption(level.truncated.get(), MAT_USE_INODES, PETSC_FALSE));
     levels.push_back(std::move(level));
   }
+  levels.back().exact = rows_of(levels.back().A.get()) <= stalled * limited(coarsest_level);
   return levels;
 }
+
+bool may_be_factorized(const SharedMatrix& A) { return has_at_most(A, last_2D, last_3D); }
 
 }  // namespace frictioncg

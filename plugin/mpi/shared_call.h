@@ -1,18 +1,37 @@
 #pragma once
 #include "../freefem/freefem.h"
 
+#include <limits>
+
 #include "../core/answer.h"
 #include "shared_report.h"
 
 namespace frictioncg {
 
-/// As Solver::solve has it, by multigrid alone.
+/// By multigrid; where that does not arrive, and the whole is not too large, by its factorization
+/// in place of the cycle, for this call and those that follow.   Collective.
+inline Solution by_layers(SharedScene& shared, const ContactProblem& problem, Settings settings,
+                          const Vector& x0, Observer* observer) {
+  constexpr double patience = 10;  // over the usual cost of multigrid
+  const bool last = shared.coarsening == Coarsening::none || !may_be_factorized(*shared.A);
+  const double allowance = last ? std::numeric_limits<double>::infinity() : patience;
+  Solution s = shared.solver->solve(problem, settings, x0, observer, allowance);
+  settings.nbiter = bound_of(problem, settings) - s.iterations;
+  if (last || decided(s) || settings.nbiter <= 0) return s;
+  set_solver(shared, Coarsening::none);
+  Solution exact = shared.solver->solve(problem, settings, x0, observer);
+  exact.iterations += s.iterations;
+  exact.steps += s.steps;
+  return exact;
+}
+
+/// As Solver::solve has it, by these layers alone.
 inline Solution solve_together(SharedScene& shared, const ContactProblem& problem, const Call& call,
                                const Vector& x0, Observer* observer) {
   const Timed timed(Phase::solve);
   return answer(
       problem, call.settings, [&] { return shared.solver->floating(); },
-      [&] { return shared.solver->solve(problem, call.settings, x0, observer); });
+      [&] { return by_layers(shared, problem, call.settings, x0, observer); });
 }
 
 /// A solution over the own dofs as one over the local ones, ghosts by their owners.   Collective.

@@ -103,8 +103,7 @@ class Sample {
     const Index count = std::max<Index>(static_cast<Index>(bodies.size()), 1);
     const std::size_t most = std::max(least, of_all / (domain_.size() * count));
     for (const auto& [number, body] : bodies)
-      for (std::size_t k = 0; k < body.size(); k += 1 + body.size() / most)
-        own_.push_back(body[k]);
+      for (std::size_t k = 0; k < body.size(); k += 1 + body.size() / most) own_.push_back(body[k]);
   }
 
   const Domain& domain_;

@@ -19,6 +19,7 @@ struct SharedScene {
   std::unique_ptr<PatchedMatrix> patch;   ///< supports of ghosts
   std::shared_ptr<const SharedMatrix> A;  ///< of all processes
   SystemPtr system;                       ///< what this process owns
+  Coarsening coarsening = Coarsening::aggregation;
   std::unique_ptr<MultigridSolver> solver;
   Extent extent;                 ///< of the nodes of all processes
   std::optional<Real> gyration;  ///< the least, of a body; found when it is first asked for
@@ -109,14 +110,21 @@ inline void agree_on_tangents(SharedScene& shared, PointLaws& laws) {
   if (!scene.tangents) laws.law = Law::frictionless;
 }
 
+/// Newton steps on the matrix of all, by a cycle on these levels.   Collective.
+inline void set_solver(SharedScene& shared, Coarsening coarsening) {
+  shared.coarsening = coarsening;
+  shared.solver = std::make_unique<MultigridSolver>(
+      shared.system,
+      std::make_unique<SharedHierarchy>(shared.A, shared.system->rigid_modes(), coarsening));
+}
+
 /// The matrix of all, from the local systems, and the multigrid on it.   Collective.
 inline void make_solver(SharedScene& shared) {
   Scene& scene = *shared.scene;
   shared.A = std::make_shared<SharedMatrix>(
       shared.domain, Numbering(*shared.domain, *scene.system, scene.mesh_node), *scene.system);
   shared.system = own_system(shared);
-  shared.solver = std::make_unique<MultigridSolver>(
-      shared.system, std::make_unique<SharedHierarchy>(shared.A, shared.system->rigid_modes()));
+  set_solver(shared, Coarsening::aggregation);
 }
 
 /// The scene of this process becomes one of all.   Collective.
