@@ -31,20 +31,26 @@ struct SharedScene {
   const Numbering& numbering() const { return A->numbering(); }
 };
 
-/// The mean of the nodes of all processes, and their largest distance from it.
-inline Extent extent_of_all(const Domain& domain, const std::vector<NodePlace>& nodes) {
-  Eigen::Vector4d sums = Eigen::Vector4d::Zero();
-  for (const NodePlace& n : nodes)
-    if (domain.owns(n.dof[0])) {
-      sums.head<3>() += position(n);
-      sums[3] += 1;
-    }
-  domain.sum(sums.data(), 4);
-  Extent e;
-  e.mean = sums.head<3>() / sums[3];
-  for (const NodePlace& n : nodes) e.radius = std::max(e.radius, (position(n) - e.mean).norm());
-  e.radius = domain.largest(e.radius);
-  return e;
+/// Of each body, the mean of its nodes on all processes, and their largest distance from it.
+/// Collective.
+inline std::vector<Extent> extents_of_all(const Domain& domain,
+                                          const std::vector<std::vector<NodePlace>>& bodies) {
+  const Index count = static_cast<Index>(bodies.size());
+  Eigen::Matrix4Xd sums = Eigen::Matrix4Xd::Zero(4, count);
+  for (Index k = 0; k < count; ++k)
+    for (const NodePlace& n : bodies[k])
+      if (domain.owns(n.dof[0])) sums.col(k) += position(n).homogeneous();
+  domain.sum(sums.data(), static_cast<Index>(sums.size()));
+  std::vector<Extent> extents(count);
+  Vector radius = Vector::Zero(count);
+  for (Index k = 0; k < count; ++k) {
+    extents[k].mean = sums.col(k).hnormalized();
+    for (const NodePlace& n : bodies[k])
+      radius[k] = std::max(radius[k], (position(n) - extents[k].mean).norm());
+  }
+  domain.largest(radius.data(), count);
+  for (Index k = 0; k < count; ++k) extents[k].radius = radius[k];
+  return extents;
 }
 
 /// The rigid motions of nodes, in the dofs of the script.
@@ -63,14 +69,13 @@ inline Index count_bodies(const Domain& domain, const std::vector<NodePlace>& pl
 /// Those of each body alone, whichever process has nodes of it.   Collective.
 inline Eigen::MatrixXd body_motions(const SharedScene& shared,
                                     const std::vector<NodePlace>& places) {
-  auto bodies = by_body(places);
-  const Index count = count_bodies(*shared.domain, places);
-  std::vector<Eigen::MatrixXd> all;
-  for (Index body = 0; body < count; ++body)
-    all.push_back(motions(shared, bodies[body], extent_of_all(*shared.domain, bodies[body])));
-  Eigen::MatrixXd M(all.front().rows(), count * all.front().cols());
-  for (Index body = 0; body < count; ++body)
-    M.middleCols(body * all[body].cols(), all[body].cols()) = all[body];
+  std::vector<std::vector<NodePlace>> bodies(count_bodies(*shared.domain, places));
+  for (const NodePlace& n : places) bodies[n.body].push_back(n);
+  const std::vector<Extent> extents = extents_of_all(*shared.domain, bodies);
+  const Index each = shared.scene->d == 2 ? 3 : 6, count = static_cast<Index>(bodies.size());
+  Eigen::MatrixXd M(shared.scene->ndof(), count * each);
+  for (Index k = 0; k < count; ++k)
+    M.middleCols(k * each, each) = motions(shared, bodies[k], extents[k]);
   return M;
 }
 
@@ -93,7 +98,7 @@ inline SystemPtr own_system(SharedScene& shared) {
   own->first = numbering.own_first;
   own->processes = shared.A;
   const std::vector<NodePlace> places = shared.scene->places();
-  shared.extent = extent_of_all(*shared.domain, places);
+  shared.extent = extents_of_all(*shared.domain, {places}).front();
   const Eigen::MatrixXd modes = own_modes(shared, motions(shared, places, shared.extent));
   own->rigid_modes = [modes] { return modes; };
   if (shared.interface)  // of many bodies they take much memory
