@@ -12,7 +12,8 @@ namespace frictioncg {
 /// in place of the cycle, for this call and those that follow.   Collective.
 inline Solution by_layers(SharedScene& shared, const ContactProblem& problem, Settings settings,
                           const Vector& x0, Observer* observer) {
-  constexpr double patience = 10;  // over the usual cost of multigrid
+  // over the usual cost of multigrid: a factorization takes less than so many cycles
+  constexpr double patience = 10;
   const bool last = shared.coarsening == Coarsening::none || !may_be_factorized(*shared.A);
   const double allowance = last ? std::numeric_limits<double>::infinity() : patience;
   Solution s = shared.solver->solve(problem, settings, x0, observer, allowance);
