@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "../core/clock.h"
+#include "../core/model/certificate.h"
 #include "parameters.h"
 
 namespace frictioncg {
