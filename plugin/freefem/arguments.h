@@ -2,11 +2,13 @@
 #include "freefem.h"
 
 #include <array>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "errors.h"
+#include "labels.h"
 #include "parameters.h"
 
 namespace frictioncg {
@@ -23,20 +25,29 @@ class Arguments {
         refuse(p,
                "belongs to contact of two bodies; name slave and master, as in "
                "frictionalContactCG(A, b, Vh, slave, master, ...)");
-    if (has(p_normal)) components(p_normal, d, "[nx, ny, nz]", "[nx, ny]", normal_);
+    for (Parameter p : {p_obstacle, p_obstaclegap, p_obstaclenormal, p_obstacleforce})
+      if (!two_bodies && has(p))
+        refuse(p,
+               "belongs to an obstacle beside pairs of bodies; here it is labels that touch it, "
+               "and gap, normal and force are its own");
+    for (Parameter p : {p_obstaclegap, p_obstaclenormal, p_obstacleforce})
+      if (has(p) && !has(p_obstacle)) refuse(p, "needs the labels that touch it, as in obstacle=1");
+    for (Parameter p : {p_normal, p_obstaclenormal})
+      if (has(p)) components(p, d, "[nx, ny, nz]", "[nx, ny]", vectors_[p]);
     if (!has(p_mu2) && !has(p_direction)) return;
     const Parameter given = has(p_mu2) ? p_mu2 : p_direction;
     if (d == 2)
       refuse(given, "belongs to orthotropic friction in a contact plane; in 2D there is mu alone");
     if (!has(p_mu) || !has(p_mu2) || !has(p_direction))
       refuse(given, "is one of three that go together: mu along direction, and mu2 across it");
-    components(p_direction, d, "[dx, dy, dz]", "", direction_);
+    components(p_direction, d, "[dx, dy, dz]", "", vectors_[p_direction]);
   }
 
   /// Of a call on a contactproblem, whose geometry stands.
   static Arguments of_increment(const basicAC_F0& args) {
     const Arguments a(args);
-    for (Parameter p : {p_normal, p_mu2, p_direction, p_maxgap, p_smooth, p_weight, p_domain})
+    for (Parameter p : {p_normal, p_mu2, p_direction, p_maxgap, p_smooth, p_weight, p_domain,
+                        p_obstacle, p_obstaclenormal})
       if (a.has(p)) refuse(p, "belongs to the contactproblem; give it there");
     return a;
   }
@@ -51,8 +62,12 @@ class Arguments {
 
   bool has(Parameter p) const { return named_[p] != nullptr; }
   Parameter start() const { return has(p_start) ? p_start : p_init; }
-  const Components& normal() const { return normal_; }
-  const Components& direction() const { return direction_; }
+  /// Of normal, obstaclenormal or direction.
+  const Components& vector(Parameter p) const { return vectors_[p]; }
+  /// The labels of an obstacle beside pairs; none where there is none.
+  std::vector<long> obstacle(Stack stack) const {
+    return obstacle_ ? (*obstacle_)(stack, parameters[p_obstacle].name) : std::vector<long>();
+  }
 
   /// Of a parameter that is there.
   template <class T>
@@ -77,8 +92,21 @@ class Arguments {
   explicit Arguments(const basicAC_F0& args) {
     refuse_domain(args);
     refuse_older_names(args);
-    args.SetNameParam(parameter_count, parameters, named_);
+    read_names(args);
     if (has(p_init) && has(p_start)) refuse(p_start, "is another name of init; give one");
+  }
+  /// A named parameter has one type for FreeFEM, and labels have three forms: while the others are
+  /// read, obstacle is not among them.
+  void read_names(const basicAC_F0& args) {
+    const char* const name = parameters[p_obstacle].name;
+    const C_F0 labels = args.find(name);
+    const bool given = labels.LeftValue() != nullptr;
+    if (given) args.named_parameter->erase(name);
+    args.SetNameParam(parameter_count, parameters, named_);
+    if (!given) return;
+    args.named_parameter->emplace(name, labels);
+    named_[p_obstacle] = labels.LeftValue();
+    obstacle_.emplace(labels, form_of(labels));
   }
   /// Before FreeFEM looks for the type of domain, which frictionCG-mpi alone has.
   static void refuse_domain(const basicAC_F0& args) {
@@ -109,7 +137,8 @@ class Arguments {
   }
 
   Expression named_[parameter_count];
-  Components normal_{}, direction_{};
+  Components vectors_[parameter_count]{};
+  std::optional<Labels> obstacle_;
 };
 
 }  // namespace frictioncg

@@ -50,6 +50,7 @@ struct BoundaryNode {
   long label = 0;
   double weight = 0;  ///< integral of its shape function over the facets of this normal, weighted
   int element = 0, facet = 0;
+  int space = 0;          ///< of two spaces, whose elements these are: 0 or 1
   Fem2D::R3 hat;          ///< its place in the element
   Fem2D::R3 mean;         ///< mean outward normal of all facets at the node; 0 where they cancel
   double turn = 0;        ///< angle to its facets, of a curved surface; 0 where that is flat

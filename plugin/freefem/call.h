@@ -48,7 +48,8 @@ inline Triplets read_matrix(Stack stack, const Expression A, const Scene& scene)
       "A", [&] { return triplets(GetAny<Matrice_Creuse<double>*>((*A)(stack)), scene.dofs); });
 }
 
-/// Finds the contact nodes of two bodies. A shows what Dirichlet conditions hold of them.
+/// Finds the contact nodes of two bodies, beside those on an obstacle. A shows what Dirichlet
+/// conditions hold of them.
 inline void face_bodies(Stack stack, const Arguments& args, const Expression A, Scene& scene) {
   mortar::Options options;
   options.maxgap = args.value(stack, p_maxgap, options.maxgap);
@@ -76,14 +77,11 @@ inline PointLaws read_point_laws(Stack stack, const Arguments& args, bool everyw
 /// Reads the problem: geometry, laws, and the matrix in local frames.
 inline std::shared_ptr<Scene> read_scene(Stack stack, const Arguments& args, const Expression A,
                                          const Site& site, bool everywhere, PointLaws& laws) {
-  std::shared_ptr<Scene> scene = site.scene(stack);
-  if (scene->pairing) {
-    face_bodies(stack, args, A, *scene);
-  } else {
-    set_weights(stack, args, *scene);
-    set_normals(stack, args, *scene);
-  }
+  std::shared_ptr<Scene> scene = site.scene(stack, args.obstacle(stack));
+  set_weights(stack, args, *scene);
+  set_normals(stack, args, *scene);
   if (scene->nodes.empty() && !scene->averted.empty()) refuse_inward(*scene);
+  if (scene->pairing) face_bodies(stack, args, A, *scene);
   laws = read_point_laws(stack, args, everywhere, *scene, begun_laws(stack, args));
   const Triplets matrix = read_matrix(stack, A, *scene);
   scene->assemble(matrix);
@@ -142,7 +140,7 @@ inline KN_<double> solve(Stack stack, const Call& call, Scene& scene, const Poin
     refuse_unconverged(
         solution, call.settings,
         solution.unheld_motion.size() > 0 ? describe(scene, solution.unheld_motion) : turned);
-  write_outputs(scene, solution, progress, out);
+  write_outputs(scene, solution, laws, progress, out);
   if (call.verb > 0) warn_of_large_displacements(scene, field);
   KN<double>* u = Add2StackOfPtr2Free(stack, new KN<double>(scene.ndof()));
   for (long i = 0; i < scene.ndof(); ++i) (*u)[i] = field[i];

@@ -221,9 +221,13 @@ class BoundaryNodes {
 
 /// The contact boundary of the given labels.
 template <class FESpaceType>
-Boundary boundary_of(const FESpaceType& Vh, const std::vector<long>& labels) {
-  const BoundaryNodes<FESpaceType> all({Vh, "Vh", "the mesh", obstacle_inside}, labels);
+Boundary boundary_of(const NamedSpace<FESpaceType>& space, const std::vector<long>& labels) {
+  const BoundaryNodes<FESpaceType> all(space, labels);
   return {all.nodes(), all.facets()};
+}
+template <class FESpaceType>
+Boundary boundary_of(const FESpaceType& Vh, const std::vector<long>& labels) {
+  return boundary_of(NamedSpace<FESpaceType>{Vh, "Vh", "the mesh", obstacle_inside}, labels);
 }
 
 }  // namespace frictioncg

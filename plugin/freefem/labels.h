@@ -24,6 +24,13 @@ inline aType type_of(LabelForm form) {
   }
 }
 
+inline LabelForm form_of(const C_F0& labels) {
+  const aType type = labels.left();
+  if (type == atype<E_Array>()) return LabelForm::list;
+  return type == atype<KN_<long>>() || type == atype<KN<long>*>() ? LabelForm::array
+                                                                  : LabelForm::number;
+}
+
 /// One label of a script: FreeFEM would cast a real or a bool to a label that nobody has meant.
 class LabelExpression {
  public:

@@ -32,7 +32,8 @@ inline bool held_by_contact(const Scene& scene, const std::vector<Index>& nodes,
   Real sticks = 0;
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const std::set<Index> joined = bodies_at(scene, nodes[k], body);
-    const bool counts = joined.count(turn.body) && (joined.size() >= 2 || !scene.pairing);
+    const bool counts =
+        joined.count(turn.body) && (joined.size() >= 2 || scene.on_obstacle(nodes[k]));
     if (state[k] == NodeState::separated || !counts) continue;
     if (state[k] == NodeState::stick && scene.system->system()->tangents(nodes[k]) > 0) sticks = 1;
     const BoundaryNode& node = scene.contact_point(nodes[k]);

@@ -24,11 +24,12 @@ class PointGuard {
 
 /// Refuses a value at a node, which is named.
 inline void check_value(Parameter p, double x, const BoundaryNode& node, int d) {
-  if (std::isfinite(x) && (p == p_gap || x >= 0)) return;
+  const bool is_gap = p == p_gap || p == p_obstaclegap;
+  if (std::isfinite(x) && (is_gap || x >= 0)) return;
   std::ostringstream m;
   m << parameters[p].name << " = " << x << " at " << place(node, d) << "; "
     << (p == p_mu || p == p_mu2 ? "a friction coefficient is a number >= 0"
-        : p == p_gap            ? "a gap is a finite length"
+        : is_gap                ? "a gap is a finite length"
         : p == p_weight         ? "a weight is a number >= 0"
                                 : "a sliding limit is a traction >= 0");
   throw IllegalInput(m.str());
@@ -51,17 +52,33 @@ inline Vector at_nodes(Stack stack, const Arguments& args, Parameter p, const Sc
   return at_nodes(stack, args, p, scene, scene.nodes);
 }
 
-/// The gap at each contact node. Between two bodies a given one replaces that of the meshes.
-inline Vector read_gap(Stack stack, const Arguments& args, const Scene& scene) {
-  if (!scene.pairing) return at_nodes(stack, args, p_gap, scene);
+/// The gap at the contact points of pairs. A given one replaces that of the meshes.
+inline Vector read_gap_of_pairs(Stack stack, const Arguments& args, const Scene& scene) {
   if (!args.has(p_gap)) return scene.pairing->gap();
   return scene.pairing->gap(at_nodes(stack, args, p_gap, scene, scene.pairing->slave_nodes()));
 }
 
+/// The gap at each contact point. before: that of the contactproblem, or empty; what the call does
+/// not name has it.
+inline Vector read_gap(Stack stack, const Arguments& args, const Scene& scene,
+                       const Vector& before = {}) {
+  if (!scene.pairing) return at_nodes(stack, args, p_gap, scene);
+  const Index paired = static_cast<Index>(scene.paired());
+  Vector gap(scene.nodes.size());
+  gap.head(paired) = args.has(p_gap) || before.size() == 0 ? read_gap_of_pairs(stack, args, scene)
+                                                           : Vector(before.head(paired));
+  const std::vector<BoundaryNode> on_obstacle(scene.nodes.begin() + paired, scene.nodes.end());
+  gap.tail(gap.size() - paired) = args.has(p_obstaclegap) || before.size() == 0
+                                      ? at_nodes(stack, args, p_obstaclegap, scene, on_obstacle)
+                                      : Vector(before.tail(gap.size() - paired));
+  return gap;
+}
+
 /// The values of a vector, p, at the present point, scaled to length 1; false where it has no
 /// direction.
-inline bool unit_vector(Stack stack, Parameter p, const Arguments::Components& components, int d,
+inline bool unit_vector(Stack stack, const Arguments& args, Parameter p, int d,
                         std::array<Real, 3>& n) {
+  const Arguments::Components& components = args.vector(p);
   double norm = 0;
   for (int c = 0; c < d; ++c) {
     n[c] = evaluated(parameters[p].name, [&] { return GetAny<double>((*components[c])(stack)); });
@@ -85,18 +102,20 @@ inline void keep_normals(const Scene& scene) {
                          " cancel; give normal=[...] explicitly");
 }
 
-/// Replaces the mesh's normals by those of the call. Nodes that face away from the obstacle, as
-/// those at the ends of a nose, are left out, and kept aside.
+/// Replaces the mesh's normals on an obstacle by those of the call. Nodes that face away from it,
+/// as those at the ends of a nose, are left out, and kept aside.
 inline void set_normals(Stack stack, const Arguments& args, Scene& scene) {
-  scene.given_normals = args.has(p_normal);
+  const Parameter normal = scene.pairing ? p_obstaclenormal : p_normal;
+  scene.given_normals = args.has(normal);
   if (!scene.given_normals) return keep_normals(scene);
   PointGuard guard(stack);
   std::vector<BoundaryNode> facing;
   for (BoundaryNode& node : scene.nodes) {
     scene.go_to(guard.point(), node);
     std::array<Real, 3> n{};
-    if (!unit_vector(stack, p_normal, args.normal(), scene.d, n))
-      throw IllegalInput("normal has no direction at " + place(node, scene.d) +
+    if (!unit_vector(stack, args, normal, scene.d, n))
+      throw IllegalInput(std::string(parameters[normal].name) + " has no direction at " +
+                         place(node, scene.d) +
                          "; give the outward normal of the body, of any length > 0");
     node.point.normal = n;
     (faces_away(node, n) ? scene.averted : facing).push_back(node);
@@ -108,7 +127,8 @@ inline void set_normals(Stack stack, const Arguments& args, Scene& scene) {
 /// Refuses normals that every node faces away from: they point into the body.
 inline void refuse_inward(const Scene& scene) {
   const BoundaryNode& node = scene.averted.front();
-  throw IllegalInput("normal = " + coordinates(as_R3(node.point.normal), scene.d) + " at " +
+  throw IllegalInput(std::string(scene.pairing ? "obstaclenormal = " : "normal = ") +
+                     coordinates(as_R3(node.point.normal), scene.d) + " at " +
                      place(node, scene.d) +
                      " points into the body, whose boundary has the outward normal " +
                      coordinates(node.mean, scene.d) + "; give the normal that leaves the body");
@@ -122,7 +142,7 @@ inline std::vector<mortar::Vec3> slave_normals(Stack stack, const Arguments& arg
   for (const BoundaryNode& node : scene.pairing->slave_nodes()) {
     scene.go_to(guard.point(), node);
     std::array<Real, 3> n{};
-    if (!unit_vector(stack, p_normal, args.normal(), scene.d, n)) n = {};
+    if (!unit_vector(stack, args, p_normal, scene.d, n)) n = {};
     normals.emplace_back(n[0], n[1], n[2]);
   }
   return normals;
@@ -145,8 +165,7 @@ inline void set_orthotropy(Stack stack, const Arguments& args, const Vector& mu,
     if (mu[k] == 0) continue;
     ContactPoint& p = node.point;
     scene.go_to(guard.point(), node);
-    const bool has_direction =
-        unit_vector(stack, p_direction, args.direction(), scene.d, p.direction);
+    const bool has_direction = unit_vector(stack, args, p_direction, scene.d, p.direction);
     const double along_normal = (as_R3(p.direction), as_R3(p.normal));
     if (!has_direction || std::abs(along_normal) > 1 - 1e-10)
       throw IllegalInput("direction has no part in the contact plane at " + place(node, scene.d) +
@@ -162,14 +181,16 @@ inline PointLaws begun_laws(Stack stack, const Arguments& args, PointLaws given 
         "mu and slidinglimit are both given; Coulomb friction takes mu, a given limit "
         "slidinglimit");
   given.bilateral = args.value(stack, p_bilateral, given.bilateral);
-  if (args.has(p_gap)) given.gap.resize(0);
+  if (args.has(p_gap) || args.has(p_obstaclegap)) given.gap.resize(0);
   return given;
 }
 
 /// The laws of a call: those of `laws` where the call names no other. They hold for this call only.
-inline PointLaws read_laws(Stack stack, const Arguments& args, const Scene& scene, PointLaws laws) {
+/// gap: as read_gap's before.
+inline PointLaws read_laws(Stack stack, const Arguments& args, const Scene& scene, PointLaws laws,
+                           const Vector& gap = {}) {
   if (laws.gap.size() != static_cast<Index>(scene.nodes.size()))
-    laws.gap = read_gap(stack, args, scene);
+    laws.gap = read_gap(stack, args, scene, gap);
   if (args.has(p_mu)) {
     laws.mu = at_nodes(stack, args, p_mu, scene);
     laws.g.resize(0);

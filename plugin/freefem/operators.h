@@ -44,7 +44,8 @@ class Construct : public E_F0mps {
         A_(to<Matrice_Creuse<double>*>(args[0])),
         site_(std::move(site)) {
     arguments_.allow_only({p_mu, p_mu2, p_direction, p_gap, p_normal, p_slidinglimit, p_bilateral,
-                           p_maxgap, p_smooth, p_weight, p_domain});
+                           p_maxgap, p_smooth, p_weight, p_domain, p_obstacle, p_obstaclegap,
+                           p_obstaclenormal});
   }
   static std::vector<aType> before_site() { return {atype<Matrice_Creuse<double>*>()}; }
   AnyType operator()(Stack stack) const override {
@@ -85,8 +86,12 @@ class SolveIncrement : public E_F0mps {
       if (!posed.scene->pairing && arguments_.has(p_distance))
         throw IllegalInput("distance is that of two bodies; C has one, and an obstacle");
       const Call call(stack, arguments_, b_);
-      const PointLaws laws =
-          read_laws(stack, arguments_, *posed.scene, begun_laws(stack, arguments_, posed.laws));
+      for (Parameter p : {p_obstaclegap, p_obstacleforce})
+        if (posed.scene->beside_pairs == 0 && arguments_.has(p))
+          throw IllegalInput(std::string(parameters[p].name) +
+                             " is that of an obstacle beside pairs; C was made without obstacle=");
+      const PointLaws laws = read_laws(stack, arguments_, *posed.scene,
+                                       begun_laws(stack, arguments_, posed.laws), posed.laws.gap);
       return SetAny<KN_<double>>(solve(stack, call, *posed.scene, laws));
     });
   }

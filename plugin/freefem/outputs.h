@@ -13,6 +13,7 @@ struct Outputs {
   double* residual;
   long* iterations;
   KN<double>* force;
+  KN<double>* obstacle_force;
   KN<long>* state;
   KN<double>* normals;
   KN<double>* distance;
@@ -25,6 +26,7 @@ struct Outputs {
         residual(args.output<double>(stack, p_residual)),
         iterations(args.output<long>(stack, p_iterations)),
         force(args.output<KN<double>>(stack, p_force)),
+        obstacle_force(args.output<KN<double>>(stack, p_obstacleforce)),
         state(args.output<KN<long>>(stack, p_state)),
         normals(args.output<KN<double>>(stack, p_normals)),
         distance(args.output<KN<double>>(stack, p_distance)),
@@ -33,7 +35,7 @@ struct Outputs {
         times(args.output<KN<double>>(stack, p_times)) {}
 };
 
-/// The force of the obstacle on the body, by components; zero off the contact nodes (ndof).
+/// The force of contact on the bodies, by components; zero off the contact nodes (ndof).
 inline void write_force(const Scene& scene, const Vector& r, KN<double>* out) {
   const Vector force = scene.system->force_to_global(r);
   out->resize(scene.ndof());
@@ -52,6 +54,14 @@ inline Vector contact_forces(const Scene& scene, const Solution& s) {
       if (s.state[k] == NodeState::separated &&
           std::abs(r[i]) <= error * std::sqrt(system.weight[i]))
         r[i] = 0;
+  return r;
+}
+
+/// The part of r that an obstacle bears, not another body.
+inline Vector on_obstacle(const Scene& scene, Vector r) {
+  const std::vector<Index>& first = scene.system->system()->first;
+  for (Index k = 0; k < scene.system->nodes(); ++k)
+    if (!scene.on_obstacle(k)) r.segment(first[k], first[k + 1] - first[k]).setZero();
   return r;
 }
 
@@ -110,7 +120,7 @@ inline void normalize_slave_edges(const Scene& scene, KN<double>* out) {
 /// The outward normal of the laws at each contact node, by components; zero elsewhere (ndof). In a
 /// corner, which slides freely along what its normals leave, the direction in which it presses.
 inline void write_normals(const Scene& scene, const Vector& r, KN<double>* out) {
-  const Vector force = scene.system->force_to_global(r);
+  const Vector force = scene.system->force_to_global(on_obstacle(scene, r));
   out->resize(scene.ndof());
   *out = 0.;
   for (Index k = 0; k < scene.system->nodes(); ++k) {
@@ -128,14 +138,16 @@ inline void write_normals(const Scene& scene, const Vector& r, KN<double>* out) 
 }
 
 /// The distance of the bodies at each dof of a contact node, and of a mid-edge of a P2 slave that
-/// something faces; zero elsewhere (ndof).
-inline void write_distance(const Scene& scene, KN<double>* out) {
+/// something faces; that of an obstacle is its gap; zero elsewhere (ndof).
+inline void write_distance(const Scene& scene, const PointLaws& laws, KN<double>* out) {
   out->resize(scene.ndof());
   *out = 0.;
-  for (Index k = 0; k < scene.system->nodes(); ++k)
+  for (Index k = 0; k < scene.system->nodes(); ++k) {
+    const Index point = scene.system->node(k).point;
     for (int c = 0; c < scene.d; ++c)
       (*out)[scene.contact_point(k).point.dof[c]] =
-          scene.pairing->distance(scene.system->node(k).point);
+          scene.on_obstacle(k) ? laws.gap[point] : scene.pairing->distance(point);
+  }
   for (const mortar::MidEdge& e : scene.pairing->edges())
     for (int c = 0; c < scene.d; ++c) (*out)[scene.pairing->between().dof[e.node][c]] = e.distance;
 }
@@ -151,16 +163,17 @@ inline void write_times(const Scene& scene, const Times& t, double all, KN<doubl
 }
 
 /// Fills all but the times.
-inline void write_outputs(const Scene& scene, const Solution& solution, const Progress& progress,
-                          const Outputs& out) {
+inline void write_outputs(const Scene& scene, const Solution& solution, const PointLaws& laws,
+                          const Progress& progress, const Outputs& out) {
   if (out.status) *out.status = static_cast<long>(solution.status);
   if (out.residual) *out.residual = solution.certificate.residual;
   if (out.iterations) *out.iterations = solution.iterations;
   const Vector r = contact_forces(scene, solution);
   if (out.force) write_force(scene, r, out.force);
+  if (out.obstacle_force) write_force(scene, on_obstacle(scene, r), out.obstacle_force);
   if (out.state) write_state(scene, solution.state, out.state);
   if (out.normals) write_normals(scene, r, out.normals);
-  if (out.distance) write_distance(scene, out.distance);
+  if (out.distance) write_distance(scene, laws, out.distance);
   if (out.free) *out.free = solution.undetermined.cols();
   if (out.history) progress.write_history(out.history);
 }

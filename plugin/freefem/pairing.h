@@ -42,22 +42,28 @@ class Pairing {
  public:
   explicit Pairing(Interface between) : between_(std::move(between)) {}
 
-  /// The contact nodes: those of the slave that face the master.
+  /// The contact nodes: those of the slave that face the master and are not on an obstacle, whose
+  /// points are given.
   std::vector<BoundaryNode> face(const Triplets& A, int d, mortar::Options options,
+                                 const std::vector<BoundaryNode>& on_obstacle,
                                  const std::function<std::vector<NodePlace>()>& places) {
     options.element_groups = [this](Index i) {
       const auto found = between_.body_count.find(i);
       return found == between_.body_count.end() ? 1 : found->second;
     };
     options.bodies = between_.slave_bodies;
-    dirichlet_ = std::make_unique<Dirichlet>(A, std::vector<ContactPoint>{});
+    std::vector<ContactPoint> obstacle;
+    for (const BoundaryNode& n : on_obstacle) obstacle.push_back(n.point);
+    dirichlet_ = std::make_unique<Dirichlet>(A, obstacle);
     options.freedom = [&] {
       const std::vector<NodePlace> all = places();
       FreedomOfBodies bodies(d, between_.X, body_of_nodes(all, A.n));
       bodies.add(A, *dirichlet_, all);
       return bodies.freedom();
     };
-    const mortar::Nodes nodes{d, between_.X, mortar::held_components(d, between_.dof, *dirichlet_)};
+    take(obstacle);
+    const mortar::Nodes nodes{d, between_.X, mortar::held_components(d, between_.dof, *dirichlet_),
+                              taken_};
     mortar_ = std::make_unique<mortar::Mortar>(nodes, between_.pairs, options);
     std::vector<BoundaryNode> contact;
     FacedPart faced;
@@ -65,7 +71,7 @@ class Pairing {
       contact.push_back(contact_node(m.node, m));
       faced.add(m);
     }
-    faced.edges = mortar_->edges();
+    for (const mortar::MidEdge& e : mortar_->edges()) add_edge(e, faced);
     for (std::size_t p = 0; p < between_.pairs.size(); ++p)
       faced.add(between_.pairs[p], mortar_->statistics(static_cast<Index>(p)), d, between_.X);
     set(std::move(faced));
@@ -85,7 +91,7 @@ class Pairing {
   std::unique_ptr<LocalSystem> system(const Triplets& A, int d, std::vector<ContactPoint> points,
                                       const std::vector<Index>& mesh_node, const RigidModes& modes,
                                       const RigidModes& body_modes) const {
-    const Coupling coupling = mortar::couple(*mortar_, d, between_.dof, *dirichlet_, A.n);
+    const Coupling coupling = mortar::couple(*mortar_, d, between_.dof, *dirichlet_, A.n, taken_);
     return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, *dirichlet_, coupling,
                                          modes, body_modes);
   }
@@ -106,7 +112,7 @@ class Pairing {
     at_nodes.head(given.size()) = given;
     return mortar_->weighted(at_nodes);
   }
-  /// 0 at the points of other processes, which follow.
+  /// 0 at the points of other processes and of an obstacle, which follow.
   Real distance(std::size_t point) const {
     return point < faced_.distance.size() ? faced_.distance[point] : 0;
   }
@@ -123,6 +129,21 @@ class Pairing {
   const std::vector<FacingPair>& pairs() const { return faced_.pairs; }
 
  private:
+  /// The nodes that an obstacle has; none where there is no obstacle.
+  void take(const std::vector<ContactPoint>& obstacle) {
+    if (obstacle.empty()) return;
+    std::set<Index> dofs;
+    for (const ContactPoint& p : obstacle) dofs.insert(p.dof[0]);
+    for (const std::array<Index, 3>& dof : between_.dof) taken_.push_back(dofs.count(dof[0]) > 0);
+  }
+  /// A mid-edge is the pair's, between ends of which an obstacle has one at most.
+  void add_edge(mortar::MidEdge e, FacedPart& faced) const {
+    const auto taken = [this](Index node) { return !taken_.empty() && taken_[node]; };
+    if (taken(e.node) || (taken(e.a) && taken(e.b))) return;
+    if (taken(e.a)) e.a = e.b;
+    if (taken(e.b)) e.b = e.a;
+    faced.edges.push_back(e);
+  }
   /// A node of the slave as one of its facets sees it, of the label if there is one.
   BoundaryNode slave_node(Index i, long label) const {
     const SharedNode& shared = between_.slave[i];
@@ -146,6 +167,7 @@ class Pairing {
 
   Interface between_;
   std::unique_ptr<Dirichlet> dirichlet_;
+  std::vector<char> taken_;                 ///< as mortar::Nodes has it
   std::unique_ptr<mortar::Mortar> mortar_;  ///< null where several processes have a common one
   FacedPart faced_;
 };

@@ -33,6 +33,13 @@ inline Index nodes_in_corners(const Scene& scene) {
   return count;
 }
 
+/// Contact nodes, each with one normal, on an obstacle.
+inline Index nodes_on_obstacle(const Scene& scene) {
+  Index count = 0;
+  for (Index k = 0; k < scene.system->nodes(); ++k) count += scene.on_obstacle(k);
+  return count;
+}
+
 /// A warning for nodes with more normals than they can obey, such as the tip of a pyramid.
 inline void warn_of_averages(const Scene& scene) {
   if (scene.given_normals) return;
@@ -69,11 +76,12 @@ inline void report_large_friction(Real mu) {
 
 /// What faces what, in numbers.
 inline void report_faces(const mortar::Statistics& s, std::size_t slaves, std::size_t masters) {
-  std::cout << s.facing << " slave nodes on " << slaves << " facets face " << masters
-            << " master facets, gap " << s.least_gap << " to " << s.largest_gap << "; "
-            << s.partly_covered << " slave facets partly covered, ";
+  std::cout << counted(s.facing, "slave node") << " on " << counted(slaves, "facet") << " face "
+            << counted(masters, "master facet") << ", gap " << s.least_gap << " to "
+            << s.largest_gap << "; " << counted(s.partly_covered, "slave facet")
+            << " partly covered, ";
   if (s.beyond_steps > 0) std::cout << s.beyond_steps << " left out beyond a step of the master, ";
-  std::cout << s.removed << " nodes removed";
+  std::cout << counted(s.removed, "node") << " removed";
 }
 
 /// The same of one pair; nodes that carry no law are named by place.
@@ -87,13 +95,12 @@ inline void report_pair(const FacingPair& pair, bool only) {
   std::cout << std::endl;
 }
 
-/// Pair by pair where they are few, or verb is 3; else all of them in one line.
+/// All pairs in one line, and from verb 3 on each in one of its own.
 inline void report_pairs(const Scene& scene, long verb) {
-  constexpr Index few = 2;
   if (!scene.pairing) return;
   const std::vector<FacingPair>& pairs = scene.pairing->pairs();
-  const Index count = static_cast<Index>(pairs.size());
-  if (count <= few || verb > 2) {
+  const std::size_t count = pairs.size();
+  if (count == 1 || verb > 2) {
     for (const FacingPair& pair : pairs) report_pair(pair, count == 1);
     return;
   }
@@ -121,8 +128,9 @@ inline void report_plan(const Arguments& args, const Scene& scene, const Contact
                         const Settings& s, long verb) {
   report_pairs(scene, verb);
   const Plan plan = make_plan(problem, s);
-  line() << scene.d << "D, " << plan.dofs << " dofs, " << plan.nodes << " contact nodes, "
-         << name_of(plan.law);
+  line() << scene.d << "D, " << plan.dofs << " dofs, " << counted(plan.nodes, "contact node");
+  if (scene.beside_pairs > 0) std::cout << ", " << nodes_on_obstacle(scene) << " on the obstacle";
+  std::cout << ", " << name_of(plan.law);
   if (problem.increment.bilateral) std::cout << ", bilateral";
   if (scene.system->rotated() && !scene.pairing) std::cout << ", frames rotated";
   if (const Index corners = nodes_in_corners(scene))

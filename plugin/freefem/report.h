@@ -13,6 +13,11 @@ namespace frictioncg {
 /// One line of the report.
 inline std::ostream& line() { return std::cout << " -- " << operator_name << ": "; }
 
+/// "1 iteration", "2 iterations".
+inline std::string counted(std::size_t count, const char* what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
 inline const char* name_of(Status status) {
   switch (status) {
     case Status::converged:
@@ -95,7 +100,7 @@ inline const char* name_of(Law law) {
 inline const char* name_of(Layer layer) {
   switch (layer) {
     case Layer::none:
-      return "nothing to solve";
+      return "none";
     case Layer::linear:
       return "a linear solve";
     case Layer::newton:
@@ -160,14 +165,23 @@ inline void report_leftover(Real most, long verb) {
          << std::endl;
 }
 
+/// What stands behind a status: a proof, the layer that answered, or nothing to move.
+inline std::string reason_of(const Solution& solution) {
+  if (solution.status == Status::no_equilibrium) return " by a proof of statics";
+  if (solution.layer != Layer::none) return std::string(" by ") + name_of(solution.layer);
+  return solution.status == Status::converged ? " at rest" : "";
+}
+
 /// How a call ended, and which layer answered: a fallback shows here.
 inline void report_end(const Solution& solution) {
-  line() << name_of(solution.status) << " by " << name_of(solution.layer) << ", residual "
-         << solution.certificate.residual << ", " << solution.iterations << " iterations";
+  line() << name_of(solution.status) << reason_of(solution) << ", residual "
+         << solution.certificate.residual << ", " << counted(solution.iterations, "iteration");
   if (solution.levels.count > 0)
     std::cout << " on " << solution.levels.count << " levels of complexity "
               << solution.levels.complexity;
-  if (solution.passes > 0) std::cout << " in " << solution.passes << " passes of the fixed point";
+  if (solution.passes > 0)
+    std::cout << " in " << solution.passes << (solution.passes == 1 ? " pass" : " passes")
+              << " of the fixed point";
   if (solution.eps > 0) std::cout << ", regeps " << solution.eps;
   std::cout << std::endl;
 }
@@ -215,8 +229,9 @@ inline void report_phases(const Scene& scene, const Solution& solution) {
                                             const std::string& motion) {
   const bool turned = solution.status == Status::runaway;
   std::ostringstream m;
-  m << "not converged (" << name_of(solution.status) << ") after " << solution.iterations
-    << " iterations: residual " << solution.certificate.residual << ", tol " << s.tol << "; ";
+  m << "not converged (" << name_of(solution.status) << ") after "
+    << counted(solution.iterations, "iteration") << ": residual " << solution.certificate.residual
+    << ", tol " << s.tol << "; ";
   if (turned) m << motion << "; ";
   m << remedy(solution, s);
   if (!turned && !motion.empty()) m << ", which nothing holds against " << motion;

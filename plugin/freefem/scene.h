@@ -14,13 +14,14 @@
 
 namespace frictioncg {
 
-/// One body or two with their contact nodes, as the script posed them: the system in local frames,
+/// One body or more with their contact nodes, as the script posed them: the system in local frames,
 /// and the solver that keeps the factorization. Independent of the script's A and spaces once it is
 /// made. The laws are not part of it: they belong to each call.
 struct Scene {
   int d = 2;
   DofCount dofs;
   std::vector<BoundaryNode> nodes;    ///< contact points, one per normal of a node
+  std::size_t beside_pairs = 0;       ///< the last of them: on an obstacle beside pairs of bodies
   std::vector<BoundaryNode> averted;  ///< left out: they face away from the normal given
   bool given_normals = false;         ///< by the script, in place of the mesh's
   bool tangents = false;              ///< some nodes have tangential laws
@@ -30,7 +31,7 @@ struct Scene {
   std::function<void(MeshPoint*, const BoundaryNode&)> go_to;
   /// Where the nodal values of a displacement are.
   std::function<std::vector<NodePlace>()> places;
-  std::unique_ptr<Pairing> pairing;  ///< of two bodies; null where there is an obstacle
+  std::unique_ptr<Pairing> pairing;  ///< of two bodies; null where there is an obstacle alone
   std::unique_ptr<LocalSystem> system;
   std::unique_ptr<Solver> solver;
   double copy_seconds = 0;
@@ -38,6 +39,10 @@ struct Scene {
 
   long ndof() const { return dofs.count; }
   const BoundaryNode& contact_point(Index k) const { return nodes[system->node(k).point]; }
+  /// Of the contact points, those of pairs come first.
+  std::size_t paired() const { return pairing ? nodes.size() - beside_pairs : 0; }
+  /// Whether contact node k touches an obstacle, not another body.
+  bool on_obstacle(Index k) const { return system->node(k).point >= static_cast<Index>(paired()); }
   /// Whether contact node k is the first at its node of the mesh: a corner has several.
   bool starts_node(Index k) const {
     return k == 0 || contact_point(k).point.dof[0] != contact_point(k - 1).point.dof[0];
@@ -49,7 +54,7 @@ struct Scene {
     return *gyration_;
   }
 
-  /// Finds the contact nodes of two bodies.
+  /// Finds the contact nodes of two bodies, beside those on an obstacle.
   void face(const Triplets& A, const mortar::Options& options);
   /// Copies A into the local frames; the nodes carry their normals and whether they have friction.
   void assemble(const Triplets& A);
@@ -82,7 +87,10 @@ inline std::vector<char> held_dofs(const Basis& basis) {
 
 inline void Scene::face(const Triplets& A, const mortar::Options& options) {
   const double start = cpu_seconds();
-  nodes = pairing->face(A, d, options, places);
+  const std::vector<BoundaryNode> of_obstacle = std::move(nodes);
+  nodes = pairing->face(A, d, options, of_obstacle, places);
+  nodes.insert(nodes.end(), of_obstacle.begin(), of_obstacle.end());
+  beside_pairs = of_obstacle.size();
   copy_seconds = cpu_seconds() - start;
 }
 
@@ -188,12 +196,19 @@ std::shared_ptr<Scene> obstacle_scene(const FESpaceType& Vh, std::vector<Boundar
 
 /// The contact points of the labels, in one process.
 template <class FESpaceType>
-std::shared_ptr<Scene> obstacle_scene(const FESpaceType& Vh, const std::vector<long>& labels) {
-  const Boundary boundary = boundary_of(Vh, labels);
+std::vector<BoundaryNode> obstacle_points(const NamedSpace<FESpaceType>& space,
+                                          const std::vector<long>& labels) {
+  if (labels.empty()) return {};
+  const Boundary boundary = boundary_of(space, labels);
   std::vector<BoundaryNode> points =
       contact_points(Dimension<FESpaceType>::d, boundary, boundary.nodes.size());
-  follow_motions(Vh, points);
-  return obstacle_scene(Vh, std::move(points));
+  follow_motions(space.Vh, points);
+  return points;
+}
+template <class FESpaceType>
+std::shared_ptr<Scene> obstacle_scene(const FESpaceType& Vh, const std::vector<long>& labels) {
+  return obstacle_scene(
+      Vh, obstacle_points(NamedSpace<FESpaceType>{Vh, "Vh", "the mesh", obstacle_inside}, labels));
 }
 
 /// The labels of two bodies; those that this process's part of the meshes has, and all pairs.
@@ -208,12 +223,28 @@ struct PairLabels {
   bool of_part = false;  ///< of meshes that other processes have parts of
 };
 
-/// Two bodies in one space: two parts of a mesh, or the faces of a crack.
+/// A facet has one partner: a body, or the obstacle.
+inline void refuse_second_role(const std::vector<long>& obstacle, const std::vector<long>& side,
+                               const char* role) {
+  for (long label : obstacle)
+    if (std::count(side.begin(), side.end(), label))
+      throw IllegalInput("label " + std::to_string(label) + " is " + role +
+                         " and on the obstacle; a boundary touches one of them: give its parts "
+                         "labels of their own");
+}
+
+/// Two bodies in one space: two parts of a mesh, or the faces of a crack; obstacle: labels beside
+/// them.
 template <class FESpaceType>
-std::shared_ptr<Scene> pair_scene(const FESpaceType& Vh, const PairLabels& labels) {
+std::shared_ptr<Scene> pair_scene(const FESpaceType& Vh, const PairLabels& labels,
+                                  const std::vector<long>& obstacle = {}) {
   auto scene = std::make_shared<Scene>();
   scene->d = Dimension<FESpaceType>::d;
   scene->dofs = dofs_of(Vh.NbOfDF);
+  refuse_second_role(obstacle, labels.slave, "slave");
+  refuse_second_role(obstacle, labels.master, "master");
+  scene->nodes =
+      obstacle_points(NamedSpace<FESpaceType>{Vh, "Vh", "the mesh", obstacle_inside}, obstacle);
   const NamedSpace<FESpaceType> space{Vh, "Vh", "the mesh", pair_inside};
   InterfaceBuilder faces(labels.pairs, labels.of_part);
   faces.add_slave(BoundaryNodes<FESpaceType>(space, labels.slave));
@@ -223,14 +254,55 @@ std::shared_ptr<Scene> pair_scene(const FESpaceType& Vh, const PairLabels& label
   return scene;
 }
 
+/// Which labels of an obstacle are on which of two meshes.
+template <class FESpaceType>
+std::array<std::vector<long>, 2> by_mesh(const FESpaceType& V1, const FESpaceType& V2,
+                                         const std::vector<long>& obstacle) {
+  std::array<std::vector<long>, 2> labels;
+  if (obstacle.empty()) return labels;
+  const std::set<long> first = labels_of_boundary(V1), second = labels_of_boundary(V2);
+  for (long label : obstacle) {
+    const bool in_first = first.count(label) > 0, in_second = second.count(label) > 0;
+    if (in_first == in_second)
+      throw IllegalInput(
+          "obstacle has the label " + std::to_string(label) +
+          (in_first ? ", which is on the mesh of V1 and on that of V2; give one of them another "
+                      "label, by change(Th, label=...)"
+                    : ", which is neither on the mesh of V1 nor on that of V2"));
+    labels[in_first ? 0 : 1].push_back(label);
+  }
+  return labels;
+}
+
+/// The contact points of an obstacle beside two bodies in spaces of their own.
+template <class FESpaceType>
+std::vector<BoundaryNode> obstacle_points(const FESpaceType& V1, const FESpaceType& V2,
+                                          const PairLabels& labels,
+                                          const std::vector<long>& obstacle) {
+  const auto [first, second] = by_mesh(V1, V2, obstacle);
+  refuse_second_role(first, labels.slave, "slave");
+  refuse_second_role(second, labels.master, "master");
+  std::vector<BoundaryNode> points =
+      obstacle_points(NamedSpace<FESpaceType>{V1, "V1", "the mesh of V1", obstacle_inside}, first);
+  for (BoundaryNode& p : obstacle_points(
+           NamedSpace<FESpaceType>{V2, "V2", "the mesh of V2", obstacle_inside}, second)) {
+    for (int c = 0; c < Dimension<FESpaceType>::d; ++c) p.point.dof[c] += V1.NbOfDF;
+    p.space = 1;
+    points.push_back(std::move(p));
+  }
+  return points;
+}
+
 /// Two bodies in spaces of their own: the dofs of V2 follow those of V1.
 template <class FESpaceType>
 std::shared_ptr<Scene> pair_scene(const FESpaceType& V1, const FESpaceType& V2,
-                                  const PairLabels& labels) {
+                                  const PairLabels& labels,
+                                  const std::vector<long>& obstacle = {}) {
   auto scene = std::make_shared<Scene>();
   scene->d = Dimension<FESpaceType>::d;
   scene->dofs = dofs_of(V1.NbOfDF, V2.NbOfDF);
   const Index offset = V1.NbOfDF;
+  scene->nodes = obstacle_points(V1, V2, labels, obstacle);
   InterfaceBuilder faces(labels.pairs, labels.of_part);
   faces.add_slave(
       BoundaryNodes<FESpaceType>({V1, "V1", "the mesh of V1", pair_inside}, labels.slave));
@@ -240,6 +312,11 @@ std::shared_ptr<Scene> pair_scene(const FESpaceType& V1, const FESpaceType& V2,
   observe(V1, *scene);
   for (Index node : mesh_nodes(V2)) scene->mesh_node.push_back(V1.NbOfNodes + node);
   const CountPointer<FESpaceType> keep(const_cast<FESpaceType*>(&V2));
+  scene->go_to = [in_first = scene->go_to, keep](MeshPoint* mp, const BoundaryNode& node) {
+    if (node.space == 0) return in_first(mp, node);
+    const FESpaceType* space = keep;
+    Dimension<FESpaceType>::set_point(mp, *space, node);
+  };
   scene->places = [of_first = scene->places, keep, offset, d = scene->d] {
     std::vector<NodePlace> places = of_first();
     const FESpaceType* space = keep;

@@ -19,6 +19,15 @@ inline std::string in_brackets(const std::vector<long>& labels) {
   return list + "]";
 }
 
+/// Pairs and an obstacle in one call are of one process.
+inline void refuse_obstacle_beside_pairs(const Arguments& args) {
+  for (Parameter p : {p_obstacle, p_obstaclegap, p_obstaclenormal, p_obstacleforce})
+    if (args.has(p))
+      throw IllegalInput(std::string(parameters[p].name) +
+                         " is of one process; with domain= a call has pairs or an obstacle, not "
+                         "both: mesh the obstacle as a master that Dirichlet conditions hold");
+}
+
 /// What several processes do not do is refused by name.
 inline void refuse_options(const Arguments& args, bool two_bodies) {
   const auto refuse = [&](Parameter p, const char* why) {
@@ -26,6 +35,7 @@ inline void refuse_options(const Arguments& args, bool two_bodies) {
   };
   const char* const own =
       "belongs to methods of one process; with domain= there is multigrid alone";
+  refuse_obstacle_beside_pairs(args);
   for (Parameter p : {p_newton, p_reg, p_regeps, p_precon, p_omega, p_step, p_memory})
     refuse(p, own);
   if (!two_bodies) refuse(p_distance, "is that of two bodies; there is one, and an obstacle");

@@ -68,9 +68,9 @@ void resize(const SharedScene& shared, KN<Number>* values) {
 }
 
 /// The outputs of a call: of own dofs as in one process, of ghosts as their owners have them.
-inline void write_together(const SharedScene& shared, const Solution& local,
+inline void write_together(const SharedScene& shared, const Solution& local, const PointLaws& laws,
                            const Progress& progress, const Outputs& out) {
-  write_outputs(*shared.scene, local, progress, out);
+  write_outputs(*shared.scene, local, laws, progress, out);
   update(*shared.domain, out.force);
   update(*shared.domain, out.state);
   update(*shared.domain, out.normals);
@@ -153,7 +153,7 @@ inline KN_<double> solve_together(Stack stack, const Call& call, SharedScene& sh
   if (verb > 0 && !turned.empty()) line() << turned << std::endl;
   if (solution.status != Status::converged && !out.status)
     refuse_unconverged(solution, call.settings, unheld);
-  write_together(shared, local, progress, out);
+  write_together(shared, local, laws, progress, out);
   const long n = shared.scene->ndof();
   KN<double>* u = Add2StackOfPtr2Free(stack, new KN<double>(n));
   if (speaks) warn_of_large_displacements(shared, field, verb);

@@ -48,6 +48,7 @@ inline std::shared_ptr<const Domain> opened(Opening& opening, Stack stack, const
   opening.alone([&] {
     domain = domain_of(stack, args, site);
     if (!domain) return;
+    refuse_obstacle_beside_pairs(args);
     opening.domain = domain->name();
     opening.labels = shared.labels(stack);
     opening.masters = shared.masters(stack);

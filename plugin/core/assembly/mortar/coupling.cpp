@@ -23,13 +23,13 @@ std::vector<unsigned char> held_components(int d, const NodeDofs& dof, const Dir
 }
 
 Coupling couple(const Mortar& mortar, int d, const NodeDofs& dof, const Dirichlet& dirichlet,
-                Index n) {
+                Index n, const std::vector<char>& taken) {
   Entries T, W;
   std::vector<char> coupled(n, 0);
   for (int c = 0; c < d; ++c) {
     std::vector<char> held(dof.size());
     for (std::size_t i = 0; i < dof.size(); ++i) {
-      held[i] = dirichlet.holds(dof[i][c]);
+      held[i] = dirichlet.holds(dof[i][c]) || (!taken.empty() && taken[i]);
       coupled[dof[i][c]] = 1;
     }
     add_component(mortar.change_of_basis(held), dof, c, T);

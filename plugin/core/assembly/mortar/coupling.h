@@ -11,9 +11,10 @@ using NodeDofs = std::vector<std::array<Index, 3>>;
 /// Bits of the components that Dirichlet conditions hold: Nodes::held.
 std::vector<unsigned char> held_components(int d, const NodeDofs& dof, const Dirichlet& dirichlet);
 
-/// The mortar on the n dofs of the script, component by component.
+/// The mortar on the n dofs of the script, component by component; taken: as in Nodes, whose
+/// displacements stay what they are.
 Coupling couple(const Mortar& mortar, int d, const NodeDofs& dof, const Dirichlet& dirichlet,
-                Index n);
+                Index n, const std::vector<char>& taken = {});
 
 /// The contact points of a mortar, one per contact node, in their order; without friction as yet.
 std::vector<ContactPoint> contact_points(const Mortar& mortar, const NodeDofs& dof);

@@ -192,7 +192,7 @@ void Assembly::set_statistics(Mortar& mortar) {
   using State = Ownership::State;
   for (Index i = 0; i < size(); ++i) {
     const State state = ownership_.state[i];
-    if (state != State::shared && state != State::held) continue;
+    if (state == State::uncovered || state == State::kept) continue;
     Statistics& s = statistics_[ownership_.pair[i]];
     ++s.removed;
     if (state == State::held && s.held++ == 0) s.first_held = i;

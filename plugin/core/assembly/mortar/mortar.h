@@ -17,6 +17,7 @@ struct Nodes {
   int dimension = 2;                ///< 2 or 3
   std::vector<Vec3> X;              ///< position [length]
   std::vector<unsigned char> held;  ///< bit c: component c has a Dirichlet condition; empty: none
+  std::vector<char> taken = {};     ///< obeys an obstacle, and no law of a pair; empty: none
 };
 
 /// The rigid motions of bodies that nothing but contact resists.

@@ -54,6 +54,7 @@ Ownership::Ownership(const Nodes& nodes, const std::vector<Side>& slaves,
   else
     take_normals(nodes, options.normals);
   remove_shared(masters, covers);
+  remove_taken(nodes.taken);
   if (!nodes.held.empty()) remove_held(nodes, slaves);
   for (std::size_t p = 0; p < slaves.size(); ++p)
     choose_carriers(static_cast<Index>(p), slaves[p], covers[p]);
@@ -160,6 +161,11 @@ void Ownership::remove_shared(const std::vector<Side>& masters, const std::vecto
         if (used && state[i] == State::kept) state[i] = State::shared;
       }
   }
+}
+
+void Ownership::remove_taken(const std::vector<char>& taken) {
+  for (std::size_t i = 0; i < taken.size(); ++i)
+    if (taken[i] && state[i] == State::kept) state[i] = State::taken;
 }
 
 void Ownership::remove_held(const Nodes& nodes, const std::vector<Side>& slaves) {

@@ -10,14 +10,15 @@ namespace frictioncg::mortar {
 /// are ranked by pair, by label as listed, by their covered measure; a vertex belongs to the first
 /// patch that covers something there, and is a removed node on the facets of others. It is removed
 /// everywhere where it lies on the master too (tip of a crack), or on what another pair uses as
-/// master (bodies that meet crosswise), or where Dirichlet conditions hold its normal. Where no
-/// vertex of a facet is kept, nodes of the nearest facet with some stand in, with constant
-/// multipliers, so that nowhere a traction is lost.
+/// master (bodies that meet crosswise), or where an obstacle takes it, or Dirichlet conditions hold
+/// its normal. Where no vertex of a facet is kept, nodes of the nearest facet with some stand in,
+/// with constant multipliers, so that nowhere a traction is lost.
 struct Ownership {
   Ownership(const Nodes& nodes, const std::vector<Side>& slaves, const std::vector<Side>& masters,
             const std::vector<Cover>& covers, const Options& options);
 
-  enum class State : char { uncovered, kept, shared, held };
+  enum class State : char { uncovered, kept, shared, taken, held };
+  static constexpr int states = 5;
   std::vector<State> state;   ///< per node
   std::vector<Index> pair;    ///< per node, of the owning patch
   std::vector<long> label;    ///< per node
@@ -37,6 +38,7 @@ struct Ownership {
   void set_labels(const std::vector<Side>& slaves);
   void take_normals(const Nodes& nodes, const std::vector<Vec3>& normals);
   void remove_shared(const std::vector<Side>& masters, const std::vector<Cover>& covers);
+  void remove_taken(const std::vector<char>& taken);
   void remove_held(const Nodes& nodes, const std::vector<Side>& slaves);
   void choose_carriers(Index p, const Side& slave, const Cover& cover);
   void keep_strongest(const Facet& facet, std::array<bool, 3>& kept) const;

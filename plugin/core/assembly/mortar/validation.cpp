@@ -166,7 +166,7 @@ void validate_cover(const Nodes& nodes, const std::vector<Side>& slaves,
     if (std::all_of(cover.cells.begin(), cover.cells.end(), is_empty))
       refuse_nothing_faces(nodes, slaves[p], masters[p], cover, options);
     if (!options.weight.empty()) refuse_weightless(nodes, slaves[p], cover, options.weight);
-    std::array<Index, 4> count{};
+    std::array<Index, Ownership::states> count{};
     for (const Facet& f : slaves[p].surface.facets)
       for (int v = 0; v < slaves[p].d; ++v) ++count[static_cast<int>(ownership.state[f.node[v]])];
     if (count[static_cast<int>(Ownership::State::kept)] > 0) continue;
@@ -174,6 +174,9 @@ void validate_cover(const Nodes& nodes, const std::vector<Side>& slaves,
     if (count[static_cast<int>(Ownership::State::held)] > 0)
       m << "Dirichlet conditions hold the normal of every slave node ("
         << labels_of(slaves[p].surface) << "); swap slave and master";
+    else if (count[static_cast<int>(Ownership::State::taken)] > 0)
+      m << "every slave node (" << labels_of(slaves[p].surface)
+        << ") lies on the obstacle too, which it obeys; refine the slave, or swap slave and master";
     else
       m << "every slave node (" << labels_of(slaves[p].surface)
         << ") lies on the master too; refine the slave";
