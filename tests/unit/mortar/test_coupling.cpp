@@ -207,3 +207,27 @@ TEST(MortarContact, AMeshedObstacleThatIsHeldActsLikeOneGivenByGapAndNormal) {
     EXPECT_EQ(meshed.nodes, local.nodes());
   }
 }
+
+TEST(MortarCoupling, NodesThatAnObstacleTakesKeepTheirDisplacementAndCarryNoLaw) {
+  for (int d : {2, 3})
+    for (bool quadratic : {false, true}) {
+      const Scene s = stacked(d, quadratic, 4, 3, 0.3, 0.35);
+      std::vector<char> taken;
+      NodeDofs dof(s.bodies.X.size());
+      for (Index i = 0; i < s.bodies.nodes(); ++i) {
+        taken.push_back(at(s.bodies.X[i][0], 0));  // a wall on one side of both
+        for (int c = 0; c < d; ++c) dof[i][c] = d * i + c;
+      }
+      const Assembled assembled(s, false);
+      const Dirichlet none(assembled.triplets(), {});
+      const Mortar mortar({d, s.bodies.X, {}, taken}, s.pairs, s.options);
+      EXPECT_GT(mortar.statistics().removed, 0);
+      EXPECT_EQ(mortar.statistics().held, 0);
+      for (const mortar::ContactNode& node : mortar.nodes()) EXPECT_FALSE(taken[node.node]);
+      const Coupling both = couple(mortar, d, dof, none, d * s.bodies.nodes(), taken);
+      const Vector w = Vector::Random(d * s.bodies.nodes()), u = both.T * w;
+      EXPECT_LT((both.W * u - w).lpNorm<Eigen::Infinity>(), 1e-13);
+      for (Index i = 0; i < s.bodies.nodes(); ++i)
+        for (int c = 0; c < d && taken[i]; ++c) EXPECT_EQ(u[d * i + c], w[d * i + c]);
+    }
+}
