@@ -28,8 +28,8 @@ class Arguments {
     for (Parameter p : {p_obstacle, p_obstaclegap, p_obstaclenormal, p_obstacleforce})
       if (!two_bodies && has(p))
         refuse(p,
-               "belongs to an obstacle beside pairs of bodies; here it is labels that touch it, "
-               "and gap, normal and force are its own");
+               "belongs to an obstacle beside pairs of bodies; with one body the labels after Vh "
+               "touch it, and gap, normal and force are its own");
     for (Parameter p : {p_obstaclegap, p_obstaclenormal, p_obstacleforce})
       if (has(p) && !has(p_obstacle)) refuse(p, "needs the labels that touch it, as in obstacle=1");
     for (Parameter p : {p_normal, p_obstaclenormal})
