@@ -219,6 +219,13 @@ class BoundaryNodes {
   std::vector<BoundaryFacet> facets_;
 };
 
+/// A space whose boundary an obstacle touches.
+template <class FESpaceType>
+NamedSpace<FESpaceType> before_obstacle(const FESpaceType& Vh, const char* name = "Vh",
+                                        const char* mesh = "the mesh") {
+  return {Vh, name, mesh, obstacle_inside};
+}
+
 /// The contact boundary of the given labels.
 template <class FESpaceType>
 Boundary boundary_of(const NamedSpace<FESpaceType>& space, const std::vector<long>& labels) {
@@ -227,7 +234,7 @@ Boundary boundary_of(const NamedSpace<FESpaceType>& space, const std::vector<lon
 }
 template <class FESpaceType>
 Boundary boundary_of(const FESpaceType& Vh, const std::vector<long>& labels) {
-  return boundary_of(NamedSpace<FESpaceType>{Vh, "Vh", "the mesh", obstacle_inside}, labels);
+  return boundary_of(before_obstacle(Vh), labels);
 }
 
 }  // namespace frictioncg

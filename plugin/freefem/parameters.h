@@ -20,9 +20,6 @@ enum Parameter {
   p_normal,
   p_slidinglimit,
   p_bilateral,
-  p_obstacle,
-  p_obstaclegap,
-  p_obstaclenormal,
   p_maxgap,
   p_smooth,
   p_weight,
@@ -44,7 +41,6 @@ enum Parameter {
   p_residual,
   p_iterations,
   p_force,
-  p_obstacleforce,
   p_state,
   p_normals,
   p_distance,
@@ -52,49 +48,54 @@ enum Parameter {
   p_history,
   p_times,
   p_domain,
+  p_obstacle,
+  p_obstaclegap,
+  p_obstaclenormal,
+  p_obstacleforce,
   parameter_count
 };
 
 inline basicAC_F0::name_and_type parameters[] = {
-    {"mu", &typeid(double)},                  // friction coefficient
-    {"mu2", &typeid(double)},                 // across direction, mu being along it
-    {"direction", &typeid(E_Array)},          // of orthotropic friction
-    {"gap", &typeid(double)},                 // [length]
-    {"normal", &typeid(E_Array)},             // outward from the body
-    {"slidinglimit", &typeid(double)},        // [force/area]
-    {"bilateral", &typeid(bool)},             // no separation
-    {"obstacle", &typeid(KN_<long>)},         // labels beside pairs of bodies, in any form
-    {"obstaclegap", &typeid(double)},         // its gap [length]
-    {"obstaclenormal", &typeid(E_Array)},     // and normal, outward from the bodies
-    {"maxgap", &typeid(double)},              // of two bodies [length]
-    {"smooth", &typeid(bool)},                // of two bodies: gap of the curved surfaces
-    {"weight", &typeid(double)},              // of the forms: x, where they are axisymmetric
-    {"uold", &typeid(KN_<double>)},           // [length]
-    {"init", &typeid(KN_<double>)},           // [length]
-    {"start", &typeid(KN_<double>)},          // the same, where macro_ddm.idp takes the name init
-    {"method", &typeid(string*)},             //
-    {"newton", &typeid(bool)},                // condensed: on the laws themselves
-    {"reg", &typeid(string*)},                //
-    {"regeps", &typeid(double)},              // [length]
-    {"precon", &typeid(string*)},             //
-    {"omega", &typeid(double)},               //
-    {"step", &typeid(string*)},               //
-    {"tol", &typeid(double)},                 //
-    {"nbiter", &typeid(double)},              // a whole number
-    {"memory", &typeid(double)},              // [GB]
-    {"verb", &typeid(long)},                  //
-    {"status", &typeid(long*)},               // out
-    {"residual", &typeid(double*)},           // out
-    {"iterations", &typeid(long*)},           // out
-    {"force", &typeid(KN<double>*)},          // out [force]
-    {"obstacleforce", &typeid(KN<double>*)},  // out, the part of the obstacle [force]
-    {"state", &typeid(KN<long>*)},            // out
-    {"normals", &typeid(KN<double>*)},        // out
-    {"distance", &typeid(KN<double>*)},       // out, of two bodies [length]
-    {"free", &typeid(long*)},                 // out
-    {"history", &typeid(KNM<double>*)},       // out
-    {"times", &typeid(KN<double>*)},          // out [s]
-    {"domain", &typeid(void)},                // of several processes: frictionCG-mpi has its type
+    {"mu", &typeid(double)},             // friction coefficient
+    {"mu2", &typeid(double)},            // across direction, mu being along it
+    {"direction", &typeid(E_Array)},     // of orthotropic friction
+    {"gap", &typeid(double)},            // [length]
+    {"normal", &typeid(E_Array)},        // outward from the body
+    {"slidinglimit", &typeid(double)},   // [force/area]
+    {"bilateral", &typeid(bool)},        // no separation
+    {"maxgap", &typeid(double)},         // of two bodies [length]
+    {"smooth", &typeid(bool)},           // of two bodies: gap of the curved surfaces
+    {"weight", &typeid(double)},         // of the forms: x, where they are axisymmetric
+    {"uold", &typeid(KN_<double>)},      // [length]
+    {"init", &typeid(KN_<double>)},      // [length]
+    {"start", &typeid(KN_<double>)},     // the same, where macro_ddm.idp takes the name init
+    {"method", &typeid(string*)},        //
+    {"newton", &typeid(bool)},           // condensed: on the laws themselves
+    {"reg", &typeid(string*)},           //
+    {"regeps", &typeid(double)},         // [length]
+    {"precon", &typeid(string*)},        //
+    {"omega", &typeid(double)},          //
+    {"step", &typeid(string*)},          //
+    {"tol", &typeid(double)},            //
+    {"nbiter", &typeid(double)},         // a whole number
+    {"memory", &typeid(double)},         // [GB]
+    {"verb", &typeid(long)},             //
+    {"status", &typeid(long*)},          // out
+    {"residual", &typeid(double*)},      // out
+    {"iterations", &typeid(long*)},      // out
+    {"force", &typeid(KN<double>*)},     // out [force]
+    {"state", &typeid(KN<long>*)},       // out
+    {"normals", &typeid(KN<double>*)},   // out
+    {"distance", &typeid(KN<double>*)},  // out, of two bodies [length]
+    {"free", &typeid(long*)},            // out
+    {"history", &typeid(KNM<double>*)},  // out
+    {"times", &typeid(KN<double>*)},     // out [s]
+    {"domain", &typeid(void)},           // of several processes: frictionCG-mpi has its type
+    // of an obstacle beside pairs: its labels, in any form; gap; outward normal; force, an output
+    {"obstacle", &typeid(KN_<long>)},
+    {"obstaclegap", &typeid(double)},
+    {"obstaclenormal", &typeid(E_Array)},
+    {"obstacleforce", &typeid(KN<double>*)},
 };
 static_assert(sizeof(parameters) / sizeof(*parameters) == parameter_count, "one name each");
 

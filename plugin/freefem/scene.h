@@ -207,8 +207,7 @@ std::vector<BoundaryNode> obstacle_points(const NamedSpace<FESpaceType>& space,
 }
 template <class FESpaceType>
 std::shared_ptr<Scene> obstacle_scene(const FESpaceType& Vh, const std::vector<long>& labels) {
-  return obstacle_scene(
-      Vh, obstacle_points(NamedSpace<FESpaceType>{Vh, "Vh", "the mesh", obstacle_inside}, labels));
+  return obstacle_scene(Vh, obstacle_points(before_obstacle(Vh), labels));
 }
 
 /// The labels of two bodies; those that this process's part of the meshes has, and all pairs.
@@ -243,8 +242,7 @@ std::shared_ptr<Scene> pair_scene(const FESpaceType& Vh, const PairLabels& label
   scene->dofs = dofs_of(Vh.NbOfDF);
   refuse_second_role(obstacle, labels.slave, "slave");
   refuse_second_role(obstacle, labels.master, "master");
-  scene->nodes =
-      obstacle_points(NamedSpace<FESpaceType>{Vh, "Vh", "the mesh", obstacle_inside}, obstacle);
+  scene->nodes = obstacle_points(before_obstacle(Vh), obstacle);
   const NamedSpace<FESpaceType> space{Vh, "Vh", "the mesh", pair_inside};
   InterfaceBuilder faces(labels.pairs, labels.of_part);
   faces.add_slave(BoundaryNodes<FESpaceType>(space, labels.slave));
@@ -283,9 +281,8 @@ std::vector<BoundaryNode> obstacle_points(const FESpaceType& V1, const FESpaceTy
   refuse_second_role(first, labels.slave, "slave");
   refuse_second_role(second, labels.master, "master");
   std::vector<BoundaryNode> points =
-      obstacle_points(NamedSpace<FESpaceType>{V1, "V1", "the mesh of V1", obstacle_inside}, first);
-  for (BoundaryNode& p : obstacle_points(
-           NamedSpace<FESpaceType>{V2, "V2", "the mesh of V2", obstacle_inside}, second)) {
+      obstacle_points(before_obstacle(V1, "V1", "the mesh of V1"), first);
+  for (BoundaryNode& p : obstacle_points(before_obstacle(V2, "V2", "the mesh of V2"), second)) {
     for (int c = 0; c < Dimension<FESpaceType>::d; ++c) p.point.dof[c] += V1.NbOfDF;
     p.space = 1;
     points.push_back(std::move(p));
