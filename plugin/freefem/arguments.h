@@ -32,6 +32,13 @@ class Arguments {
                "touch it, and gap, normal and force are its own");
     for (Parameter p : {p_obstaclegap, p_obstaclenormal, p_obstacleforce})
       if (has(p) && !has(p_obstacle)) refuse(p, "needs the labels that touch it, as in obstacle=1");
+    for (Parameter p :
+         {p_pivot, p_obstacles, p_motionfree, p_motion, p_motionload, p_motionold, p_motionforce})
+      if (two_bodies && has(p))
+        refuse(p,
+               "belongs to one body and an obstacle; of two bodies each moves by its own "
+               "displacement");
+    if (has(p_pivot)) components(p_pivot, d, "[x, y, z]", "[x, y]", vectors_[p_pivot]);
     for (Parameter p : {p_normal, p_obstaclenormal})
       if (has(p)) components(p, d, "[nx, ny, nz]", "[nx, ny]", vectors_[p]);
     if (!has(p_mu2) && !has(p_direction)) return;
@@ -47,7 +54,7 @@ class Arguments {
   static Arguments of_increment(const basicAC_F0& args) {
     const Arguments a(args);
     for (Parameter p : {p_normal, p_mu2, p_direction, p_maxgap, p_smooth, p_weight, p_domain,
-                        p_obstacle, p_obstaclenormal})
+                        p_obstacle, p_obstaclenormal, p_pivot, p_obstacles, p_motionfree})
       if (a.has(p)) refuse(p, "belongs to the contactproblem; give it there");
     return a;
   }

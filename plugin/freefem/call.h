@@ -5,6 +5,7 @@
 #include "node_values.h"
 #include "outputs.h"
 #include "motions.h"
+#include "obstacles.h"
 #include "plan_report.h"
 #include "report.h"
 #include "site.h"
@@ -26,6 +27,7 @@ struct Call {
   Settings settings;
   long verb;
   Vector b, u_old, u_init;  ///< u_old and u_init empty where they are not given
+  Motions motions;          ///< of obstacles that move
 
   Call(Stack stack, const Arguments& arguments, const Expression load)
       : args(arguments),
@@ -33,7 +35,8 @@ struct Call {
         verb(read_verb(stack, arguments)),
         b(evaluated("b", [&] { return copy_of(GetAny<KN_<double>>((*load)(stack))); })),
         u_old(given(stack, p_uold)),
-        u_init(given(stack, args.start())) {}
+        u_init(given(stack, args.start())),
+        motions(stack, args) {}
 
  private:
   Vector given(Stack stack, Parameter p) const {
@@ -80,6 +83,7 @@ inline std::shared_ptr<Scene> read_scene(Stack stack, const Arguments& args, con
   std::shared_ptr<Scene> scene = site.scene(stack, args.obstacle(stack));
   set_weights(stack, args, *scene);
   set_normals(stack, args, *scene);
+  if (!scene->pairing) scene->moving = read_obstacles(stack, args, *scene);
   if (scene->nodes.empty() && !scene->averted.empty()) refuse_inward(*scene);
   if (scene->pairing) face_bodies(stack, args, A, *scene);
   laws = read_point_laws(stack, args, everywhere, *scene, begun_laws(stack, args));
@@ -98,11 +102,36 @@ inline void check_vectors(const Call& call, const DofCount& dofs) {
     check_vector(call.u_init, parameters[call.args.start()].name, dofs);
 }
 
-/// The vectors of the call, and its laws, as an increment in local dofs.
-inline LocalIncrement increment(const Call& call, const Scene& scene, PointLaws laws) {
-  check_vectors(call, scene.dofs);
+/// Of a call on a contactproblem.
+inline void refuse_motions(const Arguments& args, const Scene& scene) {
+  for (Parameter p : motion_parameters)
+    if (!scene.moving && args.has(p))
+      throw IllegalInput(std::string(parameters[p].name) +
+                         " is of an obstacle that moves, and C was made with none; name pivot or "
+                         "motionfree in contactProblem(...)");
+}
+
+/// The vectors of a call by all dofs: those of the script, then those of obstacles that move.
+struct Vectors {
+  Vector b, u_old, u_init;  ///< u_old and u_init empty where nothing gives them
+
+  Vectors(const Call& call, const Scene& scene)
+      : b(call.b), u_old(call.u_old), u_init(call.u_init) {
+    if (!scene.moving) return;
+    Motions motions = call.motions;
+    motions.complete(*scene.moving, scene.d);
+    b = joined(b, motions.load);
+    if (u_old.size() == 0 && !motions.before.isZero(0)) u_old = Vector::Zero(scene.ndof());
+    if (u_old.size() > 0) u_old = joined(u_old, motions.before);
+    if (u_init.size() > 0) u_init = joined(u_init, motions.guess);
+  }
+};
+
+/// These vectors, and the laws, as an increment in local dofs.
+inline LocalIncrement increment(const Call& call, const Vectors& vectors, const Scene& scene,
+                                PointLaws laws) {
   if (scene.system->nodes() == 0) laws.law = Law::frictionless;  // supports hold every normal
-  LocalIncrement now = scene.increment(scene.system->load(call.b, call.u_old), laws);
+  LocalIncrement now = scene.increment(scene.system->load(vectors.b, vectors.u_old), laws);
   report_leftover(check_data(scene, call.b, now.u0), call.verb);
   return now;
 }
@@ -111,7 +140,9 @@ inline LocalIncrement increment(const Call& call, const Scene& scene, PointLaws 
 inline KN_<double> solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws) {
   const double start = cpu_seconds();
   const Outputs out(stack, call.args);
-  const LocalIncrement now = increment(call, scene, laws);
+  check_vectors(call, scene.dofs);
+  const Vectors vectors(call, scene);
+  const LocalIncrement now = increment(call, vectors, scene, laws);
   const ContactProblem problem{scene.system->system(), now.increment};
   if (call.verb > 0) {
     report_plan(call.args, scene, problem, call.settings, call.verb);
@@ -122,12 +153,13 @@ inline KN_<double> solve(Stack stack, const Call& call, Scene& scene, const Poin
   }
   Progress progress(problem, call.verb, out.history);
   Vector x0;
-  if (call.u_init.size() > 0)
-    x0 = scene.system->to_local(call.u_old.size() == 0 ? call.u_init
-                                                       : Vector(call.u_init - call.u_old));
+  if (vectors.u_init.size() > 0)
+    x0 = scene.system->to_local(vectors.u_old.size() == 0 ? vectors.u_init
+                                                          : Vector(vectors.u_init - vectors.u_old));
   Solution solution = scene.solver->solve(now.increment, call.settings, x0,
                                           call.verb > 0 || out.history ? &progress : nullptr);
-  const Vector field = scene.system->to_global(solution.x, now.u0);
+  const Vector moved = scene.system->to_global(solution.x, now.u0),
+               field = moved.head(scene.ndof());
   const std::string turned = runaway(scene, solution, field);
   if (!turned.empty()) solution.status = Status::runaway;
   if (call.verb > 0) {
@@ -141,6 +173,7 @@ inline KN_<double> solve(Stack stack, const Call& call, Scene& scene, const Poin
         solution, call.settings,
         solution.unheld_motion.size() > 0 ? describe(scene, solution.unheld_motion) : turned);
   write_outputs(scene, solution, laws, progress, out);
+  if (scene.moving) write_motions(scene, solution, moved, call.motions);
   if (call.verb > 0) warn_of_large_displacements(scene, field);
   KN<double>* u = Add2StackOfPtr2Free(stack, new KN<double>(scene.ndof()));
   for (long i = 0; i < scene.ndof(); ++i) (*u)[i] = field[i];

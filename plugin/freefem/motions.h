@@ -5,6 +5,7 @@
 #include <set>
 
 #include "large_turn.h"
+#include "obstacles.h"
 #include "report.h"
 
 namespace frictioncg {
@@ -74,7 +75,7 @@ inline std::string runaway(const Scene& scene, const Solution& s, const Vector& 
   std::iota(nodes.begin(), nodes.end(), 0);
   const System& system = *scene.system->system();
   const auto field_of = [&](const Vector& w) {
-    return scene.system->to_global(w, Vector::Zero(scene.ndof()));
+    return scene.system->to_global(w);
   };
   const auto held = [&](const LargeTurn& turn) {
     return held_by_contact(scene, nodes, s.state, system, turn);
@@ -82,10 +83,39 @@ inline std::string runaway(const Scene& scene, const Solution& s, const Vector& 
   return runaway(places, scene.d, field, system, field_of, held);
 }
 
-/// A motion of the local dofs in words.
+/// The motion q of an obstacle; extent: the largest distance of its contact points from the pivot.
+inline RigidMotion motion_of_obstacle(const Scene& scene, Index obstacle, const Vector& q) {
+  const MovingObstacles& moving = *scene.moving;
+  RigidMotion m;
+  m.a.head(scene.d) = q.head(scene.d);
+  m.w.tail(q.size() - scene.d) = q.tail(q.size() - scene.d);
+  m.c = moving.pivot[obstacle];
+  for (std::size_t k = 0; k < scene.nodes.size(); ++k)
+    if (moving.rigid.of_point[k] == obstacle)
+      m.extent = std::max(m.extent, moving.rigid.arm[k].norm());
+  return m;
+}
+
+/// A motion of the local dofs in words: of the bodies, and of the obstacles that move.
 inline std::string describe(const Scene& scene, const Vector& motion) {
-  return describe_motion(scene.places(), scene.d,
-                         scene.system->to_global(motion, Vector::Zero(scene.ndof())));
+  const Vector all = scene.system->to_global(motion), u = all.head(scene.ndof());
+  if (!scene.moving) return describe_motion(scene.places(), scene.d, u);
+  const Index each = rigid_components(scene.d), count = scene.moving->rigid.dofs() / each;
+  std::vector<RigidMotion> of_obstacle;
+  Real most = u.lpNorm<Eigen::Infinity>();
+  const auto way = [](const RigidMotion& m) { return m.a.norm() + m.w.norm() * m.extent; };
+  for (Index o = 0; o < count; ++o) {
+    of_obstacle.push_back(
+        motion_of_obstacle(scene, o, all.segment(scene.ndof() + o * each, each)));
+    most = std::max(most, way(of_obstacle.back()));
+  }
+  std::string text;
+  if (u.lpNorm<Eigen::Infinity>() > still * most) text = describe_motion(scene.places(), scene.d, u);
+  for (Index o = 0; o < count; ++o)
+    if (way(of_obstacle[o]) > still * most)
+      text += (text.empty() ? "" : ", with ") + describe(of_obstacle[o], scene.d) +
+              " of the obstacle on " + name_of(*scene.moving, o);
+  return text;
 }
 
 /// The motions that a call leaves open: one that nothing holds, some that nothing determines, or a

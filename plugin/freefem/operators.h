@@ -45,7 +45,7 @@ class Construct : public E_F0mps {
         site_(std::move(site)) {
     arguments_.allow_only({p_mu, p_mu2, p_direction, p_gap, p_normal, p_slidinglimit, p_bilateral,
                            p_maxgap, p_smooth, p_weight, p_domain, p_obstacle, p_obstaclegap,
-                           p_obstaclenormal});
+                           p_obstaclenormal, p_pivot, p_obstacles, p_motionfree});
   }
   static std::vector<aType> before_site() { return {atype<Matrice_Creuse<double>*>()}; }
   AnyType operator()(Stack stack) const override {
@@ -85,6 +85,7 @@ class SolveIncrement : public E_F0mps {
             "C was made without friction; name mu or slidinglimit in contactProblem(...), too");
       if (!posed.scene->pairing && arguments_.has(p_distance))
         throw IllegalInput("distance is that of two bodies; C has one, and an obstacle");
+      refuse_motions(arguments_, *posed.scene);
       const Call call(stack, arguments_, b_);
       for (Parameter p : {p_obstaclegap, p_obstacleforce})
         if (posed.scene->beside_pairs == 0 && arguments_.has(p))

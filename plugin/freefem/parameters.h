@@ -23,6 +23,13 @@ enum Parameter {
   p_maxgap,
   p_smooth,
   p_weight,
+  p_pivot,
+  p_obstacles,
+  p_motionfree,
+  p_motion,
+  p_motionload,
+  p_motionold,
+  p_motionforce,
   p_uold,
   p_init,
   p_start,
@@ -66,6 +73,13 @@ inline basicAC_F0::name_and_type parameters[] = {
     {"maxgap", &typeid(double)},         // of two bodies [length]
     {"smooth", &typeid(bool)},           // of two bodies: gap of the curved surfaces
     {"weight", &typeid(double)},         // of the forms: x, where they are axisymmetric
+    {"pivot", &typeid(E_Array)},         // of an obstacle that moves
+    {"obstacles", &typeid(KN_<long>)},   // labels of those that move
+    {"motionfree", &typeid(KN_<long>)},  // 1: under a load; 0: given
+    {"motion", &typeid(KN<double>*)},    // in and out [length, radians]
+    {"motionload", &typeid(KN_<double>)},   // [force, moment]
+    {"motionold", &typeid(KN_<double>)},    // of uold
+    {"motionforce", &typeid(KN<double>*)},  // out, of an obstacle on the body
     {"uold", &typeid(KN_<double>)},      // [length]
     {"init", &typeid(KN_<double>)},      // [length]
     {"start", &typeid(KN_<double>)},     // the same, where macro_ddm.idp takes the name init

@@ -14,6 +14,13 @@
 
 namespace frictioncg {
 
+/// The obstacles of a scene that move, each of a label, or one of all labels.
+struct MovingObstacles {
+  std::vector<long> labels;            ///< empty: one obstacle
+  std::vector<Eigen::Vector3d> pivot;  ///< of each
+  RigidObstacles rigid;
+};
+
 /// One body or more with their contact nodes, as the script posed them: the system in local frames,
 /// and the solver that keeps the factorization. Independent of the script's A and spaces once it is
 /// made. The laws are not part of it: they belong to each call.
@@ -32,6 +39,7 @@ struct Scene {
   /// Where the nodal values of a displacement are.
   std::function<std::vector<NodePlace>()> places;
   std::unique_ptr<Pairing> pairing;  ///< of two bodies; null where there is an obstacle alone
+  std::unique_ptr<MovingObstacles> moving;  ///< null where all obstacles stand still
   std::unique_ptr<LocalSystem> system;
   std::unique_ptr<Solver> solver;
   double copy_seconds = 0;
@@ -102,8 +110,11 @@ inline void Scene::assemble(const Triplets& A) {
   const auto modes = [places = places, d = d, n] { return rigid_modes(places(), d, n); };
   const auto each = [places = places, d = d, n] { return body_modes(places(), d, n); };
   system = placed([&] {
-    return pairing ? pairing->system(A, d, std::move(points), mesh_node, modes, each)
-                   : std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, modes);
+    if (pairing) return pairing->system(A, d, std::move(points), mesh_node, modes, each);
+    if (moving)
+      return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, moving->rigid, modes,
+                                           each);
+    return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, modes);
   });
   solver = std::make_unique<Solver>(system->system());
   held = held_dofs(system->basis());

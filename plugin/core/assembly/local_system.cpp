@@ -1,5 +1,6 @@
 #include "assembly/local_system.h"
 
+#include <algorithm>
 #include <limits>
 #include <sstream>
 
@@ -28,25 +29,59 @@ void require_size(const char* name, const Vector& values, std::size_t wanted, co
 LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
                          const std::vector<Index>& mesh_node, RigidModes modes)
     : points_(std::move(points)), dirichlet_(A, points_) {
-  assemble(A, dimension, mesh_node, nullptr, std::move(modes), {});
+  make_basis(A, dimension);
+  assemble(A, dimension, mesh_node, std::move(modes), {});
+}
+
+LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
+                         const std::vector<Index>& mesh_node, const RigidObstacles& obstacles,
+                         RigidModes modes, RigidModes body_modes)
+    : points_(std::move(points)), dirichlet_(A, points_) {
+  make_basis(A, dimension);
+  const Index n_q = obstacles.dofs();
+  basis_ = std::make_shared<const Basis>(
+      with_obstacles(*basis_, dimension, points_, nodes_, obstacles));
+  std::vector<char> given(A.n + n_q, 0);
+  for (Index k = 0; k < n_q; ++k) given[A.n + k] = !obstacles.free[k];
+  dirichlet_ = dirichlet_.with_more(given, Vector::Ones(A.n + n_q));
+  std::vector<Index> nodes = mesh_node;  // each component as if it had a node of its own
+  const Index next = nodes.empty() ? 0 : 1 + *std::max_element(nodes.begin(), nodes.end());
+  for (Index k = 0; k < n_q && !mesh_node.empty(); ++k) nodes.push_back(next + k);
+  const auto among_all = [n_q](RigidModes of_bodies, bool own) -> RigidModes {
+    if (!of_bodies) return {};
+    return [n_q, of_bodies = std::move(of_bodies), own] {
+      DenseMatrix M = with_obstacles(of_bodies(), n_q);
+      return own ? M : DenseMatrix(M.leftCols(M.cols() - n_q));
+    };
+  };
+  assemble(A, dimension, nodes, among_all(std::move(modes), false),
+           among_all(std::move(body_modes), true));
 }
 
 LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
                          const std::vector<Index>& mesh_node, Dirichlet dirichlet,
                          const Coupling& coupling, RigidModes modes, RigidModes body_modes)
     : points_(std::move(points)), dirichlet_(std::move(dirichlet)) {
-  assemble(A, dimension, mesh_node, &coupling, std::move(modes), std::move(body_modes));
+  make_basis(A, dimension);
+  basis_ = std::make_shared<const Basis>(composed(coupling, *basis_));
+  assemble(A, dimension, mesh_node, std::move(modes), std::move(body_modes));
 }
 
-void LocalSystem::assemble(const Triplets& A, int dimension, const std::vector<Index>& mesh_node,
-                           const Coupling* coupling, RigidModes modes, RigidModes body_modes) {
+/// The frames of the contact points.
+void LocalSystem::make_basis(const Triplets& A, int dimension) {
   const Frames frames(dimension, A.n, points_, dirichlet_);
   nodes_ = frames.nodes();
   basis_ = frames.basis();
-  if (coupling) basis_ = std::make_shared<const Basis>(composed(*coupling, *basis_));
+}
+
+/// The system in the basis.
+void LocalSystem::assemble(const Triplets& A, int dimension, const std::vector<Index>& mesh_node,
+                           RigidModes modes, RigidModes body_modes) {
   const auto system = std::make_shared<System>();
   system->dimension = dimension;
   system->first = basis_->first;
+  system->border = static_cast<Index>(
+      std::count_if(basis_->origin.begin(), basis_->origin.end(), [&](Index i) { return i >= A.n; }));
   transform(A, *basis_, system->A, K_);
   system->D = system->A.diagonal();
   check_stiffness(A, *system);
@@ -175,9 +210,13 @@ Real LocalSystem::nearest_obstacle(const ContactNode& node, const PointLaws& law
 }
 
 Vector LocalSystem::to_global(const Vector& x, const Vector& u0) const {
+  return u0 + to_global(x);
+}
+
+Vector LocalSystem::to_global(const Vector& x) const {
   Vector w = Vector::Zero(basis_->T.cols());
   w.head(x.size()) = x;
-  return u0 + basis_->T * w;
+  return basis_->T * w;
 }
 
 Vector LocalSystem::force_to_global(const Vector& r) const {

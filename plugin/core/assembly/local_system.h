@@ -1,6 +1,7 @@
 #pragma once
 #include "assembly/dirichlet.h"
 #include "assembly/frames.h"
+#include "assembly/obstacles.h"
 #include "model/contact_problem.h"
 
 namespace frictioncg {
@@ -43,6 +44,12 @@ class LocalSystem {
   /// not symmetric, or has a diagonal <= 0.
   LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
               const std::vector<Index>& mesh_node = {}, RigidModes modes = {});
+  /// With obstacles that move: n counts their dofs, too, of which b has the load where they are
+  /// free, and the motion where it is given. body_modes: rigid motions of each body alone, of the
+  /// dofs of the script. Throws as with_obstacles, too.
+  LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
+              const std::vector<Index>& mesh_node, const RigidObstacles& obstacles,
+              RigidModes modes = {}, RigidModes body_modes = {});
   /// With two bodies: frames and laws act on the relative displacements of the coupling, that knows
   /// what `dirichlet` holds of A. body_modes: rigid motions of each body alone.
   LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
@@ -72,13 +79,16 @@ class LocalSystem {
   Vector to_local(const Vector& u) const { return basis_->W * u; }
   /// u0 + x on free dofs, u0 on Dirichlet dofs
   Vector to_global(const Vector& x, const Vector& u0) const;
+  Vector to_global(const Vector& x) const;  ///< from u0 = 0
   /// Force of the obstacle on the body (n), of r = F - Ax: along its normals and against the slip,
-  /// W'(-r) on the contact dofs. What supports take at the same node is not in it.
+  /// W'(-r) on the contact dofs. What supports take at the same node is not in it. On the dofs of
+  /// an obstacle that moves: force and moment of the body on it.
   Vector force_to_global(const Vector& r) const;
 
  private:
+  void make_basis(const Triplets& A, int dimension);
   void assemble(const Triplets& A, int dimension, const std::vector<Index>& mesh_node,
-                const Coupling* coupling, RigidModes modes, RigidModes body_modes);
+                RigidModes modes, RigidModes body_modes);
   RigidModes in_local_dofs(RigidModes modes) const;
   void check_stiffness(const Triplets& A, const System& system) const;
   Real nearest_obstacle(const ContactNode& node, const PointLaws& laws, Real rounding,

@@ -39,7 +39,7 @@ struct Others {
       add(i, j, P, Q);
       if (A.half && i != j) add(j, i, Q, P);
     }
-    if (!B.empty()) add_product(A.n, B, basis);
+    if (!B.empty()) add_product(B, basis);
   }
 
  private:
@@ -50,8 +50,8 @@ struct Others {
       couplings.emplace_back(p, q - w_, a);
   }
   /// T'BT
-  void add_product(Index n, const std::vector<Entry>& B, const Basis& basis) {
-    Matrix touching(n, n);
+  void add_product(const std::vector<Entry>& B, const Basis& basis) {
+    Matrix touching(basis.T.rows(), basis.T.rows());
     touching.setFromTriplets(B.begin(), B.end());
     const Matrix right = touching * basis.T;
     const Matrix product = Matrix(basis.T.transpose()) * right;
@@ -164,8 +164,9 @@ void check_symmetry(const Triplets& A, const Matrix& A_local, const Vector& D,
   const Index* col = A_local.innerIndexPtr();
   const Real* a = A_local.valuePtr();
   std::vector<Index> cursor(A_local.rows());
+  const auto has_row = [&](Index i) { return i < A.n && A.is_whole(i); };
   const auto compare = [&](Index p, Index q, Real a_pq, Real a_qp) {
-    if (a_pq == a_qp || !A.is_whole(origin[p]) || !A.is_whole(origin[q])) return;
+    if (a_pq == a_qp || !has_row(origin[p]) || !has_row(origin[q])) return;
     if (std::abs(a_pq - a_qp) <= asymmetry * std::sqrt(std::abs(D[p] * D[q]))) return;
     std::ostringstream m;
     m << "A(" << origin[p] << "," << origin[q] << ") = " << a_pq << " but A(" << origin[q] << ","

@@ -1,0 +1,172 @@
+#include "assembly/obstacles.h"
+
+#include <cmath>
+
+namespace frictioncg {
+
+namespace {
+
+/// A component moves no node where it moves each by less than this share of its unit.
+constexpr Real nothing = 1e-12;
+
+using Entries = std::vector<Eigen::Triplet<Real, Index>>;
+
+/// The extents of the contact points of each obstacle; 1 for a single one.
+std::vector<Real> extents(const RigidObstacles& obstacles, Index count) {
+  std::vector<Eigen::Vector3d> least(count), most(count);
+  std::vector<char> seen(count, 0);
+  for (std::size_t p = 0; p < obstacles.arm.size(); ++p) {
+    const Index o = obstacles.of_point[p];
+    if (o < 0) continue;
+    const Eigen::Vector3d& x = obstacles.arm[p];
+    least[o] = seen[o] ? Eigen::Vector3d(least[o].cwiseMin(x)) : x;
+    most[o] = seen[o] ? Eigen::Vector3d(most[o].cwiseMax(x)) : x;
+    seen[o] = 1;
+  }
+  std::vector<Real> extent(count, 1);
+  for (Index o = 0; o < count; ++o)
+    if (seen[o] && most[o] != least[o]) extent[o] = (most[o] - least[o]).norm() / 2;
+  return extent;
+}
+
+/// Component c of the displacement that q_k = 1 gives a point.
+Real displacement(int d, Index k, int c, const Eigen::Vector3d& arm) {
+  if (k < d) return k == c;
+  return Eigen::Vector3d::Unit(d == 2 ? 2 : k - 3).cross(arm)[c];
+}
+
+/// The obstacles of the local dofs.
+class LocalDofs {
+ public:
+  LocalDofs(const Basis& basis, const std::vector<ContactPoint>& points,
+            const std::vector<ContactNode>& nodes)
+      : point_(basis.local_dofs(), -1) {
+    std::vector<Index> at(basis.T.rows(), -1);  // of a mesh node's first dof: a point there
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      const Index point = nodes[k].point;
+      Index& first = at[points[point].dof[0]];
+      if (first < 0) first = point;
+      for (Index p = basis.first[k]; p < basis.first[k + 1]; ++p) point_[p] = point;
+    }
+    // directions without a law go along: else nothing would bar an obstacle's slip
+    for (Index p = 0; p < basis.first.front(); ++p) point_[p] = at[basis.origin[p]];
+  }
+  /// The contact point that a local dof belongs to, or -1.
+  Index point(Index p) const { return point_[p]; }
+
+ private:
+  std::vector<Index> point_;
+};
+
+/// C = W B: the displacement of the obstacles in local dofs.   columns x n_q, 0 from row n_w on
+Matrix displacements(const Basis& basis, int d, const std::vector<ContactPoint>& points,
+                     const std::vector<ContactNode>& nodes, const RigidObstacles& obstacles) {
+  const LocalDofs dofs(basis, points, nodes);
+  const Index each = rigid_components(d);
+  Entries entries;
+  for (Index p = 0; p < basis.local_dofs(); ++p) {
+    const Index point = dofs.point(p);
+    const Index o = point < 0 ? -1 : obstacles.of_point[point];
+    if (o < 0) continue;
+    for (Index k = 0; k < each; ++k) {
+      Real moved = 0;
+      for (Matrix::InnerIterator w(basis.W, p); w; ++w)
+        for (int c = 0; c < d; ++c)
+          if (points[point].dof[c] == w.col())
+            moved += w.value() * displacement(d, k, c, obstacles.arm[point]);
+      if (moved != 0) entries.emplace_back(p, o * each + k, moved);
+    }
+  }
+  Matrix C(basis.T.cols(), obstacles.dofs());
+  C.setFromTriplets(entries.begin(), entries.end());
+  return C;
+}
+
+/// The nearest of several obstacles along one direction would change as one of them moves.
+void refuse_rivals(const std::vector<ContactPoint>& points, const std::vector<ContactNode>& nodes,
+                   const RigidObstacles& obstacles) {
+  for (const ContactNode& node : nodes)
+    for (const Rival& r : node.rivals)
+      if (obstacles.of_point[node.point] >= 0 || obstacles.of_point[r.point] >= 0)
+        throw ConflictingObstacles(
+            r.point, "the node of dof " + std::to_string(points[r.point].dof[0]), moving_rivals);
+}
+
+void refuse_useless(const Matrix& C, const Vector& unit, const RigidObstacles& obstacles) {
+  Vector most = Vector::Zero(C.cols());
+  for (Index p = 0; p < C.rows(); ++p)
+    for (Matrix::InnerIterator c(C, p); c; ++c)
+      most[c.col()] = std::max(most[c.col()], std::abs(c.value()) / unit[c.col()]);
+  for (Index k = 0; k < C.cols(); ++k)
+    if (obstacles.free[k] && !(most[k] > nothing)) throw UselessComponent(k);
+}
+
+/// Entries of M, columns from `at` on moved by `by`.
+void copy(const Matrix& M, Index at, Index by, Entries& entries) {
+  for (Index i = 0; i < M.rows(); ++i)
+    for (Matrix::InnerIterator e(M, i); e; ++e)
+      entries.emplace_back(i, e.col() < at ? e.col() : e.col() + by, e.value());
+}
+
+}  // namespace
+
+Basis with_obstacles(const Basis& standing, int d, const std::vector<ContactPoint>& points,
+                     const std::vector<ContactNode>& nodes, const RigidObstacles& obstacles) {
+  refuse_rivals(points, nodes, obstacles);
+  const Index each = rigid_components(d), n = static_cast<Index>(standing.T.rows());
+  const Index w = standing.local_dofs(), n_q = obstacles.dofs(), interior = standing.first.front();
+  const std::vector<Real> extent = extents(obstacles, n_q / each);
+  Vector unit = Vector::Ones(n_q);  // a free component's local dof over itself
+  for (Index k = 0; k < n_q; ++k)
+    if (k % each >= d) unit[k] = extent[k / each];
+  const Matrix C = displacements(standing, d, points, nodes, obstacles);
+  refuse_useless(C, unit, obstacles);
+
+  Index free = 0, given = 0;
+  for (const char f : obstacles.free) f ? ++free : ++given;
+  std::vector<Index> column(n_q);  // of T
+  for (Index k = 0, f = interior, h = static_cast<Index>(standing.T.cols()) + free; k < n_q; ++k)
+    column[k] = obstacles.free[k] ? f++ : h++;
+  const auto scale = [&](Index k) { return obstacles.free[k] ? unit[k] : 1; };
+
+  Basis moving;
+  moving.rotated = true;
+  moving.origin = standing.origin;
+  std::vector<Index> of_q;
+  for (Index k = 0; k < n_q; ++k)
+    if (obstacles.free[k]) of_q.push_back(n + k);
+  moving.origin.insert(moving.origin.begin() + interior, of_q.begin(), of_q.end());
+  for (Index first : standing.first) moving.first.push_back(first + free);
+
+  // u = T_w (w + C q) + T_D u_D
+  Entries T, W;
+  copy(standing.T, interior, free, T);
+  const Matrix TC = standing.T * C;
+  for (Index i = 0; i < n; ++i)
+    for (Matrix::InnerIterator e(TC, i); e; ++e)
+      T.emplace_back(i, column[e.col()], e.value() / scale(static_cast<Index>(e.col())));
+  for (Index k = 0; k < n_q; ++k) T.emplace_back(n + k, column[k], 1 / scale(k));
+  moving.T.resize(n + n_q, standing.T.cols() + n_q);
+  moving.T.setFromTriplets(T.begin(), T.end());
+
+  // w = W u - C q
+  const auto row = [&](Index p) { return p < interior ? p : p + free; };
+  for (Index p = 0; p < w; ++p) {
+    for (Matrix::InnerIterator e(standing.W, p); e; ++e) W.emplace_back(row(p), e.col(), e.value());
+    for (Matrix::InnerIterator e(C, p); e; ++e) W.emplace_back(row(p), n + e.col(), -e.value());
+  }
+  for (Index k = 0; k < n_q; ++k)
+    if (obstacles.free[k]) W.emplace_back(column[k], n + k, unit[k]);
+  moving.W.resize(w + free, n + n_q);
+  moving.W.setFromTriplets(W.begin(), W.end());
+  return moving;
+}
+
+DenseMatrix with_obstacles(const DenseMatrix& modes, Index n_q) {
+  DenseMatrix all = DenseMatrix::Zero(modes.rows() + n_q, modes.cols() + n_q);
+  all.topLeftCorner(modes.rows(), modes.cols()) = modes;
+  all.bottomRightCorner(n_q, n_q).setIdentity();
+  return all;
+}
+
+}  // namespace frictioncg

@@ -1,0 +1,207 @@
+#pragma once
+#include "freefem.h"
+
+#include <algorithm>
+
+#include "node_values.h"
+#include "outputs.h"
+
+namespace frictioncg {
+
+/// What an obstacle that moves brings: where it is, and which of its components are free.
+constexpr Parameter obstacle_parameters[] = {p_pivot, p_obstacles, p_motionfree};
+/// What a call says and asks of its motion.
+constexpr Parameter motion_parameters[] = {p_motion, p_motionload, p_motionold, p_motionforce};
+
+/// "label 4", or "all labels".
+inline std::string name_of(const MovingObstacles& moving, Index obstacle) {
+  return moving.labels.empty() ? "all labels" : "label " + std::to_string(moving.labels[obstacle]);
+}
+
+/// "translation along y of the obstacle on label 4"
+inline std::string component_in_words(const MovingObstacles& moving, int d, Index component) {
+  const Index each = rigid_components(d), k = component % each;
+  const char* const axes[] = {"x", "y", "z"};
+  const std::string what = k < d    ? std::string("translation along ") + axes[k]
+                           : d == 2 ? std::string("rotation")
+                                    : std::string("rotation about ") + axes[k - d];
+  return what + " of the obstacle on " + name_of(moving, component / each);
+}
+
+/// One value for each component of each obstacle.
+template <class Array>
+void check_components(Parameter p, const Array& values, const MovingObstacles& moving, int d) {
+  if (static_cast<Index>(values.size()) == moving.rigid.dofs()) return;
+  const Index each = rigid_components(d), count = moving.rigid.dofs() / each;
+  std::ostringstream m;
+  m << parameters[p].name << " has " << values.size() << " values; " << count
+    << (count == 1 ? " obstacle takes " : " obstacles take ") << moving.rigid.dofs() << ", "
+    << (d == 2 ? "2 translations and a rotation" : "3 translations and 3 rotations") << " each";
+  throw IllegalInput(m.str());
+}
+
+inline std::vector<long> copy_of_longs(Stack stack, const Arguments& args, Parameter p) {
+  std::vector<long> copy;
+  if (!args.has(p)) return copy;
+  const KN_<long> values = args.value<KN_<long>>(stack, p);
+  for (long k = 0; k < values.N(); ++k) copy.push_back(values[k]);
+  return copy;
+}
+
+/// The obstacle of each contact point, by its label.
+inline void find_obstacles(const Scene& scene, MovingObstacles& moving) {
+  for (std::size_t a = 0; a < moving.labels.size(); ++a) {
+    const long label = moving.labels[a];
+    if (std::count(moving.labels.begin(), moving.labels.end(), label) > 1)
+      throw IllegalInput("obstacles has label " + std::to_string(label) +
+                         " twice; each obstacle has a label of its own");
+    const auto has_it = [label](const BoundaryNode& node) { return node.label == label; };
+    if (std::none_of(scene.nodes.begin(), scene.nodes.end(), has_it))
+      throw IllegalInput("obstacles has label " + std::to_string(label) +
+                         ", on which there is no contact node; give labels of the contact");
+  }
+  for (const BoundaryNode& node : scene.nodes) {
+    const auto at = std::find(moving.labels.begin(), moving.labels.end(), node.label);
+    const bool found = at != moving.labels.end();
+    moving.rigid.of_point.push_back(moving.labels.empty() ? 0
+                                    : found ? static_cast<Index>(at - moving.labels.begin())
+                                            : -1);
+  }
+}
+
+/// The pivots, which may depend on the label, as expressions at the contact points.
+inline void find_arms(Stack stack, const Arguments& args, const Scene& scene,
+                      MovingObstacles& moving) {
+  PointGuard guard(stack);
+  std::vector<char> seen(moving.pivot.size(), 0);
+  for (std::size_t k = 0; k < scene.nodes.size(); ++k) {
+    const BoundaryNode& node = scene.nodes[k];
+    const Index o = moving.rigid.of_point[k];
+    Eigen::Vector3d at = Eigen::Vector3d::Zero();
+    if (o >= 0 && args.has(p_pivot)) {
+      scene.go_to(guard.point(), node);
+      for (int c = 0; c < scene.d; ++c)
+        at[c] =
+            evaluated("pivot", [&] { return GetAny<double>((*args.vector(p_pivot)[c])(stack)); });
+      if (!at.allFinite() || (seen[o] && at != moving.pivot[o]))
+        throw IllegalInput("pivot = " + coordinates(Fem2D::R3(at[0], at[1], at[2]), scene.d) +
+                           " at " + place(node, scene.d) +
+                           "; the pivot is one point of each obstacle: it may depend on the label "
+                           "alone");
+    }
+    if (o >= 0) moving.pivot[o] = at;
+    if (o >= 0) seen[o] = 1;
+    moving.rigid.arm.push_back(
+        o < 0 ? at : Eigen::Vector3d(Eigen::Vector3d(node.x.x, node.x.y, node.x.z) - at));
+  }
+}
+
+/// The obstacles that the arguments let move; null where they let none.
+inline std::unique_ptr<MovingObstacles> read_obstacles(Stack stack, const Arguments& args,
+                                                       const Scene& scene) {
+  const auto given = [&](Parameter p) { return args.has(p); };
+  if (std::none_of(std::begin(obstacle_parameters), std::end(obstacle_parameters), given) &&
+      std::none_of(std::begin(motion_parameters), std::end(motion_parameters), given))
+    return nullptr;
+  auto moving = std::make_unique<MovingObstacles>();
+  moving->labels = copy_of_longs(stack, args, p_obstacles);
+  if (args.has(p_obstacles) && moving->labels.empty())
+    throw IllegalInput("obstacles is empty; name the label of each obstacle that moves");
+  find_obstacles(scene, *moving);
+  const std::size_t count = std::max<std::size_t>(1, moving->labels.size());
+  moving->pivot.assign(count, Eigen::Vector3d::Zero());
+  moving->rigid.free.assign(count * rigid_components(scene.d), 0);
+  find_arms(stack, args, scene, *moving);
+  if (!args.has(p_motionfree)) return moving;
+  const std::vector<long> free = copy_of_longs(stack, args, p_motionfree);
+  check_components(p_motionfree, free, *moving, scene.d);
+  for (std::size_t k = 0; k < free.size(); ++k) {
+    if (free[k] != 0 && free[k] != 1)
+      throw IllegalInput("motionfree[" + std::to_string(k) + "] = " + std::to_string(free[k]) +
+                         "; 1 is a component that is free under its load, 0 one that is given");
+    moving->rigid.free[k] = static_cast<char>(free[k]);
+  }
+  return moving;
+}
+
+/// What a call says of the motions: n_q values each, or none where no obstacle moves.
+struct Motions {
+  Vector load;    ///< of free components the load, of given ones the motion, as b has them
+  Vector before;  ///< of uold
+  Vector guess;   ///< of the answer
+  KN<double>* motion = nullptr;  ///< out: null where it is not asked for
+  KN<double>* force = nullptr;   ///< out, likewise
+
+  Motions(Stack stack, const Arguments& args)
+      : motion(args.output<KN<double>>(stack, p_motion)),
+        force(args.output<KN<double>>(stack, p_motionforce)),
+        has_load_(args.has(p_motionload)) {
+    if (motion) guess = copied(*motion);
+    if (has_load_) load = copied(args.value<KN_<double>>(stack, p_motionload));
+    if (args.has(p_motionold)) before = copied(args.value<KN_<double>>(stack, p_motionold));
+  }
+
+  /// Sizes, and values; fills what is not given.
+  void complete(const MovingObstacles& moving, int d) {
+    const RigidObstacles& rigid = moving.rigid;
+    const Index n = rigid.dofs();
+    const auto fill = [&](Parameter p, bool given, Vector& v) {
+      if (!given) v = Vector::Zero(n);
+      check_components(p, v, moving, d);
+      for (Index k = 0; k < n; ++k)
+        if (!std::isfinite(v[k])) refuse(p, k, v[k], "; it is a finite number", moving, d);
+    };
+    fill(p_motion, guess.size() > 0, guess);
+    fill(p_motionold, before.size() > 0, before);
+    const bool any_free = std::count(rigid.free.begin(), rigid.free.end(), 1) > 0;
+    if (any_free && !has_load_)
+      throw IllegalInput(
+          "motionfree sets obstacles free, but there is no motionload; give the forces and moments "
+          "on them, 0 where nothing loads them");
+    fill(p_motionload, has_load_, load);
+    for (Index k = 0; k < n; ++k) {
+      if (rigid.free[k]) continue;
+      if (load[k] != 0)
+        refuse(p_motionload, k, load[k],
+               ", but it is given by motion; set motionfree to 1 there, or the load to 0", moving,
+               d);
+      load[k] = guess[k];
+    }
+  }
+
+ private:
+  static Vector copied(const KN_<double>& v) {
+    Vector copy(v.N());
+    for (long i = 0; i < v.N(); ++i) copy[i] = v[i];
+    return copy;
+  }
+  [[noreturn]] static void refuse(Parameter p, Index k, Real value, const char* why,
+                                  const MovingObstacles& moving, int d) {
+    std::ostringstream m;
+    m << parameters[p].name << "[" << k << "] = " << value << " is of the "
+      << component_in_words(moving, d, k) << why;
+    throw IllegalInput(m.str());
+  }
+  const bool has_load_;
+};
+
+/// (of the script, of the obstacles)
+inline Vector joined(const Vector& of_script, const Vector& of_obstacles) {
+  Vector all(of_script.size() + of_obstacles.size());
+  all << of_script, of_obstacles;
+  return all;
+}
+
+/// moved: the displacements, and the motions after them.
+inline void write_motions(const Scene& scene, const Solution& s, const Vector& moved,
+                          const Motions& out) {
+  const auto write = [&](const Vector& all, Real factor, KN<double>* to) {
+    if (!to) return;
+    to->resize(scene.moving->rigid.dofs());
+    for (long k = 0; k < to->N(); ++k) (*to)[k] = factor * all[scene.ndof() + k];
+  };
+  write(moved, 1, out.motion);
+  if (out.force) write(scene.system->force_to_global(contact_forces(scene, s)), -1, out.force);
+}
+
+}  // namespace frictioncg
