@@ -114,7 +114,7 @@ inline std::string describe(const Scene& scene, const Vector& motion) {
   for (Index o = 0; o < count; ++o)
     if (way(of_obstacle[o]) > still * most)
       text += (text.empty() ? "" : ", with ") + describe(of_obstacle[o], scene.d) +
-              " of the obstacle on " + name_of(*scene.moving, o);
+              " of " + name_of(*scene.moving, o);
   return text;
 }
 

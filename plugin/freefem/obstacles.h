@@ -13,9 +13,10 @@ constexpr Parameter obstacle_parameters[] = {p_pivot, p_obstacles, p_motionfree}
 /// What a call says and asks of its motion.
 constexpr Parameter motion_parameters[] = {p_motion, p_motionload, p_motionold, p_motionforce};
 
-/// "label 4", or "all labels".
+/// "the obstacle on label 4"; the only one is the obstacle.
 inline std::string name_of(const MovingObstacles& moving, Index obstacle) {
-  return moving.labels.empty() ? "all labels" : "label " + std::to_string(moving.labels[obstacle]);
+  return moving.labels.empty() ? "the obstacle"
+                               : "the obstacle on label " + std::to_string(moving.labels[obstacle]);
 }
 
 /// "translation along y of the obstacle on label 4"
@@ -25,7 +26,7 @@ inline std::string component_in_words(const MovingObstacles& moving, int d, Inde
   const std::string what = k < d    ? std::string("translation along ") + axes[k]
                            : d == 2 ? std::string("rotation")
                                     : std::string("rotation about ") + axes[k - d];
-  return what + " of the obstacle on " + name_of(moving, component / each);
+  return what + " of " + name_of(moving, component / each);
 }
 
 /// One value for each component of each obstacle.

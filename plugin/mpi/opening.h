@@ -42,6 +42,16 @@ inline void refuse_options(const Arguments& args, bool two_bodies) {
   refuse(p_times, "is of one process; measure around the call, by mpiWtime()");
 }
 
+/// Nor do obstacles move there.
+inline void refuse_moving_obstacles(const Arguments& args) {
+  for (Parameter p : {p_pivot, p_obstacles, p_motionfree, p_motion, p_motionload, p_motionold,
+                      p_motionforce})
+    if (args.has(p))
+      throw IllegalInput(std::string(parameters[p].name) +
+                         " is of an obstacle that moves, which one process alone has; leave out "
+                         "domain=, or search over gap");
+}
+
 /// Multigrid is what method="auto" stands for.
 inline void set_method(Settings& settings) {
   if (settings.method != Method::automatic && settings.method != Method::multigrid)

@@ -49,6 +49,7 @@ inline std::shared_ptr<const Domain> opened(Opening& opening, Stack stack, const
     domain = domain_of(stack, args, site);
     if (!domain) return;
     refuse_obstacle_beside_pairs(args);
+    refuse_moving_obstacles(args);
     opening.domain = domain->name();
     opening.labels = shared.labels(stack);
     opening.masters = shared.masters(stack);
@@ -159,6 +160,7 @@ class SharedSolveIncrement : public E_F0mps {
     if (!posed.shared && !opening.failed()) return solved_alone(once_, stack);
     opening.alone([&] {
       opening.problem = posed.shared->number;
+      refuse_moving_obstacles(arguments_);
       refuse_options(arguments_, posed.shared->interface != nullptr);
       if (!posed.scene->tangents && (arguments_.has(p_mu) || arguments_.has(p_slidinglimit)))
         throw IllegalInput(

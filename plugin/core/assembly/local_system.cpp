@@ -74,14 +74,24 @@ void LocalSystem::make_basis(const Triplets& A, int dimension) {
   basis_ = frames.basis();
 }
 
+/// W (0, q) for each free component, q_k of its local dof 1.
+Matrix LocalSystem::border(Index n) const {
+  std::vector<Eigen::Triplet<Real, Index>> q;
+  for (Index p = 0; p < basis_->first.front(); ++p)
+    if (const Index i = basis_->origin[p]; i >= n)
+      q.emplace_back(i, static_cast<Index>(q.size()), basis_->T.coeff(i, p));
+  Matrix Q(basis_->T.rows(), static_cast<Index>(q.size()));
+  Q.setFromTriplets(q.begin(), q.end());
+  return q.empty() ? Matrix() : Matrix(basis_->W * Q);
+}
+
 /// The system in the basis.
 void LocalSystem::assemble(const Triplets& A, int dimension, const std::vector<Index>& mesh_node,
                            RigidModes modes, RigidModes body_modes) {
   const auto system = std::make_shared<System>();
   system->dimension = dimension;
   system->first = basis_->first;
-  system->border = static_cast<Index>(
-      std::count_if(basis_->origin.begin(), basis_->origin.end(), [&](Index i) { return i >= A.n; }));
+  system->border = border(A.n);
   transform(A, *basis_, system->A, K_);
   system->D = system->A.diagonal();
   check_stiffness(A, *system);

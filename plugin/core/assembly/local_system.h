@@ -89,6 +89,7 @@ class LocalSystem {
   void make_basis(const Triplets& A, int dimension);
   void assemble(const Triplets& A, int dimension, const std::vector<Index>& mesh_node,
                 RigidModes modes, RigidModes body_modes);
+  Matrix border(Index n) const;
   RigidModes in_local_dofs(RigidModes modes) const;
   void check_stiffness(const Triplets& A, const System& system) const;
   Real nearest_obstacle(const ContactNode& node, const PointLaws& laws, Real rounding,

@@ -171,7 +171,7 @@ bool CholmodElimination::factorize(const System& system, UpperTriangle& A) {
       system.D.cwiseProduct(v.cwiseAbs2()).head(interior_).maxCoeff(&i);
     }
     if (springs_.empty())
-      most_springs = system.border +
+      most_springs = static_cast<std::size_t>(system.border.cols()) +
                      most_motions * last_of_each_part(system, {place, place + n_}).size();
     if (i >= interior_ || springs_.size() == most_springs) return false;
     springs_.push_back(i);

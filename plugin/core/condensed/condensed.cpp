@@ -241,7 +241,7 @@ const DenseMatrix& CondensedSolver::rigid_motions_of_A(Run& run) {
 /// Takes out of x the rigid motions that nothing determines, where the laws allow it.
 void CondensedSolver::settle(Run& run) {
   Solution& s = run.s;
-  if (run.undetermined || system_->border > 0 || may_be_idle(run)) {
+  if (run.undetermined || system_->border.cols() > 0 || may_be_idle(run)) {
     const auto branches = branches_of(run.problem, s.x, s.certificate);
     s.undetermined = left_free(rigid_motions_of_A(run), run.problem, branches);
   } else {

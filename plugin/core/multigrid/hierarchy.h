@@ -58,7 +58,8 @@ std::unique_ptr<Hierarchy> make_hierarchy(const Matrix& A, const NodeBlocks& blo
                                           const HierarchyOptions& options = {});
 
 /// The same for a system that tells its mesh nodes and rigid modes; null where it does not, and
-/// where a node has more dofs than the dimension: they are no displacements.
+/// where a node has more dofs than the dimension: they are no displacements. A system with a border
+/// is kept, and has to live as long.
 std::unique_ptr<Hierarchy> make_hierarchy(const System& system,
                                           const HierarchyOptions& options = {});
 

@@ -1,4 +1,4 @@
-#include "multigrid/hierarchy.h"
+#include "multigrid/bordered_hierarchy.h"
 
 namespace frictioncg {
 
@@ -18,10 +18,20 @@ bool are_displacements(const System& system) {
 
 std::unique_ptr<Hierarchy> make_hierarchy(const System& system, const HierarchyOptions& options) {
   if (!system.rigid_modes || !are_displacements(system)) return nullptr;
-  const Eigen::MatrixXd modes = system.rigid_modes();
+  Eigen::MatrixXd modes = system.rigid_modes();
   const bool fits =
       modes.rows() == system.dofs() && modes.cols() == (system.dimension == 2 ? 3 : 6);
   if (!fits) return nullptr;
+  if (const Index k = static_cast<Index>(system.border.cols())) {
+    const Index end = system.interior(), behind = system.contact_dofs();
+    std::vector<Index> mesh_node = system.mesh_node;
+    mesh_node.erase(mesh_node.begin() + end - k, mesh_node.begin() + end);
+    Eigen::MatrixXd of_bodies(system.dofs() - k, modes.cols());
+    of_bodies << modes.topRows(end - k), modes.bottomRows(behind);
+    const NodeBlocks blocks = make_node_blocks(mesh_node, system.dimension, end - k);
+    return std::make_unique<BorderedHierarchy>(
+        system, make_hierarchy(without_border(system), blocks, of_bodies, options));
+  }
   const NodeBlocks blocks = make_node_blocks(system.mesh_node, system.dimension, system.interior());
   return make_hierarchy(system.A, blocks, modes, options);
 }
