@@ -88,7 +88,7 @@ inline std::shared_ptr<Scene> read_scene(Stack stack, const Arguments& args, con
   if (scene->pairing) face_bodies(stack, args, A, *scene);
   laws = read_point_laws(stack, args, everywhere, *scene, begun_laws(stack, args));
   const Triplets matrix = read_matrix(stack, A, *scene);
-  scene->assemble(matrix);
+  with_components_in_words(*scene, [&] { scene->assemble(matrix); });
   scene->unnamed_radius = unnamed_radius(args, *scene, matrix);
   if (!scene->tangents) laws.law = Law::frictionless;
   return scene;
@@ -175,6 +175,7 @@ inline KN_<double> solve(Stack stack, const Call& call, Scene& scene, const Poin
   write_outputs(scene, solution, laws, progress, out);
   if (scene.moving) write_motions(scene, solution, moved, call.motions);
   if (call.verb > 0) warn_of_large_displacements(scene, field);
+  if (call.verb > 0 && scene.moving) warn_of_turns(scene, moved);
   KN<double>* u = Add2StackOfPtr2Free(stack, new KN<double>(scene.ndof()));
   for (long i = 0; i < scene.ndof(); ++i) (*u)[i] = field[i];
   if (out.times) write_times(scene, solution.times, cpu_seconds() - start, out.times);

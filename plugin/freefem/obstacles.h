@@ -3,8 +3,10 @@
 
 #include <algorithm>
 
+#include "large_turn.h"
 #include "node_values.h"
 #include "outputs.h"
+#include "report.h"
 
 namespace frictioncg {
 
@@ -185,6 +187,28 @@ struct Motions {
   }
   const bool has_load_;
 };
+
+/// make(), whose refusal of a component gets its words.
+template <class Make>
+void with_components_in_words(const Scene& scene, const Make& make) {
+  try {
+    make();
+  } catch (const UselessComponent& e) {
+    throw IllegalInput("motionfree[" + std::to_string(e.component) + "] = 1, but the " +
+                       component_in_words(*scene.moving, scene.d, e.component) +
+                       " moves no contact node, and nothing says what it is; set 0 there");
+  }
+}
+
+/// Rotations that the linear laws cannot mean.
+inline void warn_of_turns(const Scene& scene, const Vector& moved) {
+  for (Index k = 0; k < scene.moving->rigid.dofs(); ++k) {
+    const Real turn = std::abs(moved[scene.ndof() + k]);
+    if (k % rigid_components(scene.d) >= scene.d && turn > small_turn)
+      line() << "the " << component_in_words(*scene.moving, scene.d, k) << " is " << turn
+             << " radians: the laws are those of small rotations" << std::endl;
+  }
+}
 
 /// (of the script, of the obstacles)
 inline Vector joined(const Vector& of_script, const Vector& of_obstacles) {
