@@ -74,9 +74,7 @@ inline std::string runaway(const Scene& scene, const Solution& s, const Vector& 
   std::vector<Index> nodes(scene.system->nodes());
   std::iota(nodes.begin(), nodes.end(), 0);
   const System& system = *scene.system->system();
-  const auto field_of = [&](const Vector& w) {
-    return scene.system->to_global(w);
-  };
+  const auto field_of = [&](const Vector& w) { return scene.system->to_global(w); };
   const auto held = [&](const LargeTurn& turn) {
     return held_by_contact(scene, nodes, s.state, system, turn);
   };
@@ -105,16 +103,16 @@ inline std::string describe(const Scene& scene, const Vector& motion) {
   Real most = u.lpNorm<Eigen::Infinity>();
   const auto way = [](const RigidMotion& m) { return m.a.norm() + m.w.norm() * m.extent; };
   for (Index o = 0; o < count; ++o) {
-    of_obstacle.push_back(
-        motion_of_obstacle(scene, o, all.segment(scene.ndof() + o * each, each)));
+    of_obstacle.push_back(motion_of_obstacle(scene, o, all.segment(scene.ndof() + o * each, each)));
     most = std::max(most, way(of_obstacle.back()));
   }
   std::string text;
-  if (u.lpNorm<Eigen::Infinity>() > still * most) text = describe_motion(scene.places(), scene.d, u);
+  if (u.lpNorm<Eigen::Infinity>() > still * most)
+    text = describe_motion(scene.places(), scene.d, u);
   for (Index o = 0; o < count; ++o)
     if (way(of_obstacle[o]) > still * most)
-      text += (text.empty() ? "" : ", with ") + describe(of_obstacle[o], scene.d) +
-              " of " + name_of(*scene.moving, o);
+      text += (text.empty() ? "" : ", with ") + describe(of_obstacle[o], scene.d) + " of " +
+              name_of(*scene.moving, o);
   return text;
 }
 

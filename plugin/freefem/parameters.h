@@ -63,48 +63,48 @@ enum Parameter {
 };
 
 inline basicAC_F0::name_and_type parameters[] = {
-    {"mu", &typeid(double)},             // friction coefficient
-    {"mu2", &typeid(double)},            // across direction, mu being along it
-    {"direction", &typeid(E_Array)},     // of orthotropic friction
-    {"gap", &typeid(double)},            // [length]
-    {"normal", &typeid(E_Array)},        // outward from the body
-    {"slidinglimit", &typeid(double)},   // [force/area]
-    {"bilateral", &typeid(bool)},        // no separation
-    {"maxgap", &typeid(double)},         // of two bodies [length]
-    {"smooth", &typeid(bool)},           // of two bodies: gap of the curved surfaces
-    {"weight", &typeid(double)},         // of the forms: x, where they are axisymmetric
-    {"pivot", &typeid(E_Array)},         // of an obstacle that moves
-    {"obstacles", &typeid(KN_<long>)},   // labels of those that move
-    {"motionfree", &typeid(KN_<long>)},  // 1: under a load; 0: given
-    {"motion", &typeid(KN<double>*)},    // in and out [length, radians]
+    {"mu", &typeid(double)},                // friction coefficient
+    {"mu2", &typeid(double)},               // across direction, mu being along it
+    {"direction", &typeid(E_Array)},        // of orthotropic friction
+    {"gap", &typeid(double)},               // [length]
+    {"normal", &typeid(E_Array)},           // outward from the body
+    {"slidinglimit", &typeid(double)},      // [force/area]
+    {"bilateral", &typeid(bool)},           // no separation
+    {"maxgap", &typeid(double)},            // of two bodies [length]
+    {"smooth", &typeid(bool)},              // of two bodies: gap of the curved surfaces
+    {"weight", &typeid(double)},            // of the forms: x, where they are axisymmetric
+    {"pivot", &typeid(E_Array)},            // of an obstacle that moves
+    {"obstacles", &typeid(KN_<long>)},      // labels of those that move
+    {"motionfree", &typeid(KN_<long>)},     // 1: under a load; 0: given
+    {"motion", &typeid(KN<double>*)},       // in and out [length, radians]
     {"motionload", &typeid(KN_<double>)},   // [force, moment]
     {"motionold", &typeid(KN_<double>)},    // of uold
     {"motionforce", &typeid(KN<double>*)},  // out, of an obstacle on the body
-    {"uold", &typeid(KN_<double>)},      // [length]
-    {"init", &typeid(KN_<double>)},      // [length]
-    {"start", &typeid(KN_<double>)},     // the same, where macro_ddm.idp takes the name init
-    {"method", &typeid(string*)},        //
-    {"newton", &typeid(bool)},           // condensed: on the laws themselves
-    {"reg", &typeid(string*)},           //
-    {"regeps", &typeid(double)},         // [length]
-    {"precon", &typeid(string*)},        //
-    {"omega", &typeid(double)},          //
-    {"step", &typeid(string*)},          //
-    {"tol", &typeid(double)},            //
-    {"nbiter", &typeid(double)},         // a whole number
-    {"memory", &typeid(double)},         // [GB]
-    {"verb", &typeid(long)},             //
-    {"status", &typeid(long*)},          // out
-    {"residual", &typeid(double*)},      // out
-    {"iterations", &typeid(long*)},      // out
-    {"force", &typeid(KN<double>*)},     // out [force]
-    {"state", &typeid(KN<long>*)},       // out
-    {"normals", &typeid(KN<double>*)},   // out
-    {"distance", &typeid(KN<double>*)},  // out, of two bodies [length]
-    {"free", &typeid(long*)},            // out
-    {"history", &typeid(KNM<double>*)},  // out
-    {"times", &typeid(KN<double>*)},     // out [s]
-    {"domain", &typeid(void)},           // of several processes: frictionCG-mpi has its type
+    {"uold", &typeid(KN_<double>)},         // [length]
+    {"init", &typeid(KN_<double>)},         // [length]
+    {"start", &typeid(KN_<double>)},        // the same, where macro_ddm.idp takes the name init
+    {"method", &typeid(string*)},           //
+    {"newton", &typeid(bool)},              // condensed: on the laws themselves
+    {"reg", &typeid(string*)},              //
+    {"regeps", &typeid(double)},            // [length]
+    {"precon", &typeid(string*)},           //
+    {"omega", &typeid(double)},             //
+    {"step", &typeid(string*)},             //
+    {"tol", &typeid(double)},               //
+    {"nbiter", &typeid(double)},            // a whole number
+    {"memory", &typeid(double)},            // [GB]
+    {"verb", &typeid(long)},                //
+    {"status", &typeid(long*)},             // out
+    {"residual", &typeid(double*)},         // out
+    {"iterations", &typeid(long*)},         // out
+    {"force", &typeid(KN<double>*)},        // out [force]
+    {"state", &typeid(KN<long>*)},          // out
+    {"normals", &typeid(KN<double>*)},      // out
+    {"distance", &typeid(KN<double>*)},     // out, of two bodies [length]
+    {"free", &typeid(long*)},               // out
+    {"history", &typeid(KNM<double>*)},     // out
+    {"times", &typeid(KN<double>*)},        // out [s]
+    {"domain", &typeid(void)},              // of several processes: frictionCG-mpi has its type
     // of an obstacle beside pairs: its labels, in any form; gap; outward normal; force, an output
     {"obstacle", &typeid(KN_<long>)},
     {"obstaclegap", &typeid(double)},

@@ -44,8 +44,8 @@ inline void refuse_options(const Arguments& args, bool two_bodies) {
 
 /// Nor do obstacles move there.
 inline void refuse_moving_obstacles(const Arguments& args) {
-  for (Parameter p : {p_pivot, p_obstacles, p_motionfree, p_motion, p_motionload, p_motionold,
-                      p_motionforce})
+  for (Parameter p :
+       {p_pivot, p_obstacles, p_motionfree, p_motion, p_motionload, p_motionold, p_motionforce})
     if (args.has(p))
       throw IllegalInput(std::string(parameters[p].name) +
                          " is of an obstacle that moves, which one process alone has; leave out "

@@ -39,8 +39,8 @@ LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPo
     : points_(std::move(points)), dirichlet_(A, points_) {
   make_basis(A, dimension);
   const Index n_q = obstacles.dofs();
-  basis_ = std::make_shared<const Basis>(
-      with_obstacles(*basis_, dimension, points_, nodes_, obstacles));
+  basis_ =
+      std::make_shared<const Basis>(with_obstacles(*basis_, dimension, points_, nodes_, obstacles));
   std::vector<char> given(A.n + n_q, 0);
   for (Index k = 0; k < n_q; ++k) given[A.n + k] = !obstacles.free[k];
   dirichlet_ = dirichlet_.with_more(given, Vector::Ones(A.n + n_q));
@@ -219,9 +219,7 @@ Real LocalSystem::nearest_obstacle(const ContactNode& node, const PointLaws& law
   return nearest;
 }
 
-Vector LocalSystem::to_global(const Vector& x, const Vector& u0) const {
-  return u0 + to_global(x);
-}
+Vector LocalSystem::to_global(const Vector& x, const Vector& u0) const { return u0 + to_global(x); }
 
 Vector LocalSystem::to_global(const Vector& x) const {
   Vector w = Vector::Zero(basis_->T.cols());

@@ -24,11 +24,11 @@ struct System {
   Vector weight;             ///< n, of node_weights: the stiffness that residuals are divided by
   std::vector<Index> first;  ///< m + 1; contact node i owns the dofs first[i] .. first[i+1]-1
   std::vector<Index> mesh_node;  ///< n, or empty: dofs with one number share a mesh node (fill-in)
-  /// n x k, or empty: the last k interior dofs are at no place, but motions of obstacles, with dense
-  /// rows in A. These columns move an obstacle along one of them alone, A border = 0.
+  /// n x k, or empty: the last k interior dofs are at no place, but motions of obstacles, with
+  /// dense rows in A. These columns move an obstacle along one of them alone, A border = 0.
   Matrix border;
-  RigidModes rigid_modes;        ///< of all bodies as if they were one, in local frames
-  RigidModes body_modes;         ///< of each body alone, where a coupling joins them in A; or empty
+  RigidModes rigid_modes;  ///< of all bodies as if they were one, in local frames
+  RigidModes body_modes;   ///< of each body alone, where a coupling joins them in A; or empty
   /// Null, or the processes that share the system: all of the above is then what this one owns, and
   /// A is empty, being theirs.
   std::shared_ptr<const Processes> processes;

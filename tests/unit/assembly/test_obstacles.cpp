@@ -35,8 +35,8 @@ struct Moving {
     for (std::size_t k = 0; k < scene.points.size(); ++k) {
       obstacles.of_point.push_back(2 * k < scene.points.size() ? 0 : 1);
       const Real row = Real(d == 2 ? o.cells : 1 + o.cells), t = std::floor(Real(k) / row);
-      obstacles.arm.push_back(unit * Eigen::Vector3d((Real(k) - t * row) / row, t / row + 0.2,
-                                                     d == 3 ? 0.3 : 0));
+      obstacles.arm.push_back(
+          unit * Eigen::Vector3d((Real(k) - t * row) / row, t / row + 0.2, d == 3 ? 0.3 : 0));
     }
     pose();
   }
@@ -130,12 +130,12 @@ TEST(Obstacles, GivenMotionsAreDirichletData) {
   Vector b = Vector::Zero(s.scene.n + 6);
   b.tail(6) << 1, 2, 3, 4, 5, 6;
   const LocalLoad load = s.local->load(b, {});
-  EXPECT_NEAR((s.local->to_global(Vector::Zero(s.local->system()->dofs()),
-                                  s.local->basis().T * load.start)
-                   .tail(6) -
-               b.tail(6))
-                  .norm(),
-              0, 1e-14);
+  EXPECT_NEAR(
+      (s.local->to_global(Vector::Zero(s.local->system()->dofs()), s.local->basis().T * load.start)
+           .tail(6) -
+       b.tail(6))
+          .norm(),
+      0, 1e-14);
 }
 
 TEST(Obstacles, RotationsAreMeasuredByTheExtentOfTheContact) {
@@ -198,15 +198,17 @@ TEST(Obstacles, TheBorderedHierarchyIsSymmetricDefiniteAndZeroOnWhatIsFixed) {
         }
       if (d == 3)
         for (std::size_t p = 0; p < free_dofs.size(); ++p)
-          if (d == 3 && (free_dofs[p] == slides || free_dofs[p] == slides + 1)) A(p, p) += stiffness;
-      const DenseMatrix scaled = A.diagonal().cwiseSqrt().asDiagonal() * on_free *
-                                 A.diagonal().cwiseSqrt().asDiagonal();
+          if (d == 3 && (free_dofs[p] == slides || free_dofs[p] == slides + 1))
+            A(p, p) += stiffness;
+      const DenseMatrix scaled =
+          A.diagonal().cwiseSqrt().asDiagonal() * on_free * A.diagonal().cwiseSqrt().asDiagonal();
       EXPECT_LT((scaled - scaled.transpose()).norm(), 1e-4 * scaled.norm());
       // M A = 1 about, along the border, too
       const Eigen::LLT<DenseMatrix> factor(A);
       ASSERT_EQ(factor.info(), Eigen::Success);
       const DenseMatrix L = factor.matrixL();
-      const Vector values = eigenpairs(L.transpose() * (on_free + on_free.transpose()) / 2 * L).values;
+      const Vector values =
+          eigenpairs(L.transpose() * (on_free + on_free.transpose()) / 2 * L).values;
       EXPECT_LT(values[values.size() - 1], 1.5) << d << " " << round;
       EXPECT_GT(values[0], 0.2) << d << " " << round;
     }
