@@ -4,8 +4,8 @@
 namespace frictioncg {
 
 /// The change of basis u = T [w; u_D] in which the laws of contact hold dof by dof in w, with its
-/// inverse w = W u. u: n dofs of the script, then those of moving obstacles; w: n_w local dofs; u_D:
-/// prescribed displacements.
+/// inverse w = W u. u: n dofs of the script, then those of obstacles that move; w: n_w local dofs;
+/// u_D: prescribed displacements.
 ///
 /// By virtual work loads go T'b, and forces lambda on the contact dofs come back as W'lambda: on
 /// the obstacle's normal whole, what Dirichlet conditions hold of it included, the reactions of the
