@@ -9,7 +9,7 @@ namespace {
 /// singular, and one that a single node holds is softer than D by their number.
 constexpr Real shift = 1e-10;
 /// How the bodies follow is found anew unless so many contact dofs changed, over those fixed: then
-/// the next truncation changes as many. On a sphere (18 k dofs, 1 to 6 motions) that takes 25 to 28
+/// the next truncation changes as many. On a sphere (52 k dofs, 1 to 6 motions) that takes 25 to 28
 /// cycles in place of the 21 of a sphere that stands still; with a pass each time one or two fewer,
 /// with none 39 to 52.
 constexpr Real many = 1;
