@@ -68,6 +68,11 @@ class Arguments {
   }
 
   bool has(Parameter p) const { return named_[p] != nullptr; }
+  /// Whether one of several is there.
+  template <std::size_t count>
+  bool has_any(const Parameter (&of)[count]) const {
+    return std::any_of(of, of + count, [this](Parameter p) { return has(p); });
+  }
   Parameter start() const { return has(p_start) ? p_start : p_init; }
   /// Of normal, obstaclenormal or direction.
   const Components& vector(Parameter p) const { return vectors_[p]; }

@@ -73,7 +73,7 @@ inline PointLaws read_point_laws(Stack stack, const Arguments& args, bool everyw
   if (laws.law != Law::frictionless)
     for (std::size_t k = 0; k < scene.nodes.size(); ++k)
       scene.tangents |= scene.nodes[k].point.friction =
-          everywhere || (laws.law == Law::coulomb ? laws.mu : laws.g)[k] > 0;
+          everywhere || laws.rubs(static_cast<Index>(k));
   return laws;
 }
 

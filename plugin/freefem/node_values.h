@@ -31,11 +31,13 @@ inline void check_value(Parameter p, double x, const BoundaryNode& node, int d) 
     << (p == p_mu || p == p_mu2 ? "a friction coefficient is a number >= 0"
         : is_gap                ? "a gap is a finite length"
         : p == p_weight         ? "a weight is a number >= 0"
+        : p == p_cohesion       ? "a cohesion is a traction >= 0"
+        : p == p_shearmax       ? "the largest shear is a traction >= 0"
                                 : "a sliding limit is a traction >= 0");
   throw IllegalInput(m.str());
 }
 
-/// mu, gap, weight or slidinglimit at each of the nodes; 0 where it is not given.
+/// mu, gap, weight or a traction at each of the nodes; 0 where it is not given.
 inline Vector at_nodes(Stack stack, const Arguments& args, Parameter p, const Scene& scene,
                        const std::vector<BoundaryNode>& nodes) {
   Vector result = Vector::Zero(static_cast<Index>(nodes.size()));
@@ -174,15 +176,41 @@ inline void set_orthotropy(Stack stack, const Arguments& args, const Vector& mu,
   }
 }
 
+/// Refuses laws that exclude one another, and a bound on friction that nothing makes.
+inline void check_laws(const Arguments& args, const PointLaws& given) {
+  for (Parameter p : {p_mu, p_cohesion, p_shearmax})
+    if (args.has(p) && args.has(p_slidinglimit))
+      throw IllegalInput(std::string(parameters[p].name) +
+                         " and slidinglimit are both given; friction takes mu, cohesion and "
+                         "shearmax, min(cohesion + mu p, shearmax), a limit without a pressure p "
+                         "slidinglimit alone");
+  if (args.has(p_shearmax) && !args.has_any(frictions) && given.law != Law::coulomb)
+    throw IllegalInput(
+        "shearmax bounds friction, and there is none; give mu or cohesion with it, or the limit "
+        "itself as slidinglimit");
+}
+
+/// Refuses friction on a contactproblem, `name`, that has no tangents.
+inline void refuse_friction_of_none(const char* name, const Arguments& args, const Scene& scene) {
+  if (scene.tangents || !args.has_any(frictions)) return;
+  throw IllegalInput(std::string(name) +
+                     " was made without friction; name mu, cohesion or slidinglimit in "
+                     "contactProblem(...), too");
+}
+
 /// What the laws of a call are beside their values at nodes, of which `given` has others.
 inline PointLaws begun_laws(Stack stack, const Arguments& args, PointLaws given = {}) {
-  if (args.has(p_mu) && args.has(p_slidinglimit))
-    throw IllegalInput(
-        "mu and slidinglimit are both given; Coulomb friction takes mu, a given limit "
-        "slidinglimit");
+  check_laws(args, given);
   given.bilateral = args.value(stack, p_bilateral, given.bilateral);
   if (args.has(p_gap) || args.has(p_obstaclegap)) given.gap.resize(0);
   return given;
+}
+
+/// A traction at each contact node, as a force.
+inline Vector forces_at_nodes(Stack stack, const Arguments& args, Parameter p, const Scene& scene) {
+  Vector force = at_nodes(stack, args, p, scene);
+  for (std::size_t k = 0; k < scene.nodes.size(); ++k) force[k] *= scene.nodes[k].weight;
+  return force;
 }
 
 /// The laws of a call: those of `laws` where the call names no other. They hold for this call only.
@@ -191,17 +219,18 @@ inline PointLaws read_laws(Stack stack, const Arguments& args, const Scene& scen
                            const Vector& gap = {}) {
   if (laws.gap.size() != static_cast<Index>(scene.nodes.size()))
     laws.gap = read_gap(stack, args, scene, gap);
-  if (args.has(p_mu)) {
+  if (args.has(p_slidinglimit)) {
+    laws.g = forces_at_nodes(stack, args, p_slidinglimit, scene);
+    for (Vector* v : {&laws.mu, &laws.cohesion, &laws.cap}) v->resize(0);
+    laws.law = Law::tresca;
+  }
+  if (args.has(p_mu) || (args.has(p_cohesion) && laws.law != Law::coulomb)) {
     laws.mu = at_nodes(stack, args, p_mu, scene);
     laws.g.resize(0);
     laws.law = Law::coulomb;
   }
-  if (args.has(p_slidinglimit)) {
-    laws.g = at_nodes(stack, args, p_slidinglimit, scene);
-    for (std::size_t k = 0; k < scene.nodes.size(); ++k) laws.g[k] *= scene.nodes[k].weight;
-    laws.mu.resize(0);
-    laws.law = Law::tresca;
-  }
+  if (args.has(p_cohesion)) laws.cohesion = forces_at_nodes(stack, args, p_cohesion, scene);
+  if (args.has(p_shearmax)) laws.cap = forces_at_nodes(stack, args, p_shearmax, scene);
   return laws;
 }
 

@@ -43,9 +43,10 @@ class Construct : public E_F0mps {
       : arguments_(args, site->dimension(), site->two_bodies()),
         A_(to<Matrice_Creuse<double>*>(args[0])),
         site_(std::move(site)) {
-    arguments_.allow_only({p_mu, p_mu2, p_direction, p_gap, p_normal, p_slidinglimit, p_bilateral,
-                           p_maxgap, p_smooth, p_weight, p_domain, p_obstacle, p_obstaclegap,
-                           p_obstaclenormal, p_pivot, p_obstacles, p_motionfree});
+    arguments_.allow_only({p_mu, p_mu2, p_direction, p_gap, p_normal, p_cohesion, p_shearmax,
+                           p_slidinglimit, p_bilateral, p_maxgap, p_smooth, p_weight, p_domain,
+                           p_obstacle, p_obstaclegap, p_obstaclenormal, p_pivot, p_obstacles,
+                           p_motionfree});
   }
   static std::vector<aType> before_site() { return {atype<Matrice_Creuse<double>*>()}; }
   AnyType operator()(Stack stack) const override {
@@ -80,9 +81,7 @@ class SolveIncrement : public E_F0mps {
   AnyType operator()(Stack stack) const override {
     return translated(operator_name, [&] {
       const PosedProblem posed = GetAny<ContactProblemVariable*>((*C_)(stack))->get();
-      if (!posed.scene->tangents && (arguments_.has(p_mu) || arguments_.has(p_slidinglimit)))
-        throw IllegalInput(
-            "C was made without friction; name mu or slidinglimit in contactProblem(...), too");
+      refuse_friction_of_none("C", arguments_, *posed.scene);
       if (!posed.scene->pairing && arguments_.has(p_distance))
         throw IllegalInput("distance is that of two bodies; C has one, and an obstacle");
       refuse_motions(arguments_, *posed.scene);

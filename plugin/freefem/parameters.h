@@ -18,6 +18,8 @@ enum Parameter {
   p_direction,
   p_gap,
   p_normal,
+  p_cohesion,
+  p_shearmax,
   p_slidinglimit,
   p_bilateral,
   p_maxgap,
@@ -68,6 +70,8 @@ inline basicAC_F0::name_and_type parameters[] = {
     {"direction", &typeid(E_Array)},        // of orthotropic friction
     {"gap", &typeid(double)},               // [length]
     {"normal", &typeid(E_Array)},           // outward from the body
+    {"cohesion", &typeid(double)},          // [force/area]
+    {"shearmax", &typeid(double)},          // [force/area]
     {"slidinglimit", &typeid(double)},      // [force/area]
     {"bilateral", &typeid(bool)},           // no separation
     {"maxgap", &typeid(double)},            // of two bodies [length]
@@ -112,6 +116,11 @@ inline basicAC_F0::name_and_type parameters[] = {
     {"obstacleforce", &typeid(KN<double>*)},
 };
 static_assert(sizeof(parameters) / sizeof(*parameters) == parameter_count, "one name each");
+
+/// The parameters that give a contact problem its tangential laws.
+constexpr Parameter frictions[] = {p_mu, p_cohesion, p_slidinglimit};
+/// The tractions that bound friction, which contact integrates.
+constexpr Parameter tractions[] = {p_cohesion, p_shearmax, p_slidinglimit};
 
 /// A table of the values that a string parameter may take.
 template <class T>

@@ -39,7 +39,7 @@ inline double weighted_share(Stack stack, const Arguments& args, const Scene& sc
   return facet.share * (facet.own * at_node + (1 - facet.own) * mean);
 }
 
-/// Weights the shares of the contact points on an obstacle, by which slidinglimit is multiplied.
+/// Weights the shares of the contact points on an obstacle, by which tractions are multiplied.
 inline void set_weights(Stack stack, const Arguments& args, Scene& scene) {
   if (!args.has(p_weight)) return;
   PointGuard guard(stack);
@@ -61,7 +61,7 @@ inline std::vector<Real> slave_weights(Stack stack, const Arguments& args, const
 /// weight is named, and pressures or limits are integrated. Else -1.
 inline int unnamed_radius(const Arguments& args, const Scene& scene, const Triplets& A) {
   if (scene.d == 3 || args.has(p_weight) || scene.nodes.empty()) return -1;
-  if (!scene.pairing && !args.has(p_slidinglimit)) return -1;
+  if (!scene.pairing && !args.has_any(tractions)) return -1;
   const int c = radial_component(A, scene.mesh_node);
   if (c < 0) return -1;
   Real least = 0, most = 0;
@@ -78,8 +78,7 @@ inline void note_weight(const Scene& scene) {
   if (scene.unnamed_radius < 0) return;
   const char* const r = scene.unnamed_radius == 0 ? "x" : "y";
   line() << "note: A looks axisymmetric, with the radius " << r << ", and no weight is named; "
-         << (scene.pairing ? "give weight=" : "slidinglimit is a traction with weight=") << r
-         << std::endl;
+         << "give weight=" << r << std::endl;
 }
 
 }  // namespace frictioncg

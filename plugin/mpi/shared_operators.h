@@ -28,10 +28,11 @@ inline PointLaws with_ghosts(PointLaws laws, const SharedScene& shared) {
       [&](Index dof, const Real* in) {
         each(dof, [&](std::size_t k, Real& gap) { gap = in[k]; });
       });
-  if (laws.law == Law::frictionless) return laws;
-  Vector& values = laws.law == Law::coulomb ? laws.mu : laws.g;
-  values.conservativeResize(all);
-  values.tail(all - static_cast<Index>(shared.own_points)).setZero();
+  for (Vector* values : {&laws.mu, &laws.g, &laws.cohesion, &laws.cap}) {
+    if (laws.law == Law::frictionless || values->size() == 0) continue;
+    values->conservativeResize(all);
+    values->tail(all - static_cast<Index>(shared.own_points)).setZero();
+  }
   return laws;
 }
 
@@ -162,9 +163,7 @@ class SharedSolveIncrement : public E_F0mps {
       opening.problem = posed.shared->number;
       refuse_moving_obstacles(arguments_);
       refuse_options(arguments_, posed.shared->interface != nullptr);
-      if (!posed.scene->tangents && (arguments_.has(p_mu) || arguments_.has(p_slidinglimit)))
-        throw IllegalInput(
-            "P was made without friction; name mu or slidinglimit in contactProblem(...), too");
+      refuse_friction_of_none("P", arguments_, *posed.scene);
       opening.call = std::make_unique<Call>(stack, arguments_, b_);
       set_method(opening.call->settings);
       opening.laws = begun_laws(stack, arguments_, posed.laws);

@@ -234,6 +234,8 @@ inline Increment own_increment(const SharedScene& shared, const LocalIncrement& 
   own.gap = of_nodes(local.increment.gap);
   own.mu = of_nodes(local.increment.mu);
   own.g = of_nodes(local.increment.g);
+  own.cohesion = of_nodes(local.increment.cohesion);
+  own.cap = of_nodes(local.increment.cap);
   LocalLoad own_load;
   own_load.external = shared.A->own_part(load.external);
   own_load.total = shared.A->own_part(load.total);

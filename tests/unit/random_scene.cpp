@@ -36,6 +36,18 @@ Recipe random_recipe(unsigned seed) {
   return r;
 }
 
+Recipe with_bounds(Recipe r) {
+  std::mt19937 random(r.seed + 1000003u);  // another sequence: the recorded seeds keep their scenes
+  const auto uniform = [&] { return std::uniform_real_distribution<Real>(0, 1)(random); };
+  if (r.block.law != Law::coulomb) return r;
+  const Real kind = uniform();
+  if (kind < 0.7) r.cohesion = uniform();
+  if (kind > 0.4) r.cap = r.cohesion + uniform() * uniform();
+  r.bounds_vary = uniform() < 0.5;
+  if (uniform() < 0.1) r.block.mu = 0;
+  return r;
+}
+
 Scene algebraic_scene(const Recipe& r, std::mt19937& random) {
   const BlockOptions& o = r.block;
   std::normal_distribution<Real> normal;
@@ -99,6 +111,16 @@ Scene make_scene(const Recipe& r) {
     }
   }
   if (r.no_load) s.b.setZero();
+  const Index m = static_cast<Index>(s.points.size());
+  const Real unit = std::abs(r.block.pressure) *
+                    (r.algebraic ? 1 : std::pow(r.block.size / r.block.cells, r.block.d - 1));
+  for (const auto& [values, size] : {std::pair{&s.cohesion, r.cohesion}, {&s.cap, r.cap}}) {
+    if (size == 0) continue;
+    *values = Vector::Constant(m, size * unit);
+    for (Index k = 0; k < m && r.bounds_vary; ++k) (*values)[k] *= 2 * uniform(random);
+  }
+  if (s.cohesion.size() > 0)
+    for (ContactPoint& p : s.points) p.friction = true;
   return s;
 }
 
@@ -111,6 +133,9 @@ Recipe shrink(Recipe r, const std::function<bool(const Recipe&)>& fails) {
       [](Recipe& q) { q.block.cells -= 1; },
       [](Recipe& q) { q.block.d = 2, q.orthotropic = false; },
       [](Recipe& q) { q.orthotropic = false; },
+      [](Recipe& q) { q.cohesion = 0; },
+      [](Recipe& q) { q.cap = 0; },
+      [](Recipe& q) { q.bounds_vary = false; },
       [](Recipe& q) { q.gaps = false; },
       [](Recipe& q) { q.mu_varies = false; },
       [](Recipe& q) { q.mu_vanishes = false; },

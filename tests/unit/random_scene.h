@@ -23,6 +23,9 @@ struct Recipe {
   bool mu_vanishes = false;  ///< at some of the nodes
   bool no_load = false;
   bool orthotropic = false;
+  Real cohesion = 0;  ///< over the force of a node under the pressure; coulomb
+  Real cap = 0;       ///< likewise; 0: none
+  bool bounds_vary = false;
 
   /// A is definite on what contact leaves free to move, so that a solution exists for every law.
   bool has_solution() const {
@@ -41,11 +44,15 @@ struct Recipe {
     return out << ", law " << int(b.law) << ", mu " << b.mu << ", pressure " << b.pressure
                << ", shear " << b.shear << ", angle " << b.angle << ", gaps " << r.gaps
                << r.equal_gaps << ", mu varies " << r.mu_varies << ", vanishes " << r.mu_vanishes
-               << ", no load " << r.no_load << ", orthotropic " << r.orthotropic;
+               << ", no load " << r.no_load << ", orthotropic " << r.orthotropic << ", cohesion "
+               << r.cohesion << ", cap " << r.cap << ", bounds vary " << r.bounds_vary;
   }
 };
 
 Recipe random_recipe(unsigned seed);
+
+/// The same scene with cohesion, a cap, or both, where it has Coulomb's law.
+Recipe with_bounds(Recipe r);
 
 /// A random symmetric semi-definite matrix on contact nodes alone, with random normals.
 Scene algebraic_scene(const Recipe& r, std::mt19937& random);

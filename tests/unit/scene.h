@@ -43,6 +43,7 @@ struct Scene {
   std::vector<Index> i, j;
   std::vector<Real> a;
   Vector b, gap, friction, u_old;  // u_old empty: 0
+  Vector cohesion, cap;            // coulomb; empty: none
   std::vector<ContactPoint> points;
   Law law = Law::coulomb;
   Eigen::MatrixXd modes;  // n x k, rigid motions; 0 columns: not known
@@ -50,7 +51,7 @@ struct Scene {
   Triplets triplets() const { return {n, a.size(), i.data(), j.data(), a.data(), 0, false}; }
   PointLaws laws() const {
     if (law == Law::tresca) return {law, false, gap, {}, friction};
-    return {law, false, gap, friction, {}};
+    return {law, false, gap, friction, {}, cohesion, cap};
   }
   Posed system(const std::vector<Index>& mesh_node = {}) const;
 };

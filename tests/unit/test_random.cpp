@@ -61,14 +61,15 @@ const char* const status_name[] = {"converged",
 /// How many of the scenes end how; fails for each one that is converged and wrong, or has an answer
 /// and is not converged.
 /// patience: a bound on the iterations, larger than the default, for scenes that have an answer.
+/// change: of each recipe.
 void run_scenes(const char* title, unsigned count, unsigned seed, Settings settings,
-                Index patience = 0) {
+                Index patience = 0, Recipe (*change)(Recipe) = [](Recipe r) { return r; }) {
   const Real accuracy = 10 * settings.tol;
   std::map<Status, unsigned> ends;
   std::map<Layer, unsigned> layers;  // that solved
   const bool verbose = from_environment("RANDOM_VERBOSE", 0) != 0;
   for (unsigned k = 0; k < count; ++k) {
-    const Recipe recipe = random_recipe(seed + k);
+    const Recipe recipe = change(random_recipe(seed + k));
     settings.nbiter = recipe.has_solution() ? patience : 0;
     const Result result = judge(recipe, settings);
     ++ends[result.status];
@@ -101,6 +102,21 @@ void run_scenes(const char* title, unsigned count, unsigned seed, Settings setti
 TEST(RandomScenes, TheDefaultSolvesWhatHasAnAnswerAndObeysTheLaws) {
   run_scenes("default", from_environment("RANDOM_SCENES", 1000), from_environment("RANDOM_SEED", 1),
              Settings());
+}
+
+TEST(RandomScenes, CohesionAndCapsAreSolvedAndObeyed) {
+  const unsigned count = from_environment("RANDOM_SCENES", 1000),
+                 seed = from_environment("RANDOM_SEED", 1);
+  run_scenes("bounds", count / 2, seed, Settings(), 0, with_bounds);
+  for (const auto& [method, name] : {std::pair{Method::multigrid, "bounds, multigrid"},
+                                     {Method::gc3, "bounds, GC3"},
+                                     {Method::gcx, "bounds, GCX"},
+                                     {Method::sorp, "bounds, SORP"}}) {
+    Settings settings;
+    settings.method = method;
+    if (method != Method::multigrid) settings.tol = 1e-7;
+    run_scenes(name, count / 10, seed, settings, method == Method::sorp ? 300000 : 0, with_bounds);
+  }
 }
 
 TEST(RandomScenes, TheIterativeMethodsSolveWhatHasAnAnswerAndObeyTheLaws) {

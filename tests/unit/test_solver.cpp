@@ -93,7 +93,7 @@ TEST(Solver, LawsHoldForEachLawWithAndWithoutDirichletSupport) {
       }
 }
 
-TEST(Solver, AGivenLimitBesidesMuAddsToItInEveryMethod) {
+TEST(Solver, CohesionAddsToTheLimitInEveryMethod) {
   for (int d : {2, 3}) {
     BlockOptions o;
     o.d = d;
@@ -102,7 +102,7 @@ TEST(Solver, AGivenLimitBesidesMuAddsToItInEveryMethod) {
     ContactProblem p = block(o).system().problem();
     const Solution coulomb = solve(p, tight());
     const Real force = coulomb.certificate.r.tail(p.contact_dofs()).lpNorm<Eigen::Infinity>();
-    p.increment.g = Vector::Constant(p.nodes(), 0.05 * force);
+    p.increment.cohesion = Vector::Constant(p.nodes(), 0.05 * force);
     const Solution exact = solve(p, tight());
     EXPECT_GT((exact.x - coulomb.x).norm(), 0.01 * exact.x.norm());
     Index slipping = 0;

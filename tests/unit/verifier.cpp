@@ -14,6 +14,9 @@ Eigen::VectorXd free_diagonal(const Scene& s) {
   return diagonal;
 }
 
+/// Pressures and gaps below this are none, for cohesion, which is lost with them.
+constexpr double edge = 1e-6;
+
 void verify_point(const Scene& s, std::size_t p, const Vector& u, const Vector& force, double k,
                   double unit, Verdict& v) {
   const ContactPoint& point = s.points[p];
@@ -35,9 +38,9 @@ void verify_point(const Scene& s, std::size_t p, const Vector& u, const Vector& 
   v.tension = std::max(v.tension, F_N * per_force);
   v.complementarity = std::max(v.complementarity, std::min(std::abs(F_N) * per_force,
                                                            std::abs(s.gap[p] - u_N) * per_length));
-  const double g = s.law == Law::coulomb  ? s.friction[p] * std::max(-F_N, 0.0)
-                   : s.law == Law::tresca ? s.friction[p]
-                                          : 0;
+  double g = s.law == Law::coulomb  ? s.friction[p] * std::max(-F_N, 0.0)
+             : s.law == Law::tresca ? s.friction[p]
+                                    : 0;
   // orthotropic friction: an ellipse with the half-axes g along e and g across in the plane's
   // other direction; the slip that goes with a force on it is its outward normal, reversed
   const double q = point.mu_ratio;
@@ -48,6 +51,19 @@ void verify_point(const Scene& s, std::size_t p, const Vector& u, const Vector& 
   const Eigen::Vector3d cross = normal.cross(e);
   const Eigen::Vector3d F_unit = F_T + (1 / q - 1) * F_T.dot(cross) * cross;
   const Eigen::Vector3d u_unit = u_T + (q - 1) * u_T.dot(cross) * cross;
+  const double most = s.cap.size() > 0 ? s.cap[p] : INFINITY;
+  g = std::min(g, most);
+  if (s.cohesion.size() > 0) {
+    // all of it under pressure, none behind a gap; at the edge of both, as much as there is shear
+    const double cohesion = s.cohesion[p], pressure = -F_N * per_force,
+                 distance = (s.gap[p] - u_N) * per_length;
+    if (std::max(pressure, distance) < edge)
+      g = std::min(std::max(g, F_unit.norm()), std::min(g + cohesion, most));
+    else if (pressure > distance)
+      g = std::min(g + cohesion, most);
+    else
+      g = 0;
+  }
   v.cone = std::max(v.cone, (F_unit.norm() - g) * per_force);
   // where it slips, the force is at its limit and against the slip
   const double against = (F_unit + g * u_unit / std::max(u_unit.norm(), 1e-300)).norm();

@@ -168,6 +168,10 @@ LocalIncrement LocalSystem::increment(const LocalLoad& load, const PointLaws& la
   require_size("gap", laws.gap, points_.size(), "contact point");
   if (laws.law == Law::coulomb) require_size("mu", laws.mu, points_.size(), "contact point");
   if (laws.law == Law::tresca) require_size("g", laws.g, points_.size(), "contact point");
+  for (const Vector* values : {&laws.cohesion, &laws.cap})
+    if (values->size() > 0)
+      require_size(values == &laws.cap ? "cap" : "cohesion", *values, points_.size(),
+                   "contact point");
   LocalIncrement result;
   Increment& increment = result.increment;
   const Vector& start = load.start;
@@ -190,6 +194,8 @@ LocalIncrement LocalSystem::increment(const LocalLoad& load, const PointLaws& la
   };
   increment.mu = at_nodes(laws.mu);
   increment.g = at_nodes(laws.g);
+  increment.cohesion = at_nodes(laws.cohesion);
+  increment.cap = at_nodes(laws.cap);
   return result;
 }
 

@@ -12,7 +12,16 @@ struct PointLaws {
   bool bilateral = false;
   Vector gap;      ///< one for each contact point [length]
   Vector mu = {};  ///< likewise [1]; law coulomb
-  Vector g = {};   ///< likewise [force]; law tresca, or coulomb, where empty is 0
+  Vector g = {};   ///< likewise [force]; law tresca
+  /// likewise [force], or empty; law coulomb, as in Increment
+  Vector cohesion = {}, cap = {};
+
+  /// Whether a contact point has tangential laws.
+  bool rubs(Index k) const {
+    const auto is_above_0 = [&](const Vector& v) { return v.size() > 0 && v[k] > 0; };
+    return law == Law::coulomb ? is_above_0(mu) || is_above_0(cohesion)
+                               : law == Law::tresca && is_above_0(g);
+  }
 };
 
 /// The load of an increment in local dofs (n_w), and what it is made of.

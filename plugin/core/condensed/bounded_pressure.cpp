@@ -1,6 +1,7 @@
 #include "condensed/bounded_pressure.h"
 
 #include "factorization.h"
+#include "model/law.h"
 #include "statics/undetermined.h"
 
 namespace frictioncg {
@@ -61,7 +62,7 @@ Vector bounds(const CondensedProblem& problem, const DenseMatrix& W) {
       const Index first = dofs.begin[j], t = dofs.begin[j + 1] - first;
       const Real unit = H.col(i).segment(first, t).norm();
       M(i, j) -= increment.mu[j] * unit;
-      if (increment.g.size() > 0) N0[i] += increment.g[j] * unit;
+      if (increment.cohesion.size() > 0) N0[i] += increment.cohesion[j] * unit;
     }
   const Vector p = LU(M).solve(N0);
   if (!p.allFinite() || !(p.array() > 0).all()) return {};
@@ -79,8 +80,9 @@ Statics balance_at_bounded_pressure(const DenseMatrix& W, const CondensedProblem
   if (p.size() == 0) return open;
   ContactProblem limited = problem.laws;
   limited.increment.law = Law::tresca;
-  limited.increment.g = increment.mu.cwiseProduct(p);
-  if (increment.g.size() > 0) limited.increment.g += increment.g;
+  limited.increment.g.resize(p.size());
+  for (Index i = 0; i < p.size(); ++i)
+    limited.increment.g[i] = law_of(increment, i).limit(p[i]);
   return balance(W, limited);
 }
 

@@ -94,8 +94,9 @@ void SemismoothNewton::choose_branches(const Vector& x, const Vector& r) {
   for (Index i = 0; i < laws.nodes(); ++i) {
     const Index N = problem_.normal(i), size = laws.tangents(i) + 1;
     const Real closing = problem_.D[N] * (laws.increment.gap[i] - x[N]);
-    branch_[i] = branch_at(law_of(laws.increment, i), closing, x.segment(N, size),
-                           r.segment(N, size), c_[i]);
+    const NodeLaw law = law_of(laws.increment, i);
+    branch_[i] = branch_at(law, closing, x.segment(N, size), r.segment(N, size), c_[i]);
+    branch_[i].choose_touch(law, closing, x.segment(N, size), r.segment(N, size), c_[i]);
   }
 }
 
@@ -136,13 +137,13 @@ bool SemismoothNewton::assemble() {
     b_[p] = rhs_[unknown_[p]];
     scale_[p] = 1 / std::sqrt(problem_.D[unknown_[p]]);
   }
-  // rows of slip: r_T = factor r_N + given d + ...
+  // rows of slip: r_T = factor r_N + base d + ...
   for_each_slip([&](const Branch& n, Index i, Index p, Index t) {
-    const NodeLaw law = law_of(laws.increment, i);
+    const Branch::Limit limit = n.limit(law_of(laws.increment, i));
     for (Index k = 0; k < t; ++k) {
-      factor_[p + k] = n.slope(law) * n.d[k];
+      factor_[p + k] = limit.slope * n.d[k];
       normal_[p + k] = problem_.normal(i);
-      b_[p + k] -= factor_[p + k] * rhs_[normal_[p + k]] + law.g * n.d[k];
+      b_[p + k] -= factor_[p + k] * rhs_[normal_[p + k]] + limit.base * n.d[k];
     }
   });
   M_.resize(size, size);
@@ -237,7 +238,7 @@ std::size_t SemismoothNewton::fingerprint() const {
     // directions in 3D converge; only which branch, and in 2D the sense, can cycle
     const std::size_t sense =
         problem_.laws.system->dimension == 2 && !b.stick ? 1 + (b.d[0] > 0) : 0;
-    hash = (hash ^ (b.closed + 2 * b.stick + 4 * sense)) * 1099511628211u;
+    hash = (hash ^ (b.closed + 2 * b.stick + 4 * sense + 16 * b.capped + 32 * b.touching)) * 1099511628211u;
   }
   return hash;
 }

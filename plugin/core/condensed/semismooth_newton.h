@@ -5,8 +5,8 @@
 namespace frictioncg {
 
 /// Semismooth Newton (primal-dual active set) on the unregularized coupled laws. With c > 0, r the
-/// force of the body on the obstacle, g = mu max(r_N, 0) or given, y = r_T + c x_T:
-///   normal:    r_N = max(0, r_N + A_NN (x_N - gap)); bilateral: x_N = gap, and g = mu |r_N|
+/// force of the body on the obstacle, g the sliding limit (model/law.h), y = r_T + c x_T:
+///   normal:    r_N = max(0, r_N + A_NN (x_N - gap)); bilateral: x_N = gap
 ///   friction:  r_T - g y / max(g, |y|) = 0
 /// One step solves the linear system of the present branches: open r_N = 0; closed x_N = gap; stick
 /// x_T = 0; slip r_T = g d + w P x_T, d = y/|y|, P = I - dd', w = g c/(|y| - g), g depending on x.

@@ -125,7 +125,7 @@ bool FixedPoint::update_sliding_limit() {
   return true;
 }
 
-/// G(g) = given limit + mu max(r_N, 0); returns |G(g) - g| in norm_D over the scale.
+/// G(g), the limits that the answer at g has; returns |G(g) - g| in norm_D over the scale.
 Real FixedPoint::measure_image() {
   image_ = sliding_limits();
   Real sum = 0;
@@ -204,15 +204,22 @@ Real FixedPoint::displacement_scale() const {
   return (F.cwiseAbs().array() / D.array()).maxCoeff() + std::numeric_limits<Real>::min();
 }
 
-/// Given limit + mu max(r_N, 0) at the present x; r_N = 0 where the node is open: what rounding
-/// leaves of it is no pressure, however large mu.
+/// The sliding limits at the present x; r_N = 0 where the node is open: what rounding leaves of it
+/// is no pressure, however large mu. Nodes whose cohesion keeps coming and going take a part l of
+/// it, l = proj_[0,1](l + (r_N - closing)/c).
 Vector FixedPoint::sliding_limits() const {
   const System& system = *problem_.system;
   Vector g(problem_.nodes());
   for (Index i = 0; i < problem_.nodes(); ++i) {
     const Index N = system.first[i];
     const Real closing = system.weight[N] * (problem_.increment.gap[i] - solution_.x[N]);
-    g[i] = law_of(problem_.increment, i).limit(closing, solution_.certificate.r[N]);
+    const NodeLaw law = law_of(problem_.increment, i);
+    const Real r_N = solution_.certificate.r[N];
+    g[i] = law.limit(closing, r_N);
+    if (!damped_ || !law.coheres()) continue;
+    const Real rubs = law.mu * std::max(r_N, 0.0);
+    const Real part = std::clamp((g_[i] - rubs + r_N - closing) / law.c, 0.0, 1.0);
+    g[i] = std::min(part * law.c + rubs, law.cap);
   }
   return g;
 }

@@ -2,6 +2,12 @@
 
 namespace frictioncg {
 
+namespace {
+/// Of the cohesion: what counts as no pressure and no gap, after a central path that has come to
+/// 1e-7 of both.
+constexpr Real almost = 1e-4;
+}  // namespace
+
 void Branch::choose_friction(const Tangent& y, Real limit, Real c, Real most) {
   const Real norm = y.norm();
   g = limit;
@@ -13,13 +19,32 @@ void Branch::choose_friction(const Tangent& y, Real limit, Real c, Real most) {
   if (g > 0 && y.size() == 2) w = g * c / std::max(norm - g, g / most);
 }
 
+void Branch::choose_limit(const NodeLaw& law, Real r_N) {
+  sign = law.bilateral && r_N < 0 ? -1 : 1;
+  capped = closed && law.capped(r_N);
+  touching = false;
+  g = closed ? law.limit(r_N) : law.open_limit();
+}
+
+void Branch::choose_touch(const NodeLaw& law, Real closing, const Eigen::Ref<const Vector>& x,
+                          const Eigen::Ref<const Vector>& r, Real c) {
+  const Index t = static_cast<Index>(x.size()) - 1;
+  if (t == 0 || !law.coheres()) return;
+  const Real most = law.limit(0), little = almost * most, shear = r.tail(t).norm();
+  if (std::max(std::abs(closing), std::abs(r[0])) > little) return;
+  if (shear < little || shear > most || r.tail(t).dot(x.tail(t)) < 0) return;
+  if (c * x.tail(t).norm() < little) return;
+  touching = closed = true;
+  capped = false;
+  choose_friction(r.tail(t) + c * x.tail(t), shear, c, std::numeric_limits<Real>::infinity());
+}
+
 Branch branch_at(const NodeLaw& law, Real closing, const Eigen::Ref<const Vector>& x,
                  const Eigen::Ref<const Vector>& r, Real c, Real most) {
   const Index t = static_cast<Index>(x.size()) - 1;
   Branch b;
   b.closed = law.closed(closing, r[0]);
-  b.sign = law.bilateral && r[0] < 0 ? -1 : 1;
-  b.g = law.limit(b.closed ? r[0] : 0);
+  b.choose_limit(law, r[0]);
   if (t > 0) b.choose_friction(r.tail(t) + c * x.tail(t), b.g, c, most);
   return b;
 }

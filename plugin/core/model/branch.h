@@ -9,9 +9,12 @@ namespace frictioncg {
 ///   open    r_N = 0, and r_T = 0 (a given limit acts there, too)
 ///   closed  x_N = gap
 ///   stick   x_T = 0
-///   slip    r_T = g d + w (I - dd') x_T,  g = given limit + slope r_N
+///   slip    r_T = g d + w (I - dd') x_T,  g = base + slope r_N
+///   touching, a closed node in slip with a part of its cohesion:  r_N = 0, as a slope without end
 struct Branch {
   bool closed = true, stick = true;
+  bool capped = false;  ///< closed, and the limit does not grow with r_N any more
+  bool touching = false;
   Real sign = 1;  ///< of r_N, where contact is bilateral
   Real g = 0;     ///< sliding limit when the branch was chosen [force]
   Real w = 0;     ///< [force/length]
@@ -21,8 +24,21 @@ struct Branch {
   /// `most` times c.
   void choose_friction(const Tangent& y, Real limit, Real c, Real most);
 
-  /// Of the sliding limit over r_N.
-  Real slope(const NodeLaw& law) const { return closed ? sign * law.mu : 0; }
+  /// The sliding limit base + slope r_N.
+  struct Limit {
+    Real base, slope;
+  };
+  Limit limit(const NodeLaw& law) const {
+    if (!closed) return {law.open_limit(), 0};
+    if (touching) return {0, steep};
+    return capped ? Limit{law.cap, 0} : Limit{law.c, sign * law.mu};
+  }
+  static constexpr Real steep = 1e10;  ///< stands for the slope at the jump of cohesion
+  /// Chooses sign, capped and g at r_N, which an open node has none of; not touching.
+  void choose_limit(const NodeLaw& law, Real r_N);
+  /// Touching, where closing and r_N are almost 0 and the node slips by less shear than it could.
+  void choose_touch(const NodeLaw& law, Real closing, const Eigen::Ref<const Vector>& x,
+                    const Eigen::Ref<const Vector>& r, Real c);
 
   /// w (I - dd'), symmetric positive semi-definite
   Eigen::Matrix2d stiffness() const {

@@ -116,7 +116,8 @@ NodeState state_of(const ContactProblem& problem, Index i, const Vector& x, cons
   if (!law.has_friction()) return NodeState::slip;
   if (t == 0) return NodeState::stick;  // Dirichlet conditions hold its tangents
   const Real c_T = w[N + 1], g = law.limit(r[N]);
-  const Real strength = law.mu > 0 ? std::max(law.g, std::abs(r[N])) : law.g;
+  const Real pressure = law.given ? 0 : std::abs(r[N]);
+  const Real strength = std::max(law.open_limit(), pressure);
   const auto r_T = r.segment(N + 1, t), x_T = x.segment(N + 1, t);
   if (strength <= doubt * std::sqrt(w[N]) && r_T.norm() <= doubt * std::sqrt(c_T))
     return c_T * x_T.norm() <= motion * std::sqrt(c_T) ? NodeState::stick : NodeState::slip;

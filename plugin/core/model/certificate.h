@@ -9,7 +9,8 @@ namespace frictioncg {
 ///   normal:    min(c_N (gap - x_N), r_N) = 0       r_N >= 0 presses on the obstacle
 ///              bilateral: c_N (gap - x_N) = 0
 ///   friction:  r_T - proj_{|.| <= g}(r_T + c_T x_T) = 0
-///              g = mu r_N where closed, 0 where open; bilateral mu |r_N|; or given
+///              g = min(c + mu r_N, cap) where closed, 0 where open, between where it touches
+///              without a force; bilateral min(c + mu |r_N|, cap); or given
 ///   c = weight
 ///
 /// residual = norm of the three, in norm_D, over the scale: dimensionless, invariant under a change

@@ -7,7 +7,7 @@ namespace frictioncg {
 /// Discrete contact problem of one increment, in local frames.   section 2, eqs. (1), (4)-(6)
 ///
 ///   min 1/2 x'Ax - F'x + sum_i g_i |x_T,i|   over   x_N,i <= gap_i
-///   g given (tresca), or g_i = mu_i |F_N,i(x)| (coulomb), or g = 0 (frictionless)
+///   g given (tresca), or g_i = min(c_i + mu_i |F_N,i(x)|, cap_i) (coulomb), or g = 0
 ///   bilateral contact: x_N,i = gap_i in place of the inequality, and F_N of either sign
 ///
 /// Forces of the obstacle on the body: F_N = (Ax - F)_N <= 0 and F_T = (Ax - F)_T.

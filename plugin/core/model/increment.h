@@ -3,7 +3,8 @@
 
 namespace frictioncg {
 
-/// What bounds friction: nothing rubs, |r_T| <= g, or |r_T| <= g + mu r_N.
+/// What bounds friction: nothing rubs, |r_T| <= g, or |r_T| <= min(cohesion + mu r_N, cap), where
+/// an open node has no cohesion (model/law.h).
 enum class Law { frictionless, tresca, coulomb };
 
 /// What changes from increment to increment: the load and the laws. Immutable for one solve.
@@ -15,7 +16,9 @@ struct Increment {
   Law law = Law::frictionless;
   bool bilateral = false;  ///< no separation
   Vector mu;               ///< m, >= 0, dimensionless; law coulomb
-  Vector g;                ///< m, >= 0 [force]; law tresca, or coulomb, where empty is 0
+  Vector cohesion;         ///< m, >= 0 [force], or empty: 0; law coulomb
+  Vector cap;              ///< m, >= 0 [force], or empty: none; law coulomb
+  Vector g;                ///< m, >= 0 [force]; law tresca
   Real force_scale = 0;    ///< norm of the total load, in norm_D; > 0
   /// Norm of the external load on the free dofs, in norm_D: neither Dirichlet data nor u^{k-1} in
   /// it.

@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "model/contact_problem.h"
 
@@ -10,19 +11,27 @@ namespace frictioncg {
 using Tangent = Eigen::Matrix<Real, Eigen::Dynamic, 1, 0, 2, 1>;
 
 /// The laws of contact and friction at one node, as equations whose residuals vanish. r is the
-/// force of the body on the obstacle, c > 0 any stiffness [force/length]:
-///   normal:    min(c (gap - x_N), r_N) = 0;  bilateral: c (gap - x_N) = 0
-///   friction:  r_T - proj_{|.| <= g}(r_T + c x_T) = 0
-///   g = given limit + mu max(r_N, 0);  bilateral: mu |r_N|;  open: the given limit alone
+/// force of the body on the obstacle, k > 0 any stiffness [force/length], closing = k (gap - x_N):
+///   normal:    min(closing, r_N) = 0;  bilateral: closing = 0
+///   friction:  r_T - proj_{|.| <= g}(r_T + k x_T) = 0
+///   g = min(l c + mu r_N, cap),  l in H(r_N - closing);  bilateral: min(c + mu |r_N|, cap)
+/// H is Heaviside's function with its jump filled: a closed node has l = 1, an open one 0 and with
+/// it no shear; one that touches without a force, closing = r_N = 0, has any part of its cohesion,
+/// else the laws of nodes that are about to open would have no answer. A given limit is a c that
+/// open nodes keep.
 struct NodeLaw {
-  Real mu = 0;  ///< [1]
-  Real g = 0;   ///< given limit [force]
+  Real mu = 0;                                       ///< [1]
+  Real c = 0;                                        ///< cohesion, or given limit [force]
+  Real cap = std::numeric_limits<Real>::infinity();  ///< [force]
   bool bilateral = false;
+  bool given = false;  ///< c is a given limit, which acts on open nodes, too
 
-  /// Sliding limit g + mu r_N [force] of a node that is closed.
-  Real limit(Real r_N) const { return g + mu * (bilateral ? std::abs(r_N) : std::max(r_N, 0.0)); }
+  /// Sliding limit [force] of a node that is closed.
+  Real limit(Real r_N) const { return std::min(uncapped(r_N), cap); }
+  bool capped(Real r_N) const { return uncapped(r_N) > cap; }
+  Real open_limit() const { return given ? c : 0; }  ///< [force]
 
-  /// closing = c (gap - x_N) [force].
+  /// closing = k (gap - x_N) [force].
   Real normal_residual(Real closing, Real r_N) const {
     return bilateral ? closing : std::min(closing, r_N);
   }
@@ -31,15 +40,37 @@ struct NodeLaw {
   bool closed(Real closing, Real r_N) const { return bilateral || r_N > closing; }
 
   /// Sliding limit g [force]: a node that is open has no pressure, whatever rounding leaves of it.
-  Real limit(Real closing, Real r_N) const { return limit(closed(closing, r_N) ? r_N : 0); }
+  Real limit(Real closing, Real r_N) const {
+    return closed(closing, r_N) ? limit(r_N) : open_limit();
+  }
 
-  bool has_friction() const { return mu > 0 || g > 0; }
+  bool has_friction() const { return (mu > 0 || c > 0) && cap > 0; }
+  /// The limit jumps where the node opens.
+  bool coheres() const { return c > 0 && cap > 0 && !given && !bilateral; }
+
+ private:
+  Real uncapped(Real r_N) const {
+    return c + mu * (bilateral ? std::abs(r_N) : std::max(r_N, 0.0));
+  }
 };
 
+inline NodeLaw given_limit(Real g, bool bilateral) {
+  NodeLaw law;
+  law.c = g;
+  law.bilateral = bilateral;
+  law.given = true;
+  return law;
+}
+
 inline NodeLaw law_of(const Increment& increment, Index i) {
-  const bool rubs = increment.law != Law::frictionless;
-  return {increment.law == Law::coulomb ? increment.mu[i] : 0,
-          rubs && increment.g.size() > 0 ? increment.g[i] : 0, increment.bilateral};
+  if (increment.law == Law::tresca) return given_limit(increment.g[i], increment.bilateral);
+  NodeLaw law;
+  law.bilateral = increment.bilateral;
+  if (increment.law == Law::frictionless) return law;
+  law.mu = increment.mu[i];
+  if (increment.cohesion.size() > 0) law.c = increment.cohesion[i];
+  if (increment.cap.size() > 0) law.cap = increment.cap[i];
+  return law;
 }
 
 /// r_T - proj_{|.| <= g}(r_T + c x_T): c x_T (up to the sign) where it sticks, what r_T misses of
@@ -63,9 +94,15 @@ inline Violation violation(const NodeLaw& law, Real gap, const Eigen::Ref<const 
   Violation v{normal * normal / w[0], 0};
   const Index t = static_cast<Index>(w.size()) - 1;
   if (t == 0) return v;
-  const Tangent friction = friction_residual(r.tail(t), x.tail(t), w[1], law.limit(closing, r[0]));
-  v.friction = friction.squaredNorm() / w[1];
-  return v;
+  const auto miss = [&](Real g) {
+    return friction_residual(r.tail(t), x.tail(t), w[1], g).squaredNorm() / w[1];
+  };
+  v.friction = miss(law.limit(closing, r[0]));
+  if (!law.coheres()) return v;
+  // as a node that touches without a force, whose cohesion is whatever part of it the shear takes
+  const Violation touching{(closing * closing + r[0] * r[0]) / w[0],
+                           miss(std::min(r.tail(t).norm(), law.limit(0)))};
+  return touching.normal + touching.friction < v.normal + v.friction ? touching : v;
 }
 
 }  // namespace frictioncg

@@ -140,8 +140,15 @@ void validate(const Increment& increment, const System& system) {
     require_size("mu", Index(increment.mu.size()), system.nodes(), "contact node");
     require_each("mu", increment.mu, "contact node", is_nonnegative,
                  "a friction coefficient is a number >= 0: give 0 where nothing rubs");
+    for (const auto& [name, values] :
+         {std::pair{"cohesion", &increment.cohesion}, {"cap", &increment.cap}}) {
+      if (values->size() == 0) continue;
+      require_size(name, Index(values->size()), system.nodes(), "contact node");
+      require_each(name, *values, "contact node", is_nonnegative,
+                   "what bounds friction is a force >= 0");
+    }
   }
-  if (increment.law == Law::tresca || (increment.law == Law::coulomb && increment.g.size() > 0)) {
+  if (increment.law == Law::tresca) {
     require_size("g", Index(increment.g.size()), system.nodes(), "contact node");
     require_each("g", increment.g, "contact node", is_nonnegative,
                  "a sliding limit is a force >= 0: give 0 where nothing rubs");

@@ -54,13 +54,10 @@ void Faces::start_from(const Vector& x, const Vector& b_C) {
   update_rows();
 }
 
-/// Sliding limit at a force b_N of a closed node, or 0 of an open one.
-Real Faces::limit(Index i, Real b_N) const { return law_of(increment_, i).limit(b_N); }
-
 Eigen::Vector2d Faces::slip_force(Index i, const Vector& x, const Vector& b_C) const {
   const Branch& face = face_[i];
-  const NodeLaw law = law_of(increment_, i);
-  const Real g = lagged_ ? face.g : law.g + face.slope(law) * b_C[normal(i)];
+  const Branch::Limit limit = face.limit(law_of(increment_, i));
+  const Real g = lagged_ ? face.g : limit.base + limit.slope * b_C[normal(i)];
   const Eigen::Vector2d x_T = tangent(x, system_.first[i] + 1, system_.tangents(i));
   return g * face.d + face.stiffness() * x_T;
 }
@@ -71,11 +68,13 @@ Eigen::Vector2d Faces::friction(Index i, const Vector& x, const Vector& b_C) con
   return slip_force(i, x, b_C);
 }
 
-/// The branch of friction for the force f and the limit g.
-Branch Faces::branch(Index i, bool closed, const Eigen::Vector2d& f, Real g,
+/// The branch of friction for the force f, where the pressure of a closed node is r_N.
+Branch Faces::branch(Index i, bool closed, const Eigen::Vector2d& f, Real r_N,
                      const Vector& x) const {
   Branch next = face_[i];
   next.closed = closed;
+  next.choose_limit(law_of(increment_, i), r_N);
+  const Real g = next.g;
   const Index t = system_.tangents(i);
   const Tangent y = f.head(t) + c_[i] * x.segment(system_.first[i] + 1, t);
   if (t > 0) next.choose_friction(y, g, c_[i], most_stiffness);
@@ -101,10 +100,7 @@ void Faces::choose(const Vector& x, const Vector& b_C) {
     const Index N = normal(i);
     const bool closed =
         increment_.bilateral || (now.closed ? b_C[N] > 0 : x[system_.first[i]] > increment_.gap[i]);
-    Branch next =
-        branch(i, closed, friction(i, x, b_C), limit(i, closed && now.closed ? b_C[N] : 0), x);
-    next.sign = increment_.bilateral && b_C[N] < 0 ? -1 : 1;
-    face_[i] = next;
+    face_[i] = branch(i, closed, friction(i, x, b_C), now.closed ? b_C[N] : 0, x);
   }
   update_rows();
 }
@@ -148,7 +144,7 @@ void Faces::jacobian(const Vector& z, const Vector& Az_C, Eigen::Ref<Vector> Jz_
       continue;
     }
     const Eigen::Vector2d z_T = tangent(z, system_.first[i] + 1, t);
-    const Real mu = lagged_ ? 0 : face.slope(law_of(increment_, i));
+    const Real mu = lagged_ ? 0 : face.limit(law_of(increment_, i)).slope;
     const Eigen::Vector2d law = face.stiffness() * z_T - mu * Az_C[N] * face.d;
     for (Index k = 0; k < t; ++k) Jz_C[N + 1 + k] = Az_C[N + 1 + k] + law[k];
   }
@@ -174,7 +170,8 @@ Real Faces::misdirection(const Vector& x, const Vector& b_C) const {
     const Index first = system_.first[i], N = normal(i), t = system_.tangents(i);
     if (t < 2 || face_[i].stick) continue;
     const Eigen::Vector2d b_T = tangent(b_C, N + 1, t), x_T = tangent(x, first + 1, t);
-    const Real slip = x_T.norm(), g = limit(i, face_[i].closed ? b_C[N] : 0);
+    const NodeLaw law = law_of(increment_, i);
+    const Real slip = x_T.norm(), g = face_[i].closed ? law.limit(b_C[N]) : law.open_limit();
     if (slip == 0) continue;
     const Real off = std::min(c_D_[i] * slip, (b_T - g / slip * x_T).norm());
     sum += off * off / c_D_[i];

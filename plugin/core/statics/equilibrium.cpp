@@ -132,17 +132,18 @@ class NearestInCone {
 
 /// What resists a motion: the forces of contact and friction that work most against it.
 ///
-/// Forces count by their work on the k rigid motions. Friction at given limits is bounded: its sum
-/// is the last of the columns, and a row k + 1 says that it acts once: it has `unit` there, as the
-/// target has.
+/// Forces count by their work on the k rigid motions. Given limits, cohesion and caps bound a part
+/// of friction: its sum is the last of the columns, and a row k + 1 says that it acts once: it has
+/// `unit` there, as the target has.
 class Resistance {
  public:
-  Resistance(const DenseMatrix& W, const Vector& work, const ContactProblem& problem)
+  /// largest: forces above it are none that a body can bear.
+  Resistance(const DenseMatrix& W, const Vector& work, Real largest, const ContactProblem& problem)
       : W_(W.bottomRows(problem.contact_dofs())),
         work_(work),
         problem_(problem),
-        given_(problem.increment.law != Law::frictionless &&
-               problem.system->largest(problem.increment.g.size()) > 0),
+        largest_(largest),
+        given_(problem.system->largest(bounded_values(problem.increment)) > 0),
         unit_(work.norm()) {}
 
   Vector target() const {
@@ -170,13 +171,19 @@ class Resistance {
       if (slide > 0)
         along.head(k) = W_.middleRows(N + 1, t).transpose() * w.segment(N + 1, t) / slide;
       const NodeLaw law = law_of(increment, i);
-      friction += law.g * along;
-      pull -= law.g * slide;
-      if (!std::isfinite(increment.gap[i])) continue;
+      const bool closes = std::isfinite(increment.gap[i]);
       const Real sense = increment.bilateral && w[N] < 0 ? -1 : 1;
-      Vector column = law.mu * along;
+      const Bounded bounded = closes ? at_most(law, sense * w[N], slide)
+                                     : Bounded{0, law.open_limit()};
+      friction += bounded.shear * along;
+      if (bounded.pressure > 0)
+        friction.head(k) += bounded.pressure * sense * W_.row(N).transpose();
+      pull -= bounded.shear * slide + bounded.pressure * sense * w[N];
+      if (!closes) continue;
+      const Real mu = is_capped(law) ? 0 : law.mu;
+      Vector column = mu * along;
       column.head(k) += sense * W_.row(N).transpose();
-      most = std::max(most, sense * w[N] + law.mu * slide);
+      most = std::max(most, sense * w[N] + mu * slide);
       columns.push_back(column);
     }
     share(pull_of_load, friction);
@@ -201,13 +208,33 @@ class Resistance {
   }
 
   std::vector<Vector> columns;
-  Real most = 0;  ///< w_N + mu |w_T|, the largest of the nodes, or 0
-  Real pull = 0;  ///< F.w - sum g |w_T|
+  Real most = 0;  ///< w_N + mu |w_T|, the largest of the nodes, or 0; capped: w_N
+  Real pull = 0;  ///< F.w less what bounded forces take of it
 
  private:
+  static Index bounded_values(const Increment& increment) {
+    if (increment.law == Law::tresca) return increment.g.size();
+    if (increment.law == Law::frictionless) return 0;
+    return increment.cohesion.size() + increment.cap.size();
+  }
+
+  /// The bounded forces of a node that can close, of which those work most that this returns, at
+  /// its closing w_N and its slide |w_T|.
+  struct Bounded {
+    Real pressure, shear;
+  };
+  Bounded at_most(const NodeLaw& law, Real w_N, Real slide) const {
+    const bool grows =
+        is_capped(law) && law.mu > 0 && law.cap > law.c && w_N + law.mu * slide > 0;
+    if (!grows) return {0, law.limit(0)};
+    return {std::min((law.cap - law.c) / law.mu, largest_), law.cap};
+  }
+  bool is_capped(const NodeLaw& law) const { return law.cap < largest_; }
+
   const DenseMatrix W_;  ///< contact_dofs x k
   const Vector work_;    ///< k, of the load
   const ContactProblem& problem_;
+  const Real largest_;
   const bool given_;
   const Real unit_;
 };
@@ -233,7 +260,7 @@ Statics balance(const DenseMatrix& W, const ContactProblem& problem) {
   const Real load = system.sum(F.lpNorm<1>());
   const Real noise = rounding * load * system.largest(W.size() > 0 ? W.cwiseAbs().maxCoeff() : 0);
   if (work.norm() <= noise) return statics;
-  Resistance resistance(W, work, problem);
+  Resistance resistance(W, work, most_pressure * load, problem);
   NearestInCone nearest(resistance.target());
   const auto proven = [&](Real pressures) {
     resistance.meet(nearest.rest());

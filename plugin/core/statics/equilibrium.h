@@ -25,6 +25,10 @@ struct Statics {
 /// and no method can find an equilibrium. It is what is left of the load after the nearest sum of
 /// such forces. At given limits, r_N >= 0 and |r_T| <= g at every node:
 ///   F.w > sum_i g_i |w_T,i|  and  w_N <= 0,   along which J falls for ever.
+/// Cohesion is such a bounded force at the nodes whose gap is finite; a cap leaves w_N <= 0 of the
+/// cone, and a bounded force, too: the sum over the nodes of what friction can take at most is
+///   c |w_T|  without a cap,  min(c, cap) |w_T|, or p w_N + cap |w_T| at the pressure p > 0 with
+///   c + mu p = cap, whichever is more, with one.
 /// Bilateral contact: r_N of either sign. Sums of such friction cones are a linear space, and the
 /// test is made with that space: unheld stays a proof, held need not be one.
 Statics balance(const DenseMatrix& W, const ContactProblem& problem);

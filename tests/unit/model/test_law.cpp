@@ -4,8 +4,12 @@
 
 using namespace frictioncg;
 
+namespace {
+constexpr Real none = std::numeric_limits<Real>::infinity();  // of a cap
+}
+
 TEST(Law, LimitIsMuTimesThePressureOfAClosedNode) {
-  const NodeLaw coulomb{0.5, 0, false};
+  const NodeLaw coulomb{0.5};
   EXPECT_EQ(coulomb.limit(4), 2);
   EXPECT_EQ(coulomb.limit(-4), 0);
   EXPECT_EQ(coulomb.limit(0, 4), 2);
@@ -15,33 +19,70 @@ TEST(Law, LimitIsMuTimesThePressureOfAClosedNode) {
 }
 
 TEST(Law, BilateralContactRubsUnderTensionToo) {
-  const NodeLaw bilateral{0.5, 0, true};
+  const NodeLaw bilateral{0.5, 0, none, true};
   EXPECT_EQ(bilateral.limit(-4), 2);
   EXPECT_EQ(bilateral.limit(9, -4), 2);
   EXPECT_EQ(bilateral.limit(9, 4), 2);
 }
 
 TEST(Law, AGivenLimitDoesNotAskForPressureAndWithoutFrictionThereIsNone) {
-  const NodeLaw tresca{0, 0.5, false};
+  const NodeLaw tresca{0, 0.5, none, false, true};
   EXPECT_EQ(tresca.limit(4), 0.5);
   EXPECT_EQ(tresca.limit(-4), 0.5);
   EXPECT_EQ(tresca.limit(5, 0), 0.5);
-  const NodeLaw none{0, 0, false};
-  EXPECT_EQ(none.limit(4), 0);
-  EXPECT_EQ(none.limit(0, 4), 0);
+  const NodeLaw smooth;
+  EXPECT_EQ(smooth.limit(4), 0);
+  EXPECT_EQ(smooth.limit(0, 4), 0);
 }
 
-TEST(Law, AGivenLimitAndMuAddUpAndWhatIsOpenKeepsTheGivenLimit) {
-  const NodeLaw law{0.5, 3, false};
+TEST(Law, CohesionActsWhereTheNodeIsClosedAndACapBoundsTheSum) {
+  const NodeLaw law{0.5, 3, 6};
   EXPECT_EQ(law.limit(4), 5);
   EXPECT_EQ(law.limit(-4), 3);
-  EXPECT_EQ(law.limit(5, 4), 3);  // open
-  EXPECT_TRUE((NodeLaw{0, 3, false}).has_friction());
-  EXPECT_TRUE((NodeLaw{0.5, 0, false}).has_friction());
+  EXPECT_EQ(law.limit(6), 6);
+  EXPECT_EQ(law.limit(7), 6);
+  EXPECT_FALSE(law.capped(6));
+  EXPECT_TRUE(law.capped(7));
+  EXPECT_EQ(law.limit(0, 4), 5);
+  EXPECT_EQ(law.limit(5, 4), 0);  // open
+  const NodeLaw bilateral{0.5, 3, 6, true};
+  EXPECT_EQ(bilateral.limit(9, -4), 5);
+  EXPECT_EQ(bilateral.limit(9, -7), 6);
+}
+
+TEST(Law, OnlyALimitAboveZeroIsFrictionAndOnlyCohesionJumps) {
+  EXPECT_TRUE((NodeLaw{0, 3}).has_friction());
+  EXPECT_TRUE((NodeLaw{0.5}).has_friction());
+  EXPECT_FALSE((NodeLaw{0.5, 3, 0}).has_friction());
+  EXPECT_TRUE((NodeLaw{0, 3}).coheres());
+  EXPECT_FALSE((NodeLaw{0.5}).coheres());
+  EXPECT_FALSE((NodeLaw{0.5, 3, 0}).coheres());
+  EXPECT_FALSE((NodeLaw{0.5, 3, none, true}).coheres());
+  EXPECT_FALSE((NodeLaw{0, 3, none, false, true}).coheres());
+}
+
+TEST(Law, ANodeThatTouchesWithoutAForceBearsAnyPartOfItsCohesion) {
+  const Vector w = Eigen::Vector2d(4, 9);
+  const NodeLaw law{0.5, 3};
+  const auto miss = [&](Real x_N, Real x_T, Real r_N, Real r_T) {
+    const Violation v =
+        violation(law, 0, w, Eigen::Vector2d(x_N, x_T), Eigen::Vector2d(r_N, r_T));
+    return std::sqrt(v.normal + v.friction);
+  };
+  EXPECT_NEAR(miss(0, 0, 0, 3), 0, 1e-15);       // sticks
+  EXPECT_NEAR(miss(0, 1, 0, 3), 0, 1e-15);       // slips at the limit
+  EXPECT_NEAR(miss(0, 1, 0, 2), 0, 1e-15);       // opens
+  EXPECT_NEAR(miss(0, 1, 0, 0), 0, 1e-15);       // as if open
+  EXPECT_NEAR(miss(0, 1, 0, 3.6), 0.2, 1e-15);   // no more than all of it
+  EXPECT_NEAR(miss(0, -1, 0, 2), 2.0 / 3, 1e-15);  // along the slip
+  EXPECT_NEAR(miss(-1e-9, 1, 0, 2), 2e-9, 1e-15);
+  EXPECT_NEAR(miss(0, 1, 1e-9, 2), 0.5e-9, 1e-15);
+  EXPECT_NEAR(miss(-1, 1, 0, 2), 2.0 / 3, 1e-15);  // open
+  EXPECT_NEAR(miss(0, 1, 8, 2), 5.0 / 3, 1e-15);   // closed
 }
 
 TEST(Law, NormalResidualIsTheSmallerOfClosingAndForceOrClosingAlone) {
-  const NodeLaw unilateral{1, 0, false}, bilateral{1, 0, true};
+  const NodeLaw unilateral{1}, bilateral{1, 0, none, true};
   EXPECT_EQ(unilateral.normal_residual(3, 2), 2);
   EXPECT_EQ(unilateral.normal_residual(1, 2), 1);
   EXPECT_EQ(unilateral.normal_residual(1, -2), -2);
@@ -51,7 +92,7 @@ TEST(Law, NormalResidualIsTheSmallerOfClosingAndForceOrClosingAlone) {
 }
 
 TEST(Law, ANodeIsClosedWhereItsForceExceedsWhatWouldCloseIt) {
-  const NodeLaw unilateral{1, 0, false}, bilateral{1, 0, true};
+  const NodeLaw unilateral{1}, bilateral{1, 0, none, true};
   EXPECT_TRUE(unilateral.closed(0, 1));
   EXPECT_TRUE(unilateral.closed(-1, 0));
   EXPECT_FALSE(unilateral.closed(1, 0));
@@ -98,13 +139,17 @@ TEST(Law, OfANodeIsThatOfItsIncrement) {
   i.bilateral = true;
   EXPECT_TRUE(law_of(i, 1).bilateral);
   i.law = Law::coulomb;
-  EXPECT_EQ(law_of(i, 1).limit(4), 8);
-  i.g.resize(0);
   EXPECT_EQ(law_of(i, 1).limit(4), 1);
+  i.cohesion = Vector::Constant(2, 3);
+  EXPECT_EQ(law_of(i, 1).limit(4), 4);
+  i.cap = Vector::Constant(2, 3.5);
+  EXPECT_EQ(law_of(i, 1).limit(4), 3.5);
+  EXPECT_FALSE(law_of(i, 1).given);
   EXPECT_TRUE(law_of(i, 1).has_friction());
   i.law = Law::tresca;
   i.g = Vector::Constant(2, 7);
   EXPECT_EQ(law_of(i, 1).limit(4), 7);
+  EXPECT_TRUE(law_of(i, 1).given);
   i.g[1] = 0;
   EXPECT_FALSE(law_of(i, 1).has_friction());
   EXPECT_TRUE(law_of(i, 0).bilateral);

@@ -129,8 +129,14 @@ TEST(Validate, AnIncrementIsRefusedByNameValueNodeAndRule) {
   expect(refused_increment(tresca(-2)), {"g = -2 at contact node 1", "sliding limit"});
   expect(refused_increment(tresca(undefined)), {"g = "});
   expect(refused_increment([](Increment& i) { i.law = Law::tresca; }), {"g has 0"});
-  EXPECT_EQ(refused_increment([](Increment& i) { i.g = Vector::Ones(3); }), "");
-  expect(refused_increment([](Increment& i) { i.g = Vector::Ones(2); }), {"g has 2", "takes 3"});
+  EXPECT_EQ(refused_increment([](Increment& i) { i.cohesion = i.cap = Vector::Ones(3); }), "");
+  expect(refused_increment([](Increment& i) { i.cohesion = Vector::Ones(2); }),
+         {"cohesion has 2", "takes 3"});
+  expect(refused_increment([](Increment& i) { i.cap = Vector::Ones(2); }), {"cap has 2"});
+  expect(refused_increment([](Increment& i) { i.cohesion = Eigen::Vector3d(0, -1, 0); }),
+         {"cohesion = -1", "contact node 1", ">= 0"});
+  expect(refused_increment([](Increment& i) { i.cap = Eigen::Vector3d(0, 0, infinite); }),
+         {"cap = inf", "contact node 2"});
   for (Real Increment::*norm :
        {&Increment::load_norm, &Increment::rounding, &Increment::force_scale})
     for (Real bad : {-1.0, undefined, infinite})

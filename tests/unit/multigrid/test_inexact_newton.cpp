@@ -103,16 +103,20 @@ TEST(Multigrid, SolvesInTwoDimensionsInTurnedFramesAndWithContrast) {
     EXPECT_LT(answer(sparse_block(o)).verdict.worst(), 1e-5) << o.d << o.tilt << o.contrast;
 }
 
-TEST(Multigrid, SolvesAGivenLimitBesidesMuAsTheCondensedRouteDoes) {
+TEST(Multigrid, SolvesCohesionAndCapsAsTheCondensedRouteDoes) {
   const SceneInBlocks scene(sparse_block(cube(6)));
   ContactProblem p = scene.posed.problem();
   const Vector before = by(Method::condensed, p).x;
-  p.increment.g = Vector::Constant(p.nodes(), 0.01);
-  const Solution exact = by(Method::condensed, p), s = by(Method::multigrid, p);
-  EXPECT_EQ(s.status, Status::converged);
-  EXPECT_EQ(s.route, Route::multigrid);
-  EXPECT_LT((s.x - exact.x).norm(), 1e-5 * exact.x.norm());
-  EXPECT_GT((before - exact.x).norm(), 1e-3 * exact.x.norm());
+  Vector last = before;
+  for (Vector* values : {&p.increment.cohesion, &p.increment.cap}) {
+    *values = Vector::Constant(p.nodes(), values == &p.increment.cap ? 0.02 : 0.01);
+    const Solution exact = by(Method::condensed, p), s = by(Method::multigrid, p);
+    EXPECT_EQ(s.status, Status::converged);
+    EXPECT_EQ(s.route, Route::multigrid);
+    EXPECT_LT((s.x - exact.x).norm(), 1e-5 * exact.x.norm());
+    EXPECT_GT((last - exact.x).norm(), 1e-3 * exact.x.norm());
+    last = exact.x;
+  }
 }
 
 TEST(Multigrid, SolvesAGivenLimitBilateralContactAndOrthotropicFriction) {

@@ -49,14 +49,19 @@ struct RandomBody {
     system->A.resize(2 * m, 2 * m);  // 0: all motions are rigid
     system->weight = Vector::Ones(2 * m);
     problem.system = system;
-    if (now.law == Law::coulomb && uniform(0, 1) < 0.5) now.g.resize(0);
+    if (now.law == Law::tresca) return;
+    if (uniform(0, 1) < 0.5) now.cohesion = now.g;
+    if (uniform(0, 1) >= 0.5) return;
+    now.cap.resize(m);
+    for (Index i = 0; i < m; ++i) now.cap[i] = uniform(0, 1) < 0.3 ? 1e9 : uniform(0, 1.5);
   }
 
   /// By the linear program, with friction times a factor.
   bool held(Real factor) const {
     const Increment& now = problem.increment;
-    const int m = problem.nodes(), bounded = now.g.size() > 0 ? m : 0;
-    const Real of_pressure = now.law == Law::coulomb ? factor : 0;
+    const bool coulomb = now.law == Law::coulomb;
+    const Vector none, &given = coulomb ? now.cohesion : now.g, &caps = coulomb ? now.cap : none;
+    const int m = problem.nodes(), bounded = given.size() + caps.size() > 0 ? m : 0;
     std::vector<Vector> columns;
     const auto add = [&](const Vector& force, int node) {
       columns.push_back(Vector::Zero(3 + bounded));
@@ -67,12 +72,18 @@ struct RandomBody {
     load.head(3) = W.transpose() * now.F;
     for (int i = 0; i < m; ++i) {
       const Vector N = W.row(2 * i), T = W.row(2 * i + 1);
-      for (Real side : {-1.0, 1.0}) {
-        add(N + side * of_pressure * now.mu[i] * T, -1);
-        if (now.bilateral) add(-N + side * of_pressure * now.mu[i] * T, -1);
-        // shares of the limit, that sum to at most 1
-        if (bounded > 0) add(side * factor * now.g[i] * T, i);
-      }
+      const bool capped = caps.size() > 0 && caps[i] < 1e8;
+      const Real mu = coulomb && !capped ? factor * now.mu[i] : 0;
+      const Real c = given.size() > 0 ? given[i] : 0, cap = capped ? caps[i] : INFINITY;
+      const Real most = coulomb && c < cap && now.mu[i] > 0 ? (cap - c) / now.mu[i] : 0;
+      for (Real side : {-1.0, 1.0})
+        for (Real way : {-1.0, 1.0}) {
+          if (way < 0 && !now.bilateral) continue;
+          add(way * N + side * mu * T, -1);
+          // shares of the limit, that sum to at most 1
+          if (bounded > 0) add(side * factor * std::min(c, cap) * T, i);
+          if (capped && most > 0) add(way * most * N + side * factor * cap * T, i);
+        }
       if (bounded == 0) continue;
       add(Vector::Zero(3), i);
       load[3 + i] = 1;

@@ -252,7 +252,7 @@ TEST(Equilibrium, TheBoundOfBilateralContactKnowsTheGapAndNodesWithoutAForce) {
     }
 }
 
-TEST(Equilibrium, TheBoundOfBilateralContactKnowsThatAGivenLimitPresses) {
+TEST(Equilibrium, TheBoundOfBilateralContactKnowsThatCohesionPresses) {
   // as above; what the second node takes of the pull shears, and presses the first
   DenseMatrix S = diag({10, 1, 10, 1});
   S(1, 3) = S(3, 1) = -1;
@@ -260,7 +260,7 @@ TEST(Equilibrium, TheBoundOfBilateralContactKnowsThatAGivenLimitPresses) {
   S(0, 3) = S(3, 0) = -2;
   for (Real pull : {0.57, 0.7}) {  // held: r_N = 2 pull - 3, r_T = 2 pull - 1 and 1, to 0.59
     ByHand by(2, S, vec({-1, pull, 0, pull}));
-    by.mu(0.1).bilateral().problem.increment.g = vec({0, 1});
+    by.mu(0.1).bilateral().problem.increment.cohesion = vec({0, 1});
     const Statics statics = balance_at_bounded_pressure(vec({0, 1, 0, 1}), by.condensed());
     EXPECT_EQ(statics.balance == Balance::unheld, pull > 0.6);
   }
