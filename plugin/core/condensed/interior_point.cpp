@@ -25,6 +25,9 @@ constexpr Index most_steps = 60;   ///< slender bodies take up to 20
 constexpr Real stuck_step = 1e-8;  ///< a step that leads nowhere
 /// Largest theta: half of the least of a and cap is then left of the limit at least.
 constexpr Real first_theta = 0.25;
+/// Least fade: of the limit load that cohesion alone holds nothing may be missing where all nodes
+/// are still as much closed as open.
+constexpr Real first_fade = 1e-4;
 constexpr Real shorter = 0.7;  ///< of a step that bent limits do not leave room for
 
 constexpr Real infinity = std::numeric_limits<Real>::infinity();
@@ -95,7 +98,7 @@ bool CentralPath::start() {
   at_.s = at_.N = at_.t = Vector::Zero(nodes_);
   at_.T = Vector::Zero(at_.y.size());
   make_positive();
-  theta_ = first_theta;
+  choose_bends(1);
   const Real tau = mean_product(at_);
   for (Index i = 0; i < nodes_; ++i) {
     if (!rubs_[i]) continue;
@@ -205,6 +208,19 @@ Real CentralPath::room(const Point& d) const {
   return room;
 }
 
+/// How far the limits are bent where tau has come down to `fall` of what it was; shear that a limit
+/// leaves behind is cut off.
+void CentralPath::choose_bends(Real fall) {
+  theta_ = first_theta * std::min<Real>(fall, 1);
+  fade_ = std::min<Real>(first_fade / fall, 1);
+  for (Index i = 0; i < nodes_; ++i) {
+    if (!bends_[i]) continue;
+    auto T = at_.T.segment(normal(i) + 1, tangents(i));
+    const Real most = most_of_room * bent_limit(i, at_).g, size = T.norm();
+    if (size > most) T *= most / size;
+  }
+}
+
 /// Whether bent limits, which a step takes for linear, are above their shear.
 bool CentralPath::inside(const Point& p) const {
   for (Index i = 0; i < nodes_; ++i)
@@ -230,7 +246,7 @@ Index CentralPath::follow(Index max_steps) {
   for (const Index most = std::min(max_steps, most_steps); steps < most;) {
     const Real mean = mean_product(at_);
     if (mean <= goal) break;
-    theta_ = std::min(theta_, first_theta * far_down * mean / goal);
+    choose_bends(far_down * mean / goal);
     if (steps > 0 && steps % patience == 0) {
       if (!(mean <= 0.5 * mark)) break;
       mark = mean;

@@ -12,8 +12,9 @@ namespace frictioncg {
 ///   S x + r = f,   s r_N = tau,   g t - r_T.x_T = tau,   t r_T - g x_T = 0,
 ///   s, r_N > 0,  g > |r_T|,  t > |x_T|,  g = mu r_N or given,
 /// and its end, tau = 0, obeys the laws: unilateral contact, and r_T = g x_T/|x_T| or x_T = 0.
-/// Of cohesion c and a cap,  a = c r_N/(r_N + s) + mu r_N,  (a - g)(cap - g) = theta a cap,  where
-/// theta falls with tau: open nodes lose their cohesion, and g becomes the lesser of a and cap.
+/// Of cohesion c and a cap,  a = c r_N/(r_N + fade s) + mu r_N,  (a - g)(cap - g) = theta a cap:
+/// theta falls with tau, and g becomes the lesser of a and cap; fade rises to 1, and open nodes lose
+/// their cohesion, once those that close are told from them.
 /// Everything is scaled by D^{1/2}. A step is Newton's, along Mehrotra's predictor and corrector.
 class CentralPath {
  public:
@@ -60,6 +61,7 @@ class CentralPath {
   /// Of the limit, along d.
   Real change(Index i, const Point& d) const { return by_N_[i] * d.N[i] + by_s_[i] * d.s[i]; }
   bool inside(const Point& p) const;
+  void choose_bends(Real fall);
   Index normal(Index i) const { return problem_.system->first[i] - offset_; }
   Index tangents(Index i) const { return problem_.tangents(i); }
 
@@ -70,7 +72,7 @@ class CentralPath {
   /// unit = D^{1/2}; the others in its units. g: given limits
   Vector unit_, f_, gap_, mu_, g_, cohesion_, cap_;
   std::vector<char> closes_, rubs_, bends_;
-  Real theta_ = 1;
+  Real theta_ = 1, fade_ = 1;
   bool symmetric_ = true;
   Vector alpha_, omega_;  ///< m: dr_N = alpha + omega dx_N
   Vector by_N_, by_s_;    ///< m: dg = by_N dr_N + by_s ds

@@ -4,12 +4,12 @@
 
 namespace frictioncg {
 
-/// With a = c N/(N + s) + mu N, the lesser root of g^2 - (a + cap) g + (1 - theta) a cap = 0.
+/// With a = c N/(N + fade s) + mu N, the lesser root of g^2 - (a + cap) g + (1 - theta) a cap = 0.
 CentralPath::Bent CentralPath::bent_limit(Index i, const Point& p) const {
-  const Real N = p.N[i], s = p.s[i], share = N / (N + s);
+  const Real N = p.N[i], s = p.s[i], sum = N + fade_ * s, share = N / sum;
   const Real a = cohesion_[i] * share + mu_[i] * N;
-  const Real a_N = cohesion_[i] * (1 - share) / (N + s) + mu_[i];
-  const Real a_s = -cohesion_[i] * share / (N + s);
+  const Real a_N = cohesion_[i] * (1 - share) / sum + mu_[i];
+  const Real a_s = -cohesion_[i] * share * fade_ / sum;
   const Real cap = cap_[i];
   if (!std::isfinite(cap)) return {a, a_N, a_s};
   const Real root = std::sqrt((a - cap) * (a - cap) + 4 * theta_ * a * cap);
