@@ -25,9 +25,10 @@ constexpr Index most_steps = 60;   ///< slender bodies take up to 20
 constexpr Real stuck_step = 1e-8;  ///< a step that leads nowhere
 /// Largest theta: half of the least of a and cap is then left of the limit at least.
 constexpr Real first_theta = 0.25;
-/// Least fade: of the limit load that cohesion alone holds nothing may be missing where all nodes
-/// are still as much closed as open.
-constexpr Real first_fade = 1e-4;
+/// Least fade, over the least r_N/s of the start: of a load that cohesion alone holds nothing may
+/// be missing where it is not yet told which nodes close. No less than leaves the path some decades
+/// with all of it.
+constexpr Real first_fade = 1e-2, least_fade = 1e-9;
 constexpr Real shorter = 0.7;  ///< of a step that bent limits do not leave room for
 
 constexpr Real infinity = std::numeric_limits<Real>::infinity();
@@ -98,6 +99,10 @@ bool CentralPath::start() {
   at_.s = at_.N = at_.t = Vector::Zero(nodes_);
   at_.T = Vector::Zero(at_.y.size());
   make_positive();
+  Real ratio = 1;
+  for (Index i = 0; i < nodes_; ++i)
+    if (closes_[i]) ratio = std::min(ratio, at_.N[i] / at_.s[i]);
+  first_fade_ = std::max(first_fade * ratio, least_fade);
   choose_bends(1);
   const Real tau = mean_product(at_);
   for (Index i = 0; i < nodes_; ++i) {
@@ -212,12 +217,12 @@ Real CentralPath::room(const Point& d) const {
 /// leaves behind is cut off.
 void CentralPath::choose_bends(Real fall) {
   theta_ = first_theta * std::min<Real>(fall, 1);
-  fade_ = std::min<Real>(first_fade / fall, 1);
+  fade_ = std::min<Real>(first_fade_ / fall, 1);
   for (Index i = 0; i < nodes_; ++i) {
     if (!bends_[i]) continue;
     auto T = at_.T.segment(normal(i) + 1, tangents(i));
-    const Real most = most_of_room * bent_limit(i, at_).g, size = T.norm();
-    if (size > most) T *= most / size;
+    const Real most = bent_limit(i, at_).g, size = T.norm();
+    if (size >= most) T *= most_of_room * most / size;
   }
 }
 

@@ -72,7 +72,7 @@ class CentralPath {
   /// unit = D^{1/2}; the others in its units. g: given limits
   Vector unit_, f_, gap_, mu_, g_, cohesion_, cap_;
   std::vector<char> closes_, rubs_, bends_;
-  Real theta_ = 1, fade_ = 1;
+  Real theta_ = 1, fade_ = 1, first_fade_ = 1;
   bool symmetric_ = true;
   Vector alpha_, omega_;  ///< m: dr_N = alpha + omega dx_N
   Vector by_N_, by_s_;    ///< m: dg = by_N dr_N + by_s ds
