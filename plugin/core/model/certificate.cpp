@@ -119,7 +119,8 @@ NodeState state_of(const ContactProblem& problem, Index i, const Vector& x, cons
   const Real pressure = law.given ? 0 : std::abs(r[N]);
   const Real strength = std::max(law.open_limit(), pressure);
   const auto r_T = r.segment(N + 1, t), x_T = x.segment(N + 1, t);
-  if (strength <= doubt * std::sqrt(w[N]) && r_T.norm() <= doubt * std::sqrt(c_T))
+  const bool forceless = law.coheres() || r_T.norm() <= doubt * std::sqrt(c_T);
+  if (strength <= doubt * std::sqrt(w[N]) && forceless)
     return c_T * x_T.norm() <= motion * std::sqrt(c_T) ? NodeState::stick : NodeState::slip;
   return (r_T + c_T * x_T).norm() <= g ? NodeState::stick : NodeState::slip;
 }

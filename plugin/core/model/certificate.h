@@ -41,7 +41,8 @@ Certificate certify(const ContactProblem& problem, const Vector& x);
 
 /// Which branch of the laws each contact node is on (m); the certificate is that of x. A node whose
 /// limit is 0 slides. A node that touches without a force, as the vertices of P2 do under a uniform
-/// pressure in 3D, follows its neighbours: its law says nothing, its displacement does.
+/// pressure in 3D, follows its neighbours: its law says nothing, its displacement does. So it is
+/// with one that touches by its cohesion alone.
 std::vector<NodeState> classify(const ContactProblem& problem, const Vector& x,
                                 const Certificate& certificate);
 

@@ -54,7 +54,10 @@ Branches branches_of(const ContactProblem& problem, const Vector& x,
     const Index N = system.first[i], size = problem.tangents(i) + 1;
     const Real closing = system.weight[N] * (problem.increment.gap[i] - x[N]);
     const Real touch = none * std::sqrt(system.weight[N]);
-    branches[i] = branch_at(law_of(problem.increment, i), std::max(closing, touch),
+    const NodeLaw law = law_of(problem.increment, i);
+    const Real shear = r.segment(N + 1, size - 1).norm();
+    const bool coheres = law.coheres() && shear > none * std::sqrt(system.weight[N + size - 1]);
+    branches[i] = branch_at(law, coheres ? closing - touch : std::max(closing, touch),
                             x.segment(N, size), r.segment(N, size), system.weight[N + size - 1]);
   }
   return branches;

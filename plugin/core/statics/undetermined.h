@@ -10,7 +10,7 @@ DenseMatrix left_free(const DenseMatrix& W, const ContactProblem& problem,
                       const Branches& branches);
 
 /// The branches that an answer is on. A node that touches without a force is open: nothing keeps it
-/// there.
+/// there. Shear alone, by cohesion, does.
 Branches branches_of(const ContactProblem& problem, const Vector& x,
                      const Certificate& certificate);
 
