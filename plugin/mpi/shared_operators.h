@@ -28,8 +28,10 @@ inline PointLaws with_ghosts(PointLaws laws, const SharedScene& shared) {
       [&](Index dof, const Real* in) {
         each(dof, [&](std::size_t k, Real& gap) { gap = in[k]; });
       });
-  for (Vector* values : {&laws.mu, &laws.g, &laws.cohesion, &laws.cap}) {
-    if (laws.law == Law::frictionless || values->size() == 0) continue;
+  if (laws.law == Law::frictionless) return laws;
+  for (Vector* values :
+       {laws.law == Law::coulomb ? &laws.mu : &laws.g, &laws.cohesion, &laws.cap}) {
+    if (values->size() == 0 && shared.own_points > 0) continue;  // not given
     values->conservativeResize(all);
     values->tail(all - static_cast<Index>(shared.own_points)).setZero();
   }

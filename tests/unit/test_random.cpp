@@ -62,8 +62,9 @@ const char* const status_name[] = {"converged",
 /// and is not converged.
 /// patience: a bound on the iterations, larger than the default, for scenes that have an answer.
 /// change: of each recipe.
-void run_scenes(const char* title, unsigned count, unsigned seed, Settings settings,
-                Index patience = 0, Recipe (*change)(Recipe) = [](Recipe r) { return r; }) {
+void run_scenes(
+    const char* title, unsigned count, unsigned seed, Settings settings, Index patience = 0,
+    Recipe (*change)(Recipe) = [](Recipe r) { return r; }) {
   const Real accuracy = 10 * settings.tol;
   std::map<Status, unsigned> ends;
   std::map<Layer, unsigned> layers;  // that solved

@@ -81,8 +81,7 @@ Statics balance_at_bounded_pressure(const DenseMatrix& W, const CondensedProblem
   ContactProblem limited = problem.laws;
   limited.increment.law = Law::tresca;
   limited.increment.g.resize(p.size());
-  for (Index i = 0; i < p.size(); ++i)
-    limited.increment.g[i] = law_of(increment, i).limit(p[i]);
+  for (Index i = 0; i < p.size(); ++i) limited.increment.g[i] = law_of(increment, i).limit(p[i]);
   return balance(W, limited);
 }
 

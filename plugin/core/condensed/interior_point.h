@@ -13,9 +13,9 @@ namespace frictioncg {
 ///   s, r_N > 0,  g > |r_T|,  t > |x_T|,  g = mu r_N or given,
 /// and its end, tau = 0, obeys the laws: unilateral contact, and r_T = g x_T/|x_T| or x_T = 0.
 /// Of cohesion c and a cap,  a = c r_N/(r_N + fade s) + mu r_N,  (a - g)(cap - g) = theta a cap:
-/// theta falls with tau, and g becomes the lesser of a and cap; fade rises to 1, and open nodes lose
-/// their cohesion, once those that close are told from them.
-/// Everything is scaled by D^{1/2}. A step is Newton's, along Mehrotra's predictor and corrector.
+/// theta falls with tau, and g becomes the lesser of a and cap; fade rises to 1, and open nodes
+/// lose their cohesion, once those that close are told from them. Everything is scaled by D^{1/2}.
+/// A step is Newton's, along Mehrotra's predictor and corrector.
 class CentralPath {
  public:
   explicit CentralPath(const CondensedProblem& problem);
@@ -68,7 +68,7 @@ class CentralPath {
   const ContactProblem& problem_;
   const std::unique_ptr<PathMatrix> K_;
   Observer* const observer_;
-  const Index nodes_, offset_;      ///< dofs that the path leaves out come first
+  const Index nodes_, offset_;  ///< dofs that the path leaves out come first
   /// unit = D^{1/2}; the others in its units. g: given limits
   Vector unit_, f_, gap_, mu_, g_, cohesion_, cap_;
   std::vector<char> closes_, rubs_, bends_;

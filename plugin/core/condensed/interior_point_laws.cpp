@@ -42,8 +42,8 @@ void CentralPath::linearize(Real tau, const Point* before) {
   }
 }
 
-/// With r = r_T, x = x_T, and dg = g_N dN + g_s ds = (g_N - g_s/omega) dN + g_s (left + alpha/omega),
-/// as dN = alpha + omega dy and ds = left - dy:
+/// With r = r_T, x = x_T, and dg = g_N dN + g_s ds = (g_N - g_s/omega) dN + g_s (left +
+/// alpha/omega), as dN = alpha + omega dy and ds = left - dy:
 ///   g dt + t dg - r.dx - x.dr = tau - (g t - r.x)
 ///   t dr + r dt - g dx - x dg = -(t r - g x)
 /// dt from the first, in the second:

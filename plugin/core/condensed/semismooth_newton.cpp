@@ -238,7 +238,8 @@ std::size_t SemismoothNewton::fingerprint() const {
     // directions in 3D converge; only which branch, and in 2D the sense, can cycle
     const std::size_t sense =
         problem_.laws.system->dimension == 2 && !b.stick ? 1 + (b.d[0] > 0) : 0;
-    hash = (hash ^ (b.closed + 2 * b.stick + 4 * sense + 16 * b.capped + 32 * b.touching)) * 1099511628211u;
+    hash = (hash ^ (b.closed + 2 * b.stick + 4 * sense + 16 * b.capped + 32 * b.touching)) *
+           1099511628211u;
   }
   return hash;
 }

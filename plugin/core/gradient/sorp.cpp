@@ -121,9 +121,9 @@ Real Sorp::violation(const Vector& x, const Vector& g, Tangents tangents) {
   Real sum = (residual_.head(interior).array().square() / w.head(interior).array()).sum();
   for (Index i = 0; i < problem_.nodes(); ++i) {
     const Index N = problem_.system->first[i], size = problem_.tangents(i) + 1;
-    const Violation v =
-        frictioncg::violation(given_limit(g[i], problem_.increment.bilateral), problem_.increment.gap[i],
-                              w.segment(N, size), x.segment(N, size), residual_.segment(N, size));
+    const Violation v = frictioncg::violation(given_limit(g[i], problem_.increment.bilateral),
+                                              problem_.increment.gap[i], w.segment(N, size),
+                                              x.segment(N, size), residual_.segment(N, size));
     sum += v.normal + (tangents == Tangents::sliding ? v.friction : 0);
   }
   return std::sqrt(sum);

@@ -173,8 +173,8 @@ class Resistance {
       const NodeLaw law = law_of(increment, i);
       const bool closes = std::isfinite(increment.gap[i]);
       const Real sense = increment.bilateral && w[N] < 0 ? -1 : 1;
-      const Bounded bounded = closes ? at_most(law, sense * w[N], slide)
-                                     : Bounded{0, law.open_limit()};
+      const Bounded bounded =
+          closes ? at_most(law, sense * w[N], slide) : Bounded{0, law.open_limit()};
       friction += bounded.shear * along;
       if (bounded.pressure > 0)
         friction.head(k) += bounded.pressure * sense * W_.row(N).transpose();
@@ -224,8 +224,7 @@ class Resistance {
     Real pressure, shear;
   };
   Bounded at_most(const NodeLaw& law, Real w_N, Real slide) const {
-    const bool grows =
-        is_capped(law) && law.mu > 0 && law.cap > law.c && w_N + law.mu * slide > 0;
+    const bool grows = is_capped(law) && law.mu > 0 && law.cap > law.c && w_N + law.mu * slide > 0;
     if (!grows) return {0, law.limit(0)};
     return {std::min((law.cap - law.c) / law.mu, largest_), law.cap};
   }

@@ -65,15 +65,14 @@ TEST(Law, ANodeThatTouchesWithoutAForceBearsAnyPartOfItsCohesion) {
   const Vector w = Eigen::Vector2d(4, 9);
   const NodeLaw law{0.5, 3};
   const auto miss = [&](Real x_N, Real x_T, Real r_N, Real r_T) {
-    const Violation v =
-        violation(law, 0, w, Eigen::Vector2d(x_N, x_T), Eigen::Vector2d(r_N, r_T));
+    const Violation v = violation(law, 0, w, Eigen::Vector2d(x_N, x_T), Eigen::Vector2d(r_N, r_T));
     return std::sqrt(v.normal + v.friction);
   };
-  EXPECT_NEAR(miss(0, 0, 0, 3), 0, 1e-15);       // sticks
-  EXPECT_NEAR(miss(0, 1, 0, 3), 0, 1e-15);       // slips at the limit
-  EXPECT_NEAR(miss(0, 1, 0, 2), 0, 1e-15);       // opens
-  EXPECT_NEAR(miss(0, 1, 0, 0), 0, 1e-15);       // as if open
-  EXPECT_NEAR(miss(0, 1, 0, 3.6), 0.2, 1e-15);   // no more than all of it
+  EXPECT_NEAR(miss(0, 0, 0, 3), 0, 1e-15);         // sticks
+  EXPECT_NEAR(miss(0, 1, 0, 3), 0, 1e-15);         // slips at the limit
+  EXPECT_NEAR(miss(0, 1, 0, 2), 0, 1e-15);         // opens
+  EXPECT_NEAR(miss(0, 1, 0, 0), 0, 1e-15);         // as if open
+  EXPECT_NEAR(miss(0, 1, 0, 3.6), 0.2, 1e-15);     // no more than all of it
   EXPECT_NEAR(miss(0, -1, 0, 2), 2.0 / 3, 1e-15);  // along the slip
   EXPECT_NEAR(miss(-1e-9, 1, 0, 2), 2e-9, 1e-15);
   EXPECT_NEAR(miss(0, 1, 1e-9, 2), 0.5e-9, 1e-15);
