@@ -342,8 +342,10 @@ TEST(States, AreThoseOfTheForcesOfASolvedBlock) {
 namespace {
 
 /// State of one node on springs k = (4, 9) at x, with the force (r_N, r_T) left to the obstacle.
-NodeState state(Law law, Real coefficient, Eigen::Vector2d x, Eigen::Vector2d r, Real gap = 0) {
+NodeState state(Law law, Real coefficient, Eigen::Vector2d x, Eigen::Vector2d r, Real gap = 0,
+                Real cohesion = 0) {
   ContactProblem p = one_node(law, coefficient);
+  p.increment.cohesion = Vector::Constant(1, cohesion);
   p.increment.gap[0] = gap;
   p.increment.F = r + Eigen::Vector2d(4 * x[0], 9 * x[1]);
   p.increment.load_norm = 100;  // the scale is 1
@@ -351,6 +353,13 @@ NodeState state(Law law, Real coefficient, Eigen::Vector2d x, Eigen::Vector2d r,
 }
 
 }  // namespace
+
+TEST(States, ANodeThatTouchesByItsCohesionAloneSlidesWhereItHasMoved) {
+  EXPECT_EQ(state(Law::coulomb, 0.3, {0, 0}, {0, 0.2}, 0, 0.5), NodeState::stick);
+  EXPECT_EQ(state(Law::coulomb, 0.3, {0, 1e-3}, {0, 0.2}, 0, 0.5), NodeState::slip);
+  EXPECT_EQ(state(Law::coulomb, 0.3, {0, 0}, {0.1, 0.2}, 0, 0.5), NodeState::stick);
+  EXPECT_EQ(state(Law::coulomb, 0.3, {0, 1}, {0.1, 0.53}, 0, 0.5), NodeState::slip);
+}
 
 TEST(States, ANodeIsSeparatedBeyondRoundingOnly) {
   EXPECT_EQ(state(Law::coulomb, 0.3, {-1, 0}, {0, 0}), NodeState::separated);
