@@ -222,7 +222,7 @@ void CentralPath::choose_bends(Real fall) {
     if (!bends_[i]) continue;
     auto T = at_.T.segment(normal(i) + 1, tangents(i));
     const Real most = bent_limit(i, at_).g, size = T.norm();
-    if (size >= most) T *= most_of_room * most / size;
+    if (size >= most) T *= (1 - least_distance) * most / size;
   }
 }
 
