@@ -1,21 +1,21 @@
 #pragma once
-#include "linear_algebra.h"
 #include "multigrid/hierarchy.h"
 
 namespace frictioncg {
 
-/// A hierarchy H of the bodies v, and an exact coarse correction along the motions q of obstacles,
-/// whose rows of A are dense. Z (n x k) moves an obstacle by 1, with it what the faces fix to it,
-/// and the bodies about as they follow, S = Z'AZ, A being truncated:
+/// A hierarchy of the bodies v that carries the motions q of obstacles, whose rows of A are dense,
+/// on every level. Z (n x k) moves an obstacle by 1, with it what the faces fix to it, and nothing
+/// else; in x = v + Z q the truncated A is
 ///
-///   t = S^{-1} Z'r,   y = H (r - AZ t),   z = y + Z (t - S^{-1} (AZ)'y)
+///   [A_v  B ]      B = (A Z)_v,  S = Z'A Z,
+///   [B'   S ]
 ///
-/// symmetric and definite whatever Z is. Truncations that change much bring Z nearer to how the
-/// bodies follow, A Z = 0 on v, by one cycle for each motion.
+/// B has rows at the contact nodes and beside them alone, and aggregates move with an obstacle as
+/// rigidly as with the ground.
 class BorderedHierarchy final : public Hierarchy {
  public:
   /// bodies: of A without the border of the system, which is kept.
-  BorderedHierarchy(const System& system, std::unique_ptr<Hierarchy> bodies);
+  BorderedHierarchy(const System& system, std::unique_ptr<LevelHierarchy> bodies);
 
   void truncate(const std::vector<char>& fixed, const std::vector<TangentialStiffness>& W,
                 const Vector& springs) override;
@@ -25,18 +25,17 @@ class BorderedHierarchy final : public Hierarchy {
   double bytes() const override;
 
  private:
-  Index fix(const std::vector<char>& fixed);
-  void follow();
-  void form(const std::vector<TangentialStiffness>& W, const Vector& springs);
-  void cycle(const Vector& r, Vector& y);
+  Border border(const std::vector<char>& fixed, const std::vector<TangentialStiffness>& W,
+                const Vector& springs) const;
 
   const System& system_;
-  const std::unique_ptr<Hierarchy> bodies_;
-  const Index first_, border_;  ///< of the dofs q
-  std::vector<char> fixed_;     ///< contact dofs
-  DenseMatrix Z_, AZ_;          ///< n x k, A not truncated
-  DenseMatrix T_, S_;           ///< n x k, k x k, A truncated
-  Vector r_v_, z_v_, y_, rest_;
+  const std::unique_ptr<LevelHierarchy> bodies_;
+  const Index first_, border_;    ///< of the dofs q
+  const DenseMatrix at_contact_;  ///< contact_dofs x k, of the system's border
+  std::vector<Index> near_;       ///< the contact dofs and those beside them, without q
+  std::vector<Index> place_;      ///< n, in near_, or -1
+  Matrix Z_;
+  Vector r_, z_;  ///< of (v, q)
 };
 
 /// A without the rows and columns of the border.

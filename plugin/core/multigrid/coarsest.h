@@ -1,6 +1,5 @@
 #pragma once
 #include <Eigen/Cholesky>
-#include <vector>
 
 #include "types.h"
 
@@ -13,14 +12,12 @@ class CoarsestSolver {
   /// away: by `shift` of the diagonal, or tenfold as often as it takes.
   void factor(Eigen::MatrixXd A, Real shift);
   bool factored() const { return A_.size() > 0; }
-  void solve(const std::vector<float>& r, std::vector<float>& z);
   void solve(Vector& z) const { llt_.solveInPlace(z); }
   double bytes() const { return 2.0 * sizeof(Real) * double(A_.size()); }
 
  private:
   Eigen::MatrixXd A_;
   Eigen::LLT<Eigen::MatrixXd> llt_;
-  Vector x_;
 };
 
 }  // namespace frictioncg

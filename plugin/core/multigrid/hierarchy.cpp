@@ -1,5 +1,6 @@
 #include "multigrid/hierarchy.h"
 
+#include "linear_algebra.h"
 #include "multigrid/coarsest.h"
 #include "multigrid/dense.h"
 #include "multigrid/dense_hierarchy.h"
@@ -31,12 +32,13 @@ Coarsening coarsening(int dimension, bool fine) {
 
 /// D slots a node on the fine level, K modes a node on the coarse ones.
 template <int D, int K>
-class HierarchyOf final : public Hierarchy {
+class HierarchyOf final : public LevelHierarchy {
  public:
   HierarchyOf(const Matrix& A, const NodeBlocks& blocks, const Eigen::MatrixXd& modes,
               const HierarchyOptions& options);
   void truncate(const std::vector<char>& fixed, const std::vector<TangentialStiffness>& W,
                 const Vector& springs) override;
+  void join(const Border& border) override;
   void apply(const Vector& r, Vector& z) override;
   Index levels() const override { return static_cast<Index>(1 + coarse_.size()); }
   Real operator_complexity() const override;
@@ -65,6 +67,8 @@ class HierarchyOf final : public Hierarchy {
   GalerkinProduct<D, K> fine_product_;
   GalerkinProduct<K, K> product_;
   CoarsestSolver coarsest_;
+  DenseMatrix S_;  ///< of the border, scaled; 0 x 0 without one
+  Vector x_;       ///< on the coarsest level
 };
 
 template <int D, int K>
@@ -161,24 +165,71 @@ void HierarchyOf<D, K>::truncate(const std::vector<char>& fixed,
     level.touched.add(1, level.base, level.A);
     for (const Index i : level.touched.rows) invert_diagonal(level.A, i);
   }
+  restrict_border(fine_.P, fine_.border, coarse_.front().border);
+  for (std::size_t l = 0; l + 1 < coarse_.size(); ++l)
+    restrict_border(coarse_[l].P, coarse_[l].border, coarse_[l + 1].border);
   factor_coarsest();
 }
 
 template <int D, int K>
+void HierarchyOf<D, K>::join(const Border& border) {
+  LevelBorder<D>& fine = fine_.border;
+  S_ = scale_ * border.S;
+  std::vector<Index> at(blocks_.blocks, -1);
+  fine.block.clear();
+  for (const Index p : border.row) {
+    const Index i = blocks_.slot[p] / D;
+    if (at[i] >= 0) continue;
+    at[i] = static_cast<Index>(fine.block.size());
+    fine.block.push_back(i);
+  }
+  fine.B.setZero(Eigen::Index(fine.block.size()) * D, S_.cols());
+  for (std::size_t b = 0; b < border.row.size(); ++b) {
+    const Index slot = blocks_.slot[border.row[b]];
+    fine.B.row(at[slot / D] * D + slot % D) =
+        (scale_ * border.B.row(Eigen::Index(b))).template cast<float>();
+  }
+  fine.allocate(S_.cols());
+  for (Coarse& level : coarse_) level.border.allocate(S_.cols());
+}
+
+template <int D, int K>
 void HierarchyOf<D, K>::factor_coarsest() {
-  const bool small = std::size_t(coarse_.back().A.rows()) * K <= most;
-  if (small) coarsest_.factor(matrix(levels() - 1), shift);
+  const Coarse& level = coarse_.back();
+  const Eigen::Index n = Eigen::Index(level.A.rows()) * K, k = S_.cols();
+  if (std::size_t(n) > most) return;
+  x_.resize(n + k);
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n + k, n + k);
+  A.topLeftCorner(n, n) = matrix(levels() - 1);
+  A.bottomRightCorner(k, k) = S_;
+  for (std::size_t b = 0; b < level.border.block.size(); ++b) {
+    const Eigen::Index first = Eigen::Index(level.border.block[b]) * K;
+    A.block(first, n, K, k) =
+        level.border.B.template middleRows<K>(Eigen::Index(b) * K).template cast<Real>();
+    A.block(n, first, k, K) = A.block(first, n, K, k).transpose();
+  }
+  coarsest_.factor(std::move(A), shift);
 }
 
 template <int D, int K>
 void HierarchyOf<D, K>::solve_coarsest(Coarse& level) {
+  LevelBorder<K>& q = level.border;
+  const Eigen::Index n = Eigen::Index(level.r.size());
   if (coarsest_.factored()) {
-    coarsest_.solve(level.r, level.z);
+    x_ << Eigen::Map<Eigen::VectorXf>(level.r.data(), n).template cast<Real>(), q.r;
+    coarsest_.solve(x_);
+    Eigen::Map<Eigen::VectorXf>(level.z.data(), n) = x_.head(n).template cast<float>();
+    q.z = x_.tail(q.z.size());
     return;
   }
   level.work = level.r;
   sweep_forward(level.A, level.work.data(), level.z.data());
   level.work = level.r;
+  if (S_.size() > 0) {
+    q.subtract_transposed(level.z.data(), q.r);
+    q.z = solve(S_, q.r);
+    q.subtract(q.z, level.work.data());
+  }
   sweep_backward(level.A, level.work.data(), level.z.data());
 }
 
@@ -190,11 +241,18 @@ void HierarchyOf<D, K>::correct(std::size_t next) {
     solve_coarsest(coarse);
     return;
   }
+  LevelBorder<K>& q = coarse.border;
   cycle(coarse, next + 1);
   coarse.r.swap(coarse.first_r);
   coarse.z.swap(coarse.first_z);
+  q.r.swap(q.first_r);
+  q.z.swap(q.first_z);
   subtract_product(coarse.A, coarse.first_r.data(), coarse.first_z.data(), coarse.r.data());
+  q.subtract(q.first_z, coarse.r.data());
+  q.r = q.first_r - S_.lazyProduct(q.first_z);
+  q.subtract_transposed(coarse.first_z.data(), q.r);
   cycle(coarse, next + 1);
+  q.z += q.first_z;
   for (std::size_t k = 0; k < coarse.z.size(); ++k) coarse.z[k] += coarse.first_z[k];
 }
 
@@ -207,10 +265,14 @@ void HierarchyOf<D, K>::cycle(Level<B, K>& level, std::size_t next) {
   sweep_forward(level.A, level.residual.data(), level.work.data());
   for (std::size_t k = 0; k < level.z.size(); ++k) level.z[k] += level.work[k];
   restrict_to(level.P, level.residual.data(), coarse_[next].r);
+  coarse_[next].border.r = level.border.r;
+  level.border.subtract_transposed(level.z.data(), coarse_[next].border.r);
   correct(next);
   prolong(level.P, coarse_[next].z.data(), level.z.data());
+  level.border.z = coarse_[next].border.z;
   for (int sweep = 0; sweep < 2; ++sweep) {
     level.work = level.r;
+    level.border.subtract(level.border.z, level.work.data());
     sweep_backward(level.A, level.work.data(), level.z.data());
   }
 }
@@ -224,10 +286,13 @@ void HierarchyOf<D, K>::apply(const Vector& r, Vector& z) {
     return;
   }
   // to order 1 and back: single precision keeps its range
-  for (Eigen::Index p = 0; p < r.size(); ++p)
+  const Eigen::Index k = S_.cols();
+  for (Index p = 0; p < blocks_.dofs(); ++p)
     fine_.r[blocks_.slot[p]] = static_cast<float>(r[p] / size);
+  fine_.border.r = r.tail(k) / size;
   cycle(fine_, 0);
-  for (Eigen::Index p = 0; p < r.size(); ++p) z[p] = size * scale_ * fine_.z[blocks_.slot[p]];
+  for (Index p = 0; p < blocks_.dofs(); ++p) z[p] = size * scale_ * fine_.z[blocks_.slot[p]];
+  z.tail(k) = size * scale_ * fine_.border.z;
 }
 
 template <int D, int K>
@@ -259,12 +324,18 @@ Eigen::MatrixXd HierarchyOf<D, K>::prolongation(Index level) const {
 
 }  // namespace
 
+std::unique_ptr<LevelHierarchy> make_levels(const Matrix& A, const NodeBlocks& blocks,
+                                            const Eigen::MatrixXd& modes,
+                                            const HierarchyOptions& options) {
+  if (blocks.size == 2) return std::make_unique<HierarchyOf<2, 3>>(A, blocks, modes, options);
+  return std::make_unique<HierarchyOf<3, 6>>(A, blocks, modes, options);
+}
+
 std::unique_ptr<Hierarchy> make_hierarchy(const Matrix& A, const NodeBlocks& blocks,
                                           const Eigen::MatrixXd& modes,
                                           const HierarchyOptions& options) {
   if (blocks.dofs() <= options.dense) return std::make_unique<DenseHierarchy>(A);
-  if (blocks.size == 2) return std::make_unique<HierarchyOf<2, 3>>(A, blocks, modes, options);
-  return std::make_unique<HierarchyOf<3, 6>>(A, blocks, modes, options);
+  return make_levels(A, blocks, modes, options);
 }
 
 }  // namespace frictioncg

@@ -52,7 +52,27 @@ struct HierarchyOptions {
   Index dense = 300;     ///< dofs of A up to which one on the fine level itself does
 };
 
+/// k unknowns q beside the n of a truncated A:   [A B; B' S]
+struct Border {
+  std::vector<Index> row;  ///< those of B that may not be 0
+  DenseMatrix B;           ///< rows of `row` x k, 0 on fixed dofs
+  DenseMatrix S;           ///< k x k, definite where A is
+};
+
+/// A hierarchy that carries the unknowns of a border from level to level, as they are: they are
+/// solved for on the coarsest one.
+class LevelHierarchy : public Hierarchy {
+ public:
+  /// From the next truncation on; r and z have n + k entries then.
+  virtual void join(const Border& border) = 0;
+};
+
 /// modes (n x 3 in 2D, n x 6 in 3D): rigid motions, see rigid_modes. A is not kept.
+std::unique_ptr<LevelHierarchy> make_levels(const Matrix& A, const NodeBlocks& blocks,
+                                            const Eigen::MatrixXd& modes,
+                                            const HierarchyOptions& options = {});
+
+/// The same, or where A is small, its dense factor.
 std::unique_ptr<Hierarchy> make_hierarchy(const Matrix& A, const NodeBlocks& blocks,
                                           const Eigen::MatrixXd& modes,
                                           const HierarchyOptions& options = {});

@@ -26,7 +26,7 @@ template <int B, int K>
 double Level<B, K>::bytes() const {
   return bytes_of(A.row) + bytes_of(A.col) + bytes_of(A.value) + bytes_of(A.diagonal) +
          bytes_of(A.inverse) + bytes_of(P.row) + bytes_of(P.col) + bytes_of(P.value) +
-         bytes_of(touched.lower) + bytes_of(base) + vectors * bytes_of(r);
+         bytes_of(touched.lower) + bytes_of(base) + vectors * bytes_of(r) + border.bytes();
 }
 
 template <int B, int K>

@@ -1,4 +1,5 @@
 #pragma once
+#include "multigrid/border.h"
 #include "multigrid/prolongation.h"
 #include "multigrid/touched.h"
 
@@ -13,6 +14,7 @@ struct Level {
   std::vector<float> base;  ///< of the touched blocks, what the interior gives them
   std::vector<float> r, z, work, residual;
   std::vector<float> first_r, first_z;  ///< of the first of two cycles
+  LevelBorder<B> border;
 
   void allocate() {
     for (std::vector<float>* v : {&r, &z, &work, &residual, &first_r, &first_z})

@@ -1,4 +1,5 @@
 #include "multigrid/bordered_hierarchy.h"
+#include "multigrid/dense_hierarchy.h"
 
 namespace frictioncg {
 
@@ -22,6 +23,7 @@ std::unique_ptr<Hierarchy> make_hierarchy(const System& system, const HierarchyO
   const bool fits =
       modes.rows() == system.dofs() && modes.cols() == (system.dimension == 2 ? 3 : 6);
   if (!fits) return nullptr;
+  if (system.dofs() <= options.dense) return std::make_unique<DenseHierarchy>(system.A);
   if (const Index k = static_cast<Index>(system.border.cols())) {
     const Index end = system.interior(), behind = system.contact_dofs();
     std::vector<Index> mesh_node = system.mesh_node;
@@ -30,7 +32,7 @@ std::unique_ptr<Hierarchy> make_hierarchy(const System& system, const HierarchyO
     of_bodies << modes.topRows(end - k), modes.bottomRows(behind);
     const NodeBlocks blocks = make_node_blocks(mesh_node, system.dimension, end - k);
     return std::make_unique<BorderedHierarchy>(
-        system, make_hierarchy(without_border(system), blocks, of_bodies, options));
+        system, make_levels(without_border(system), blocks, of_bodies, options));
   }
   const NodeBlocks blocks = make_node_blocks(system.mesh_node, system.dimension, system.interior());
   return make_hierarchy(system.A, blocks, modes, options);
