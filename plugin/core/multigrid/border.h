@@ -26,9 +26,8 @@ struct LevelBorder {
   void subtract_transposed(const float* v, Vector& q) const {
     for (std::size_t b = 0; b < block.size(); ++b)
       for (int s = 0; s < R; ++s)
-        q -= (v[std::size_t(block[b]) * R + s] * B.row(Eigen::Index(b) * R + s))
-                 .transpose()
-                 .template cast<Real>();
+        q -= Real(v[std::size_t(block[b]) * R + s]) *
+             B.row(Eigen::Index(b) * R + s).transpose().template cast<Real>();
   }
   void allocate(Eigen::Index k) {
     for (Vector* q : {&r, &z, &first_r, &first_z}) q->setZero(k);
