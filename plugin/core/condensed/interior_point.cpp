@@ -23,13 +23,6 @@ constexpr Real far_down = 1e-13;
 constexpr int patience = 12;       ///< steps in which the mean product must halve
 constexpr Index most_steps = 60;   ///< slender bodies take up to 20
 constexpr Real stuck_step = 1e-8;  ///< a step that leads nowhere
-/// Largest theta: half of the least of a and cap is then left of the limit at least.
-constexpr Real first_theta = 0.25;
-/// Least fade, over the least r_N/s of the start: of a load that cohesion alone holds nothing may
-/// be missing where it is not yet told which nodes close. No less than leaves the path some decades
-/// with all of it.
-constexpr Real first_fade = 1e-2, least_fade = 1e-9;
-constexpr Real shorter = 0.7;  ///< of a step that bent limits do not leave room for
 
 constexpr Real infinity = std::numeric_limits<Real>::infinity();
 
@@ -64,11 +57,9 @@ CentralPath::CentralPath(const ContactProblem& laws, std::unique_ptr<PathMatrix>
       gap_(Vector::Zero(nodes_)),
       mu_(gap_),
       g_(gap_),
-      cohesion_(gap_),
       cap_(Vector::Constant(nodes_, infinity)),
       closes_(nodes_, 0),
-      rubs_(nodes_, 0),
-      bends_(nodes_, 0) {
+      rubs_(nodes_, 0) {
   const Increment& increment = laws.increment;
   for (Index i = 0; i < nodes_; ++i) {
     const Index N = normal(i);
@@ -76,14 +67,11 @@ CentralPath::CentralPath(const ContactProblem& laws, std::unique_ptr<PathMatrix>
     closes_[i] = std::isfinite(increment.gap[i]);
     if (closes_[i]) gap_[i] = increment.gap[i] * unit_[N];
     if (tangents(i) == 0 || !law.has_friction()) continue;
-    g_[i] = law.open_limit() / unit_[N + 1];
+    g_[i] = (closes_[i] ? law.c : law.open_limit()) / unit_[N + 1];
+    cap_[i] = law.cap / unit_[N + 1];
     if (closes_[i]) mu_[i] = law.mu * unit_[N] / unit_[N + 1];
     rubs_[i] = closes_[i] || g_[i] > 0;
     symmetric_ = symmetric_ && !rubs_[i];
-    bends_[i] = closes_[i] && (law.coheres() || std::isfinite(law.cap));
-    if (!bends_[i]) continue;
-    cohesion_[i] = law.c / unit_[N + 1];
-    cap_[i] = law.cap / unit_[N + 1];
   }
 }
 
@@ -99,11 +87,6 @@ bool CentralPath::start() {
   at_.s = at_.N = at_.t = Vector::Zero(nodes_);
   at_.T = Vector::Zero(at_.y.size());
   make_positive();
-  Real ratio = 1;
-  for (Index i = 0; i < nodes_; ++i)
-    if (closes_[i]) ratio = std::min(ratio, at_.N[i] / at_.s[i]);
-  first_fade_ = std::max(first_fade * ratio, least_fade);
-  choose_bends(1);
   const Real tau = mean_product(at_);
   for (Index i = 0; i < nodes_; ++i) {
     if (!rubs_[i]) continue;
@@ -191,8 +174,8 @@ CentralPath::Point CentralPath::step() {
     const auto dx = d.y.segment(T, k);
     auto dr = d.T.segment(T, k);
     dr += friction_.B.block(T, 0, k, k) * dx + friction_.e.segment(T, k) * d.N[i];
-    d.t[i] = (friction_.rest[i] - at_.t[i] * by_N_[i] * d.N[i] - at_.t[i] * by_s_[i] * d.s[i] +
-              at_.T.segment(T, k).dot(dx) + at_.y.segment(T, k).dot(dr)) /
+    d.t[i] = (friction_.rest[i] - at_.t[i] * slope(i) * d.N[i] + at_.T.segment(T, k).dot(dx) +
+              at_.y.segment(T, k).dot(dr)) /
              limit(i, at_);
   }
   return d;
@@ -207,32 +190,21 @@ Real CentralPath::room(const Point& d) const {
     if (!rubs_[i]) continue;
     const Index T = normal(i) + 1, k = tangents(i);
     room = std::min(
-        {room, room_in_cone(limit(i, at_), at_.T.segment(T, k), change(i, d), d.T.segment(T, k)),
+        {room,
+         room_in_cone(limit(i, at_), at_.T.segment(T, k), slope(i) * d.N[i], d.T.segment(T, k)),
          room_in_cone(at_.t[i], at_.y.segment(T, k), d.t[i], d.y.segment(T, k))});
   }
   return room;
 }
 
-/// How far the limits are bent where tau has come down to `fall` of what it was; shear that a limit
-/// leaves behind is cut off.
-void CentralPath::choose_bends(Real fall) {
-  theta_ = first_theta * std::min<Real>(fall, 1);
-  fade_ = std::min<Real>(first_fade_ / fall, 1);
+/// A step takes the limit for linear: where its cap turns it down, shear beyond it is cut off.
+void CentralPath::cut_shear() {
   for (Index i = 0; i < nodes_; ++i) {
-    if (!bends_[i]) continue;
+    if (!rubs_[i] || !std::isfinite(cap_[i])) continue;
     auto T = at_.T.segment(normal(i) + 1, tangents(i));
-    const Real most = bent_limit(i, at_).g, size = T.norm();
+    const Real most = limit(i, at_), size = T.norm();
     if (size >= most) T *= (1 - least_distance) * most / size;
   }
-}
-
-/// Whether bent limits, which a step takes for linear, are above their shear.
-bool CentralPath::inside(const Point& p) const {
-  for (Index i = 0; i < nodes_; ++i)
-    if (bends_[i] && rubs_[i] &&
-        !(p.T.segment(normal(i) + 1, tangents(i)).norm() < bent_limit(i, p).g))
-      return false;
-  return true;
 }
 
 void CentralPath::move(Point& p, const Point& d, Real part) const {
@@ -251,7 +223,6 @@ Index CentralPath::follow(Index max_steps) {
   for (const Index most = std::min(max_steps, most_steps); steps < most;) {
     const Real mean = mean_product(at_);
     if (mean <= goal) break;
-    choose_bends(far_down * mean / goal);
     if (steps > 0 && steps % patience == 0) {
       if (!(mean <= 0.5 * mark)) break;
       mark = mean;
@@ -267,14 +238,10 @@ Index CentralPath::follow(Index max_steps) {
     linearize(std::min<Real>(std::pow(falls_to, 3), 1) * mean, &predictor);
     const Point d = step();
     const Real of_room = 1 - std::min(least_distance, mean / first);
-    Real part = std::min<Real>(1, of_room * room(d));
-    if (!d.y.allFinite()) break;
-    for (ahead = at_; part > stuck_step; part *= shorter, ahead = at_) {
-      move(ahead, d, part);
-      if (inside(ahead)) break;
-    }
-    if (!(part > stuck_step)) break;
-    at_ = std::move(ahead);
+    const Real part = std::min<Real>(1, of_room * room(d));
+    if (!d.y.allFinite() || !(part > stuck_step)) break;
+    move(at_, d, part);
+    cut_shear();
   }
   return steps;
 }

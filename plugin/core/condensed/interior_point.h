@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <memory>
 
 #include "condensed/attempt.h"
@@ -10,12 +11,11 @@ namespace frictioncg {
 /// and soft bodies each node that opens or closes moves all others. With s = gap - x_N, and t_i a
 /// bound on the slip, the central path is
 ///   S x + r = f,   s r_N = tau,   g t - r_T.x_T = tau,   t r_T - g x_T = 0,
-///   s, r_N > 0,  g > |r_T|,  t > |x_T|,  g = mu r_N or given,
-/// and its end, tau = 0, obeys the laws: unilateral contact, and r_T = g x_T/|x_T| or x_T = 0.
-/// Of cohesion c and a cap,  a = c r_N/(r_N + fade s) + mu r_N,  (a - g)(cap - g) = theta a cap:
-/// theta falls with tau, and g becomes the lesser of a and cap; fade rises to 1, and open nodes
-/// lose their cohesion, once those that close are told from them. Everything is scaled by D^{1/2}.
-/// A step is Newton's, along Mehrotra's predictor and corrector.
+///   s, r_N > 0,  g > |r_T|,  t > |x_T|,  g = min(c + mu r_N, cap) or given,
+/// and its end, tau = 0, obeys the laws: unilateral contact, and r_T = g x_T/|x_T| or x_T = 0. Only
+/// cohesion c is not theirs: open nodes keep it along the path, and lose it to Newton's method
+/// after it. Everything is scaled by D^{1/2}. A step is Newton's, along Mehrotra's predictor and
+/// corrector.
 class CentralPath {
  public:
   explicit CentralPath(const CondensedProblem& problem);
@@ -50,18 +50,11 @@ class CentralPath {
   Point step();
   Real room(const Point& d) const;
   void move(Point& p, const Point& d, Real part) const;
-  Real limit(Index i, const Point& p) const {
-    return bends_[i] ? bent_limit(i, p).g : mu_[i] * p.N[i] + g_[i];
-  }
-  /// The limit of a node that has cohesion or a cap, and its derivatives.
-  struct Bent {
-    Real g, by_N, by_s;
-  };
-  Bent bent_limit(Index i, const Point& p) const;
-  /// Of the limit, along d.
-  Real change(Index i, const Point& d) const { return by_N_[i] * d.N[i] + by_s_[i] * d.s[i]; }
-  bool inside(const Point& p) const;
-  void choose_bends(Real fall);
+  void cut_shear();
+  Real uncapped(Index i, const Point& p) const { return mu_[i] * p.N[i] + g_[i]; }
+  Real limit(Index i, const Point& p) const { return std::min(uncapped(i, p), cap_[i]); }
+  /// Of the limit, over r_N.
+  Real slope(Index i) const { return uncapped(i, at_) < cap_[i] ? mu_[i] : 0; }
   Index normal(Index i) const { return problem_.system->first[i] - offset_; }
   Index tangents(Index i) const { return problem_.tangents(i); }
 
@@ -69,13 +62,11 @@ class CentralPath {
   const std::unique_ptr<PathMatrix> K_;
   Observer* const observer_;
   const Index nodes_, offset_;  ///< dofs that the path leaves out come first
-  /// unit = D^{1/2}; the others in its units. g: given limits
-  Vector unit_, f_, gap_, mu_, g_, cohesion_, cap_;
-  std::vector<char> closes_, rubs_, bends_;
-  Real theta_ = 1, fade_ = 1, first_fade_ = 1;
+  /// unit = D^{1/2}; the others in its units. g: given limits, or cohesion
+  Vector unit_, f_, gap_, mu_, g_, cap_;
+  std::vector<char> closes_, rubs_;
   bool symmetric_ = true;
   Vector alpha_, omega_;  ///< m: dr_N = alpha + omega dx_N
-  Vector by_N_, by_s_;    ///< m: dg = by_N dr_N + by_s ds
   Friction friction_;
   Point at_;
 };

@@ -4,20 +4,6 @@
 
 namespace frictioncg {
 
-/// With a = c N/(N + fade s) + mu N, the lesser root of g^2 - (a + cap) g + (1 - theta) a cap = 0.
-CentralPath::Bent CentralPath::bent_limit(Index i, const Point& p) const {
-  const Real N = p.N[i], s = p.s[i], sum = N + fade_ * s, share = N / sum;
-  const Real a = cohesion_[i] * share + mu_[i] * N;
-  const Real a_N = cohesion_[i] * (1 - share) / sum + mu_[i];
-  const Real a_s = -cohesion_[i] * share * fade_ / sum;
-  const Real cap = cap_[i];
-  if (!std::isfinite(cap)) return {a, a_N, a_s};
-  const Real root = std::sqrt((a - cap) * (a - cap) + 4 * theta_ * a * cap);
-  const Real g = 2 * (1 - theta_) * a * cap / (a + cap + root);
-  const Real by_a = ((1 - theta_) * cap - g) / root;
-  return {g, by_a * a_N, by_a * a_s};
-}
-
 /// The laws of all nodes, linear in dy, for a target tau; before: the predictor, whose products
 /// they take into account.
 void CentralPath::linearize(Real tau, const Point* before) {
@@ -28,8 +14,6 @@ void CentralPath::linearize(Real tau, const Point* before) {
   friction_.e.setZero(n);
   friction_.B.setZero(n, most);
   friction_.rest.setZero(nodes_);
-  by_N_ = mu_;
-  by_s_.setZero(nodes_);
   for (Index i = 0; i < nodes_; ++i) {
     if (closes_[i]) {
       // s dN + N ds = tau - s N,  ds = (gap - y - s) - dy
@@ -42,40 +26,29 @@ void CentralPath::linearize(Real tau, const Point* before) {
   }
 }
 
-/// With r = r_T, x = x_T, and dg = g_N dN + g_s ds = (g_N - g_s/omega) dN + g_s (left +
-/// alpha/omega), as dN = alpha + omega dy and ds = left - dy:
+/// With r = r_T, x = x_T, and dg = mu dN:
 ///   g dt + t dg - r.dx - x.dr = tau - (g t - r.x)
 ///   t dr + r dt - g dx - x dg = -(t r - g x)
 /// dt from the first, in the second:
-///   (t I + r x'/g) dr = c - r c_t/g + (g I - r r'/g) dx + (x + r t/g) dg
+///   (t I + r x'/g) dr = c - r c_t/g + (g I - r r'/g) dx + (x + r t/g) slope dN
 void CentralPath::linearize_friction(Index i, Real tau, const Point* before) {
   using Small = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, 0, 2, 2>;
   const Index T = normal(i) + 1, d = tangents(i);
   const Tangent r = at_.T.segment(T, d), x = at_.y.segment(T, d);
-  Real g = limit(i, at_), slope = mu_[i], shift = 0;
-  if (bends_[i]) {
-    const Bent bent = bent_limit(i, at_);
-    const Real left = gap_[i] - at_.y[normal(i)] - at_.s[i];
-    by_N_[i] = bent.by_N;
-    by_s_[i] = bent.by_s;
-    slope = bent.by_N - bent.by_s / omega_[i];
-    shift = bent.by_s * (left + alpha_[i] / omega_[i]);
-  }
-  const Real t = at_.t[i];
+  const Real g = limit(i, at_), t = at_.t[i];
   Real& rest = friction_.rest[i];
   rest = tau - g * t + r.dot(x);
   Tangent c = g * x - t * r;
   if (before) {
     const Tangent dr = before->T.segment(T, d), dx = before->y.segment(T, d);
-    const Real dg = change(i, *before);
+    const Real dg = slope(i) * before->N[i];
     rest -= dg * before->t[i] - dr.dot(dx);
     c -= before->t[i] * dr - dg * dx;
   }
   const Small I = Small::Identity(d, d);
   const Small inverse = (I - r * x.transpose() / (g * t + r.dot(x))) / t;
-  if (bends_[i]) c += (x + r * (t / g)) * shift;
   friction_.a.segment(T, d) = inverse * (c - r * (rest / g));
-  friction_.e.segment(T, d) = inverse * (x + r * (t / g)) * slope;
+  friction_.e.segment(T, d) = inverse * (x + r * (t / g)) * slope(i);
   friction_.B.block(T, 0, d, d) = inverse * (g * I - r * r.transpose() / g);
 }
 

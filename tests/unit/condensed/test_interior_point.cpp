@@ -113,6 +113,23 @@ TEST(InteriorPoint, AnswersForStripsOnAFloorInAsManyStepsWhateverTheirMesh) {
     }
 }
 
+TEST(InteriorPoint, CohesionAndCapsAddFewSteps) {
+  for (int cells : {50, 100})
+    for (const auto& [cohesion, cap] : {std::pair{1., 1e300}, {0., 0.05}, {10., 5.}}) {
+      Scene s = lifted(cells, Law::coulomb, 0.2);
+      const Index m = static_cast<Index>(s.points.size());
+      s.cohesion = Vector::Constant(m, cohesion * 1e-3 / cells);
+      s.cap = Vector::Constant(m, cap * 1e-3 / cells);
+      const Posed posed = s.system();
+      const Solution a = solve(posed.problem(), Settings());
+      EXPECT_EQ(a.status, Status::converged) << cells << " " << cohesion << " " << cap;
+      EXPECT_EQ(a.layer, Layer::interior_point) << cells << " " << cohesion << " " << cap;
+      EXPECT_LE(a.iterations, 35) << cells << " " << cohesion << " " << cap;
+      const auto verdict = verify(s, posed.to_global(a.x), posed.force_to_global(a.certificate.r));
+      EXPECT_LT(verdict.worst(), 1e-5) << cells << " " << cohesion << " " << cap;
+    }
+}
+
 TEST(InteriorPoint, MultigridGivesWayToItWhereTheFacesOfAStripRunAway) {
   const Scene s = lifted(400, Law::coulomb, 0.2);
   std::vector<Index> node(s.n);
