@@ -1,6 +1,7 @@
 #pragma once
 #include "freefem.h"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string>
@@ -25,15 +26,14 @@ class Arguments {
         refuse(p,
                "belongs to contact of two bodies; name slave and master, as in "
                "frictionalContactCG(A, b, Vh, slave, master, ...)");
-    for (Parameter p : {p_obstacle, p_obstaclegap, p_obstaclenormal, p_obstacleforce})
+    for (Parameter p : of_obstacle_beside_pairs)
       if (!two_bodies && has(p))
         refuse(p,
                "belongs to an obstacle beside pairs of bodies; with one body the labels after Vh "
                "touch it, and gap, normal and force are its own");
-    for (Parameter p : {p_obstaclegap, p_obstaclenormal, p_obstacleforce})
+    for (Parameter p : of_obstacle_beside_pairs)
       if (has(p) && !has(p_obstacle)) refuse(p, "needs the labels that touch it, as in obstacle=1");
-    for (Parameter p :
-         {p_pivot, p_obstacles, p_motionfree, p_motion, p_motionload, p_motionold, p_motionforce})
+    for (Parameter p : of_moving_obstacle)
       if (two_bodies && has(p))
         refuse(p,
                "belongs to one body and an obstacle; of two bodies each moves by its own "

@@ -104,7 +104,7 @@ inline void check_vectors(const Call& call, const DofCount& dofs) {
 
 /// Of a call on a contactproblem.
 inline void refuse_motions(const Arguments& args, const Scene& scene) {
-  for (Parameter p : motion_parameters)
+  for (Parameter p : of_moving_obstacle)
     if (!scene.moving && args.has(p))
       throw IllegalInput(std::string(parameters[p].name) +
                          " is of an obstacle that moves, and C was made with none; name pivot or "

@@ -10,11 +10,6 @@
 
 namespace frictioncg {
 
-/// What an obstacle that moves brings: where it is, and which of its components are free.
-constexpr Parameter obstacle_parameters[] = {p_pivot, p_obstacles, p_motionfree};
-/// What a call says and asks of its motion.
-constexpr Parameter motion_parameters[] = {p_motion, p_motionload, p_motionold, p_motionforce};
-
 /// "the obstacle on label 4"; the only one is the obstacle.
 inline std::string name_of(const MovingObstacles& moving, Index obstacle) {
   return moving.labels.empty() ? "the obstacle"
@@ -102,10 +97,7 @@ inline void find_arms(Stack stack, const Arguments& args, const Scene& scene,
 /// The obstacles that the arguments let move; null where they let none.
 inline std::unique_ptr<MovingObstacles> read_obstacles(Stack stack, const Arguments& args,
                                                        const Scene& scene) {
-  const auto given = [&](Parameter p) { return args.has(p); };
-  if (std::none_of(std::begin(obstacle_parameters), std::end(obstacle_parameters), given) &&
-      std::none_of(std::begin(motion_parameters), std::end(motion_parameters), given))
-    return nullptr;
+  if (!args.has_any(of_moving_obstacle)) return nullptr;
   auto moving = std::make_unique<MovingObstacles>();
   moving->labels = copy_of_longs(stack, args, p_obstacles);
   if (args.has(p_obstacles) && moving->labels.empty())

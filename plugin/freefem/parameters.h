@@ -121,6 +121,12 @@ static_assert(sizeof(parameters) / sizeof(*parameters) == parameter_count, "one 
 constexpr Parameter frictions[] = {p_mu, p_cohesion, p_slidinglimit};
 /// The tractions that bound friction, which contact integrates.
 constexpr Parameter tractions[] = {p_cohesion, p_shearmax, p_slidinglimit};
+/// What an obstacle beside pairs of bodies has.
+constexpr Parameter of_obstacle_beside_pairs[] = {p_obstacle, p_obstaclegap, p_obstaclenormal,
+                                                  p_obstacleforce};
+/// What lets an obstacle move.
+constexpr Parameter of_moving_obstacle[] = {p_pivot,      p_obstacles, p_motionfree, p_motion,
+                                            p_motionload, p_motionold, p_motionforce};
 
 /// A table of the values that a string parameter may take.
 template <class T>

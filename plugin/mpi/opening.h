@@ -19,13 +19,18 @@ inline std::string in_brackets(const std::vector<long>& labels) {
   return list + "]";
 }
 
-/// Pairs and an obstacle in one call are of one process.
-inline void refuse_obstacle_beside_pairs(const Arguments& args) {
-  for (Parameter p : {p_obstacle, p_obstaclegap, p_obstaclenormal, p_obstacleforce})
+/// Obstacles beside pairs, and those that move, are of one process.
+inline void refuse_obstacles(const Arguments& args) {
+  for (Parameter p : of_obstacle_beside_pairs)
     if (args.has(p))
       throw IllegalInput(std::string(parameters[p].name) +
                          " is of one process; with domain= a call has pairs or an obstacle, not "
                          "both: mesh the obstacle as a master that Dirichlet conditions hold");
+  for (Parameter p : of_moving_obstacle)
+    if (args.has(p))
+      throw IllegalInput(std::string(parameters[p].name) +
+                         " is of an obstacle that moves, which one process alone has; leave out "
+                         "domain=, or search over gap");
 }
 
 /// What several processes do not do is refused by name.
@@ -35,21 +40,10 @@ inline void refuse_options(const Arguments& args, bool two_bodies) {
   };
   const char* const own =
       "belongs to methods of one process; with domain= there is multigrid alone";
-  refuse_obstacle_beside_pairs(args);
   for (Parameter p : {p_newton, p_reg, p_regeps, p_precon, p_omega, p_step, p_memory})
     refuse(p, own);
   if (!two_bodies) refuse(p_distance, "is that of two bodies; there is one, and an obstacle");
   refuse(p_times, "is of one process; measure around the call, by mpiWtime()");
-}
-
-/// Nor do obstacles move there.
-inline void refuse_moving_obstacles(const Arguments& args) {
-  for (Parameter p :
-       {p_pivot, p_obstacles, p_motionfree, p_motion, p_motionload, p_motionold, p_motionforce})
-    if (args.has(p))
-      throw IllegalInput(std::string(parameters[p].name) +
-                         " is of an obstacle that moves, which one process alone has; leave out "
-                         "domain=, or search over gap");
 }
 
 /// Multigrid is what method="auto" stands for.

@@ -51,8 +51,7 @@ inline std::shared_ptr<const Domain> opened(Opening& opening, Stack stack, const
   opening.alone([&] {
     domain = domain_of(stack, args, site);
     if (!domain) return;
-    refuse_obstacle_beside_pairs(args);
-    refuse_moving_obstacles(args);
+    refuse_obstacles(args);
     opening.domain = domain->name();
     opening.labels = shared.labels(stack);
     opening.masters = shared.masters(stack);
@@ -163,7 +162,7 @@ class SharedSolveIncrement : public E_F0mps {
     if (!posed.shared && !opening.failed()) return solved_alone(once_, stack);
     opening.alone([&] {
       opening.problem = posed.shared->number;
-      refuse_moving_obstacles(arguments_);
+      refuse_obstacles(arguments_);
       refuse_options(arguments_, posed.shared->interface != nullptr);
       refuse_friction_of_none("P", arguments_, *posed.scene);
       opening.call = std::make_unique<Call>(stack, arguments_, b_);
