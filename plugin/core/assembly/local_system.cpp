@@ -12,6 +12,9 @@ namespace frictioncg {
 /// Two gaps are one where they differ by less than this share of the largest gap or prescribed
 /// displacement.
 constexpr Real same_gap = 1e-9;
+/// A load below so many times the rounding of what it is summed of is none: what a displacement of
+/// before leaves of a body that nothing loads.
+constexpr Real roundings = 10;
 
 namespace {
 
@@ -155,6 +158,7 @@ void set_load(const LocalLoad& load, const System& system, Increment& increment)
   increment.F = load.F;
   increment.load_norm = norm_D(system, load.external);
   increment.rounding = std::numeric_limits<Real>::epsilon() * norm_D(system, load.sizes);
+  if (norm_D(system, increment.F) <= roundings * increment.rounding) increment.F.setZero();
   increment.force_scale = std::max(norm_D(system, load.total), driving_norm(system, increment));
   if (increment.force_scale == 0) increment.force_scale = 1;
 }

@@ -150,7 +150,7 @@ Vector node_weights(const System& system) {
   if (!system.mesh_node.empty()) take_means(system, weight);
   const Real most = penalty * std::max(median(weight), median(weight.tail(system.contact_dofs())));
   std::vector<Index> stiff;
-  for (Index k = 0; k < system.interior(); ++k)
+  for (Index k = 0; k < system.dofs(); ++k)
     if (weight[k] > most) stiff.push_back(k);
   if (stiff.empty()) return weight;
   const std::vector<char> held = supported(system, stiff);

@@ -13,6 +13,9 @@ namespace {
 
 /// A load is balanced where no more than this share of it is left.
 constexpr Real rounding = 1e-9;
+/// Nor one below so many times the rounding of what it is summed of: b, and what the displacement
+/// of before leaves, which may be a million times more.
+constexpr Real roundings = 10;
 /// Forces of more than so many times the load are none that a body can bear: a balance that takes
 /// them does not hold the load, and a motion that nothing but they could stop is a proof.
 constexpr Real most_pressure = 1e6;
@@ -247,6 +250,13 @@ bool carried(const Vector& w, Real pull, const ContactProblem& problem) {
   return pull <= most_displacement * load * norm_D(*problem.system, Aw);
 }
 
+/// The largest <Dw,w>^{1/2} of motions: the most that a residual of norm_D 1 can work on them.
+Real largest_size(const System& system, const DenseMatrix& W) {
+  Vector sizes = W.cwiseAbs2().transpose().lazyProduct(system.D);
+  system.sum(sizes.data(), static_cast<Index>(sizes.size()));
+  return std::sqrt(sizes.maxCoeff());
+}
+
 }  // namespace
 
 Statics balance(const DenseMatrix& W, const ContactProblem& problem) {
@@ -257,7 +267,9 @@ Statics balance(const DenseMatrix& W, const ContactProblem& problem) {
   Vector work = W.transpose().lazyProduct(F);
   system.sum(work.data(), static_cast<Index>(work.size()));
   const Real load = system.sum(F.lpNorm<1>());
-  const Real noise = rounding * load * system.largest(W.size() > 0 ? W.cwiseAbs().maxCoeff() : 0);
+  Real noise = rounding * load * system.largest(W.size() > 0 ? W.cwiseAbs().maxCoeff() : 0);
+  if (problem.increment.rounding > 0)
+    noise += roundings * problem.increment.rounding * largest_size(system, W);
   if (work.norm() <= noise) return statics;
   Resistance resistance(W, work, most_pressure * load, problem);
   NearestInCone nearest(resistance.target());
