@@ -90,8 +90,8 @@ Vector magnitude(const Matrix& A, const Vector& x) {
 
 namespace {
 
-/// Over the usual stiffness: contrasts of materials mostly stay below, penalties above.
-constexpr Real penalty = 1e10;
+/// Over the usual stiffness: supports below hide nothing that tol asks for.
+constexpr Real penalty = 1e6;
 /// A support resists a rigid motion by more than this share of its diagonal, rounding of what a
 /// body's stiffness sums up to by less.
 constexpr Real resists = 1e-8;

@@ -81,7 +81,7 @@ Vector magnitude(const Matrix& A, const Vector& x);
 /// whose frame turns with the body. Dofs without a mesh node have their own.   n, from D, first,
 /// mesh_node
 ///
-/// A penalty holds an interior dof where w > most, 1e10 times the median of w, or of the contact
+/// A penalty holds a dof where w > most, 1e6 times the median of w, or of the contact
 /// dofs' where that is more, and where A resists rigid motions, as no body does, however stiff. A
 /// force r there counts by the displacement r/w that it makes, against the stiffness `most`: the
 /// weight is w^2 / most. By w alone the forces that a penalty takes, of the size of w, would hide
