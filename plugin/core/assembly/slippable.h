@@ -43,9 +43,9 @@ DenseMatrix tangential_motions(const RigidGenerators& generators, const DenseMat
                                const SumOverProcesses& sum = {});
 
 /// Makes normals that turn tangential to such motions, but where these hardly move, and where less
-/// than the share `kept` of the normal would be left.
+/// than the share `least` of the normal would be left.
 void make_tangential(int d, const RigidGenerators& generators, const DenseMatrix& motions,
-                     std::vector<PointNormal>& points, Real kept);
+                     std::vector<PointNormal>& points, Real least);
 
 /// Normals of one body that some rigid motions leave tangential as far as the mesh can tell (a
 /// surface of revolution, a cylinder, a screw) are made to leave them so exactly: the mesh knows

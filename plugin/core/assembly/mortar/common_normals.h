@@ -15,7 +15,8 @@ namespace frictioncg::mortar {
 /// slave's do not: then the side counts that lets more of them slip, and of two alike the flat one.
 /// So the verdict on a load does not depend on which side is slave.
 ///
-/// normal: of the slave's own surface, per node; owns: as there. Bodies that are one do not change.
+/// normal: of the slave's own surface, per node, replaced where the master's count; owns: as in
+/// slave_normals. Faces of one body keep theirs.
 void choose_common_normals(const Nodes& nodes, const std::vector<Side>& slaves,
                            const std::vector<Side>& masters, const std::vector<Cover>& covers,
                            const Options& options, const Owns& owns, std::vector<Vec3>& normal);
