@@ -173,6 +173,31 @@ TEST(Equilibrium, NodesThatCannotTouchHoldNothing) {
   EXPECT_EQ(judged(p), Balance::held);
 }
 
+TEST(Equilibrium, CohesionHoldsNothingWhereNothingCanTouch) {
+  BlockOptions o;
+  o.shear = 0;
+  ContactProblem p = problem_of(o);
+  p.increment.F.setZero();
+  for (Index i = 0; i < p.nodes(); ++i) p.increment.F[p.system->first[i] + 1] = 0.1;
+  p.increment.cohesion = Vector::Constant(p.nodes(), 1);
+  EXPECT_EQ(judged(p), Balance::held);
+  p.increment.gap.setConstant(std::numeric_limits<Real>::infinity());
+  EXPECT_EQ(judged(p), Balance::unheld);
+}
+
+TEST(Equilibrium, ACapThatNoPressureReachesIsNone) {
+  BlockOptions o;
+  o.shear = 0;
+  ContactProblem p = problem_of(o);
+  p.increment.mu.setConstant(1e-300);
+  p.increment.cohesion = Vector::Constant(p.nodes(), 1);
+  p.increment.cap = Vector::Constant(p.nodes(), 2);
+  for (Real pull : {0.999, 1.001}) {
+    for (Index i = 0; i < p.nodes(); ++i) p.increment.F[p.system->first[i] + 1] = pull;
+    EXPECT_EQ(judged(p), pull > 1 ? Balance::unheld : Balance::held);
+  }
+}
+
 TEST(Equilibrium, WhereOnlyAMillionTimesTheLoadWouldHoldNeitherIsSaid) {
   // a wedge of two faces, almost parallel, without friction: pressures are load over their angle
   for (Real angle : {1e-3, 1e-8}) {
