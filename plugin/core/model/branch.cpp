@@ -4,7 +4,8 @@ namespace frictioncg {
 
 namespace {
 /// Of the cohesion: what counts as no pressure and no gap. Proximal points come as near to a node
-/// that touches; at 1e-6 Newton's method does not take it over from them, at 1e-2 no more often.
+/// that touches; at 1e-6 Newton's method does not take it over from them, at 1e-2 hardly more
+/// often.
 constexpr Real almost = 1e-4;
 }  // namespace
 
