@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "multigrid/bed.h"
+
 namespace frictioncg {
 
 namespace {
@@ -9,9 +11,6 @@ namespace {
 /// A slipping node resists a change of its direction by a stiffness w, which grows without bound as
 /// the force comes near its limit: it is cut off at so many times c.
 constexpr Real most_stiffness = 100;
-/// c is the stiffness of the body for this many waves along the contact, A_TT being that of one
-/// node.
-constexpr Real waves_of_c = 3;
 
 /// t <= 2 components of v from `first` on, then zeros.
 Eigen::Vector2d tangent(const Vector& v, Index first, Index t) {
@@ -29,13 +28,12 @@ Faces::Faces(const ContactProblem& problem)
       c_(problem.nodes()),
       c_D_(problem.nodes()),
       fixed_(problem.contact_dofs(), 0) {
-  // near the stiffness that the body has for one wave along the contact, not for one node
-  const Real m = system_.sum(Real(problem.nodes()));
-  const Real waves = system_.dimension == 2 ? m : std::sqrt(m);
+  // near the stiffness that the body has for few waves along the contact, not for one node
+  const Real share = wave_share(system_);
   for (Index i = 0; i < problem.nodes(); ++i) {
     const Index t = problem.tangents(i);
     c_D_[i] = t == 0 ? 0 : system_.weight[system_.first[i] + 1];
-    c_[i] = std::min(1.0, waves_of_c / waves) * c_D_[i];
+    c_[i] = share * c_D_[i];
   }
 }
 

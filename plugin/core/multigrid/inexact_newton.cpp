@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "model/certificate.h"
+#include "multigrid/bed.h"
 
 namespace frictioncg {
 
@@ -85,7 +86,7 @@ Status InexactNewton::solve(Real tol, Index max_iterations, const Vector& x0,
   else if (!start.empty())
     faces_.start_from(start);
   else
-    faces_.start_from_stick();
+    faces_.start_from(reached(problem_));
   while (iterations_ < max_iterations_) {
     move_onto_faces();
     const bool solved = solve_faces();

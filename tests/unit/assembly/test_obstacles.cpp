@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/linear_algebra.h"
+#include "core/multigrid/bed.h"
 #include "core/multigrid/bordered_hierarchy.h"
 #include "core/solver.h"
 #include "unit/sparse_scene.h"
@@ -219,5 +220,48 @@ TEST(Obstacles, TheBorderedHierarchyIsSymmetricDefiniteAndZeroOnWhatIsFixed) {
       EXPECT_LT(values[values.size() - 1], 1.5) << d << " " << round;
       EXPECT_GT(values[0], 0.2) << d << " " << round;
     }
+  }
+}
+
+TEST(Obstacles, MultigridStartsFromTheNodesThatTheirLoadsReachIfTheseCanHoldThem) {
+  for (int d : {2, 3}) {
+    const Moving s(d, all_free(d));
+    ContactProblem problem;
+    problem.system = s.local->system();
+    const System& system = *problem.system;
+    const Index k = static_cast<Index>(system.border.cols());
+    const DenseMatrix C(system.border);
+    Increment& increment = problem.increment;
+    increment.law = Law::coulomb;
+    increment.mu = Vector::Constant(system.nodes(), 0.3);
+    increment.gap = Vector::Constant(system.nodes(), 1000);
+    Index tip = -1;  // of the first obstacle, whose other nodes are far away; the second is idle
+    const auto obstacle = [&](Index i) { return s.obstacles.of_point[s.local->node(i).point]; };
+    for (Index i = 0; i < system.nodes() && tip < 0; ++i)
+      if (obstacle(i) == 0) tip = i;
+    increment.gap[tip] = 0.1;
+    const auto closed = [&](const Vector& load) {
+      increment.F = Vector::Zero(system.dofs());
+      increment.F.segment(system.interior() - k, k) = load;
+      Index count = 0;
+      for (const Branch& face : reached(problem)) count += face.closed;
+      return count;
+    };
+    Index idle = 0;
+    for (Index i = 0; i < system.nodes(); ++i) idle += obstacle(i) == 1;
+    ASSERT_GT(system.nodes(), idle + 1);
+    const Vector push = C.row(system.first[tip]).transpose();
+    EXPECT_EQ(closed(push), idle + 1);
+    EXPECT_TRUE(reached(problem)[tip].stick);
+    EXPECT_EQ(closed(-push), system.nodes());
+    Vector turns = push;
+    turns[s.each() - 1] += 10 * push.norm();
+    EXPECT_EQ(closed(turns), system.nodes());
+    // what is pressed in its middle reaches all of its nodes, gaps being equal
+    increment.gap.setConstant(0.1);
+    Vector middle = Vector::Zero(k);
+    for (Index i = 0; i < system.nodes(); ++i)
+      if (obstacle(i) == 0) middle += C.row(system.first[i]).transpose();
+    EXPECT_EQ(closed(middle), system.nodes());
   }
 }
