@@ -1,5 +1,6 @@
 #include "multigrid/bed.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "linear_algebra.h"
@@ -10,10 +11,10 @@ namespace {
 
 /// The waves along the contact that wave_share means.
 constexpr Real waves_of_contact = 3;
-/// It settles within 5 to 15 steps; a start need not be exact.
+/// A start need not be exact: the bed is left as it is after so many steps.
 constexpr int most_steps = 50;
 /// What fewer springs leave free does not move ...
-constexpr Real free = 1e-10;
+constexpr Real singular = 1e-10;
 /// ... and where that leaves this share of the load, they do not hold it: a single node no moment.
 constexpr Real unheld = 1e-6;
 /// An idle obstacle stays at all of its nodes, up to this share of their gaps.
@@ -47,7 +48,7 @@ Branches reached(const ContactProblem& problem) {
       H += k * C_i.transpose().lazyProduct(C_i);
       f += k * increment.gap[i] * C.row(N).transpose();
     }
-    const Vector q = least_squares(H, f, free);
+    const Vector q = least_squares(H, f, singular);
     if ((H.lazyProduct(q) - f).norm() > unheld * load.norm()) return stick;
     changes = any = false;
     for (Index i = 0; i < problem.nodes(); ++i) {

@@ -17,10 +17,12 @@ struct LevelBorder {
 
   /// v -= B q
   void subtract(const Vector& q, float* v) const {
-    const Eigen::VectorXf single = q.cast<float>();
     for (std::size_t b = 0; b < block.size(); ++b)
       Eigen::Map<Eigen::Matrix<float, R, 1>>(v + std::size_t(block[b]) * R) -=
-          B.template middleRows<R>(Eigen::Index(b) * R).lazyProduct(single);
+          B.template middleRows<R>(Eigen::Index(b) * R)
+              .template cast<Real>()
+              .lazyProduct(q)
+              .template cast<float>();
   }
   /// q -= B' v
   void subtract_transposed(const float* v, Vector& q) const {

@@ -35,7 +35,7 @@ std::unique_ptr<Hierarchy> make_hierarchy(const System& system, const HierarchyO
         system, make_levels(without_border(system), blocks, of_bodies, options));
   }
   const NodeBlocks blocks = make_node_blocks(system.mesh_node, system.dimension, system.interior());
-  return make_hierarchy(system.A, blocks, modes, options);
+  return make_levels(system.A, blocks, modes, options);
 }
 
 }  // namespace frictioncg
