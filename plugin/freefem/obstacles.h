@@ -94,6 +94,28 @@ inline void find_arms(Stack stack, const Arguments& args, const Scene& scene,
   }
 }
 
+/// Refuses pivots so far from what they turn that rotations are no more than translations: each
+/// digit of that distance takes two of the answer.
+inline void refuse_far_pivots(const Scene& scene, const MovingObstacles& moving) {
+  constexpr Real far = 1e4;
+  const RigidObstacles& rigid = moving.rigid;
+  for (std::size_t o = 0; o < moving.pivot.size(); ++o) {
+    std::vector<NodePlace> arms;
+    for (std::size_t k = 0; k < rigid.arm.size(); ++k)
+      if (rigid.of_point[k] == static_cast<Index>(o))
+        arms.push_back({{rigid.arm[k][0], rigid.arm[k][1], rigid.arm[k][2]}, {}, 0});
+    if (arms.size() < 2) continue;
+    const Extent extent = extent_of(arms);
+    if (!(extent.mean.norm() > far * extent.radius)) continue;
+    const Eigen::Vector3d &at = moving.pivot[o], centre = at + extent.mean;
+    throw IllegalInput("pivot = " + components_of(at, scene.d, 0) +
+                       " is more than 10 000 times as far from its contact boundary, around " +
+                       components_of(centre, scene.d, 0) +
+                       ", as that is wide; give pivot= a point near it (by default it is the "
+                       "origin), and motion and motionload about that");
+  }
+}
+
 /// The obstacles that the arguments let move; null where they let none.
 inline std::unique_ptr<MovingObstacles> read_obstacles(Stack stack, const Arguments& args,
                                                        const Scene& scene) {
@@ -107,6 +129,7 @@ inline std::unique_ptr<MovingObstacles> read_obstacles(Stack stack, const Argume
   moving->pivot.assign(count, Eigen::Vector3d::Zero());
   moving->rigid.free.assign(count * rigid_components(scene.d), 0);
   find_arms(stack, args, scene, *moving);
+  refuse_far_pivots(scene, *moving);
   if (!args.has(p_motionfree)) return moving;
   const std::vector<long> free = copy_of_longs(stack, args, p_motionfree);
   check_components(p_motionfree, free, *moving, scene.d);

@@ -159,6 +159,9 @@ Attempt CondensedSolver::solve_laws(Run& run, const CondensedProblem& condensed,
     a.x = on_A->x.tail(condensed.f.size());
     a.solved = on_A->status == Status::converged;
     if (a.solved) return answered(Layer::sparse_interior_point);
+    a.status = on_A->status;
+    recover(run, a);  // what comes next may be further away
+    if (run.best <= s.certificate.attainable) return answered(Layer::sparse_interior_point);
   } else {
     a = by_interior_point(condensed, run.left());
     s.iterations += a.steps;
