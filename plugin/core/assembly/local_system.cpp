@@ -1,6 +1,7 @@
 #include "assembly/local_system.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <sstream>
 
@@ -158,7 +159,8 @@ void set_load(const LocalLoad& load, const System& system, Increment& increment)
   increment.F = load.F;
   increment.load_norm = norm_D(system, load.external);
   increment.rounding = std::numeric_limits<Real>::epsilon() * norm_D(system, load.sizes);
-  if (norm_D(system, increment.F) <= roundings * increment.rounding) increment.F.setZero();
+  const Real none = roundings * increment.rounding;
+  if (std::isfinite(none) && norm_D(system, increment.F) <= none) increment.F.setZero();
   increment.force_scale = std::max(norm_D(system, load.total), driving_norm(system, increment));
   if (increment.force_scale == 0) increment.force_scale = 1;
 }
