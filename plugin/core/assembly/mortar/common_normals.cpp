@@ -20,17 +20,14 @@ constexpr Real steep = M_SQRT1_2, kept = 0.5;
 
 /// What faces a node, by its measure.
 struct Facing {
-  Vec3 x, own, sum_flat = Vec3::Zero(), sum_curved = Vec3::Zero();  ///< of the master's normals
-  Real flat = 0, curved = 0;
-  Real turn = 0;  ///< of the curved side's normals from their facets
-  bool own_is_flat = true;
+  Vec3 x, own, theirs = Vec3::Zero();  ///< of the master, where it may count
+  Real same = 0, other = 0;            ///< before what the slave's normal counts in any case
+  Real own_turn = 0, other_turn = 0;   ///< from the facets; 0 of what is flat
+  bool other_first = false;            ///< of two sides that let as many motions slip
 
-  bool differs() const { return own_is_flat ? curved > 0 : flat > 0; }
-  /// The normal of the slave that the master's means, where one side is flat and the other is not.
-  Vec3 of_master() const {
-    const Vec3 theirs = own_is_flat ? sum_curved + curved * own : sum_flat + flat * own;
-    return differs() ? Vec3((own - theirs / (flat + curved)).normalized()) : own;
-  }
+  Real measure() const { return same + other; }
+  /// The normal of the slave that the master's means, where that may count.
+  Vec3 of_master() const { return (same * own - theirs).normalized(); }
 };
 
 /// Nodes of one body before one other.
@@ -48,6 +45,15 @@ class Curves {
     for (int v = 0; v < side_.d; ++v)
       if (!same_direction(smooth_.at(f, v).normal, side_.planes[f].normal)) return false;
     return true;
+  }
+  /// Of a bore: normals come together.
+  bool concave(Index f) const {
+    const Plane& plane = side_.planes[f];
+    Real spread = 0;
+    for (int v = 0; v < side_.d; ++v)
+      spread += (smooth_.at(f, v).normal - plane.normal)
+                    .dot(X_[side_.facet(f).node[v]] - X_[side_.facet(f).node[(v + 1) % side_.d]]);
+    return spread < -rounding * plane.size;
   }
   FanNormal at(Index f, const Vec3& lambda) const {
     FanNormal here;
@@ -71,16 +77,30 @@ class Curves {
   const SmoothSide smooth_;
 };
 
-/// Whether some facets of one side, and none of those beside them, are bent against each other, and
-/// some of the other side are.
-bool may_differ(const Side& slave, const Side& master) {
-  const auto has = [](const Side& side, bool wanted) {
+/// How the facets of a side are bent against those beside them.
+struct Bends {
+  explicit Bends(const Side& side) {
     std::vector<char> bent(side.facets(), 0);
-    for (const Joint& j : side.joints)
-      if (j.cosine > sharp && !(j.cosine > 1 - rounding)) bent[j.facet[0]] = bent[j.facet[1]] = 1;
-    return std::count(bent.begin(), bent.end(), char(wanted)) > 0;
-  };
-  return (has(slave, false) && has(master, true)) || (has(slave, true) && has(master, false));
+    for (const Joint& j : side.joints) {
+      if (!(j.cosine > sharp) || j.cosine > 1 - rounding) continue;
+      const auto [a, b] = j.facet;
+      bent[a] = bent[b] = 1;
+      const Vec3 turn = side.planes[b].normal - side.planes[a].normal;
+      inwards = inwards || turn.dot(side.planes[b].origin - side.planes[a].origin) < 0;
+    }
+    const auto count = std::count(bent.begin(), bent.end(), char(1));
+    any = count > 0;
+    some_not = count < static_cast<long>(bent.size());
+  }
+  bool any = false, some_not = false, inwards = false;
+};
+
+/// Whether a flat part of one side may be before a curved one of the other, or a bore before what
+/// is in it.
+bool may_differ(const Side& slave, const Side& master) {
+  const Bends own(slave), theirs(master);
+  return (own.some_not && theirs.any) || (own.any && theirs.some_not) ||
+         (own.inwards && theirs.any);
 }
 
 /// The nodes of a pair that are before something, by the bodies of both sides.
@@ -93,13 +113,14 @@ std::map<std::pair<Index, Index>, Group> facing_nodes(const Nodes& nodes, std::s
   std::map<std::pair<Index, Index>, Group> groups;
   for (Index f = 0; f < slave.facets(); ++f) {
     if (cover.cells[f].empty()) continue;
-    const bool own_is_flat = own.flat(f);
+    const bool own_is_flat = own.flat(f), bore = own.concave(f);
     for (const Cell& cell : cover.cells[f]) {
       const Facet& before = master.facet(cell.master);
       const Vec3 lambda =
           project(slave.d, slave.planes[f], before, nodes.X).at(centroid(cell.part));
       const FanNormal n = theirs.at(cell.master, lambda);
       const bool flat = theirs.flat(cell.master);
+      const bool differs = own_is_flat != flat || (bore && !theirs.concave(cell.master));
       const Real measure = extent(cell.part) * slave.planes[f].measure;
       for (int v = 0; v < slave.d; ++v) {
         const Index i = slave.facet(f).node[v];
@@ -108,12 +129,13 @@ std::map<std::pair<Index, Index>, Group> facing_nodes(const Nodes& nodes, std::s
         Facing& here = group.nodes[i];
         here.x = nodes.X[i];
         here.own = normal[i];
-        here.own_is_flat = here.own_is_flat && own_is_flat;
-        here.turn = std::max({here.turn, n.turn, own.at(f, Vec3::Unit(v)).turn});
-        (flat ? here.flat : here.curved) += measure;
-        (flat ? here.sum_flat : here.sum_curved) += measure * n.normal;
-        group.other.push_back(own_is_flat != flat ? theirs.vertex(cell.master, v, measure)
-                                                  : own.vertex(f, v, measure));
+        here.own_turn = std::max(here.own_turn, own_is_flat ? 0 : own.vertex(f, v, 0).turn);
+        here.other_turn = std::max(here.other_turn, differs && !flat ? n.turn : 0);
+        here.other_first = here.other_first || (differs && (flat || bore));
+        (differs ? here.other : here.same) += measure;
+        if (differs) here.theirs += measure * n.normal;
+        group.other.push_back(differs ? theirs.vertex(cell.master, v, measure)
+                                      : own.vertex(f, v, measure));
       }
     }
   }
@@ -136,21 +158,21 @@ DenseMatrix slipping(const Freedom& freedom, const DenseMatrix& relative,
 void choose(int d, const Freedom& freedom, const DenseMatrix& relative, const Group& group,
             std::vector<Vec3>& normal) {
   std::vector<PointNormal> own;
-  bool other_is_flat = false;
+  bool other_first = false;
   for (const auto& [i, here] : group.nodes) {
-    own.push_back({here.x, here.own, here.flat + here.curved, here.own_is_flat ? 0 : here.turn});
-    other_is_flat = other_is_flat || (here.differs() && !here.own_is_flat);
+    own.push_back({here.x, here.own, here.measure(), here.own_turn});
+    other_first = other_first || here.other_first;
   }
   const DenseMatrix of_own = slipping(freedom, relative, own),
                     of_other = slipping(freedom, relative, group.other);
   const Index more = static_cast<Index>(of_other.cols() - of_own.cols());
-  if (of_other.cols() == 0 || more < 0 || (more == 0 && !other_is_flat)) return;
+  if (of_other.cols() == 0 || more < 0 || (more == 0 && !other_first)) return;
   if (slipping(freedom, of_other, own).cols() == of_other.cols()) return;  // no other motions
   std::vector<PointNormal> taken;
   for (const auto& [i, here] : group.nodes) {
     const Vec3 theirs = here.of_master();
-    taken.push_back({here.x, !here.own_is_flat || theirs.dot(here.own) > steep ? theirs : here.own,
-                     here.flat + here.curved, here.own_is_flat ? here.turn : 0});
+    const bool far = here.other_turn > 0 && !(theirs.dot(here.own) > steep);
+    taken.push_back({here.x, far ? here.own : theirs, here.measure(), here.other_turn});
   }
   make_tangential(d, freedom.generators, of_other, taken, kept);
   std::size_t k = 0;

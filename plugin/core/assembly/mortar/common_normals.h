@@ -13,7 +13,9 @@ namespace frictioncg::mortar {
 ///
 /// The slave's normals stay, unless A leaves free motions that those of the master let slip and the
 /// slave's do not: then the side counts that lets more of them slip, and of two alike the flat one.
-/// So the verdict on a load does not depend on which side is slave.
+/// So the verdict on a load does not depend on which side is slave. A shaft in a bore, with
+/// clearance, is alike: along the bore it does not leave its place for ever but climbs, and the
+/// shaft's own normals see that; so of a bore and what is in it the latter counts.
 ///
 /// normal: of the slave's own surface, per node, replaced where the master's count; owns: as in
 /// slave_normals. Faces of one body keep theirs.
