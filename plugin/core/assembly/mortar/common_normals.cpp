@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "assembly/mortar/smooth_side.h"
 
@@ -80,17 +81,16 @@ class Curves {
 /// How the facets of a side are bent against those beside them.
 struct Bends {
   explicit Bends(const Side& side) {
-    std::vector<char> bent(side.facets(), 0);
+    std::set<Index> bent;
     for (const Joint& j : side.joints) {
       if (!(j.cosine > sharp) || j.cosine > 1 - rounding) continue;
       const auto [a, b] = j.facet;
-      bent[a] = bent[b] = 1;
+      bent.insert({a, b});
       const Vec3 turn = side.planes[b].normal - side.planes[a].normal;
       inwards = inwards || turn.dot(side.planes[b].origin - side.planes[a].origin) < 0;
     }
-    const auto count = std::count(bent.begin(), bent.end(), char(1));
-    any = count > 0;
-    some_not = count < static_cast<long>(bent.size());
+    any = !bent.empty();
+    some_not = static_cast<Index>(bent.size()) < side.facets();
   }
   bool any = false, some_not = false, inwards = false;
 };
