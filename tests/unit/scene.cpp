@@ -23,6 +23,16 @@ Eigen::MatrixXd rigid_motions_of(const Eigen::MatrixXd& X, int d) {
   return modes;
 }
 
+BlockOptions sheared_at_side(int d, Law law) {
+  BlockOptions o;
+  o.d = d;
+  o.cells = d == 2 ? 8 : 3;
+  o.law = law;
+  o.clamp_side = true;
+  o.shear = 4;
+  return o;
+}
+
 Scene block(const BlockOptions& o) {
   const int d = o.d, m = o.cells + 1;
   const Index nodes = d == 2 ? m * m : m * m * m;

@@ -75,6 +75,9 @@ struct BlockOptions {
   bool tgv_minus_one = false;
 };
 
+/// Of a small block that is held at its side, and sheared twice as much as usual.
+BlockOptions sheared_at_side(int d, Law law = Law::coulomb);
+
 /// A block [0,size]^d pressed by a face load on its top on a rigid plane at its bottom, sheared
 /// along x.
 Scene block(const BlockOptions& o);

@@ -37,13 +37,7 @@ Scene lifted(int cells, Law law, Real mu) {
 TEST(InteriorPoint, TheEndOfThePathObeysTheLawsBeforeNewtonsMethod) {
   for (int d : {2, 3})
     for (Law law : {Law::frictionless, Law::tresca, Law::coulomb}) {
-      BlockOptions o;
-      o.d = d;
-      o.cells = d == 2 ? 8 : 3;
-      o.law = law;
-      o.clamp_side = true;
-      o.shear = 4;
-      OnContact condensed(block(o));
+      OnContact condensed(block(sheared_at_side(d, law)));
       CentralPath path(condensed.problem());
       const Index steps = path.follow(100);
       EXPECT_GT(steps, 3) << d << int(law);
@@ -55,12 +49,8 @@ TEST(InteriorPoint, TheEndOfThePathObeysTheLawsBeforeNewtonsMethod) {
 TEST(InteriorPoint, ItsAnswerIsNewtonsWhereBothArrive) {
   for (int d : {2, 3})
     for (Real mu : {0.1, 0.3, 1.}) {
-      BlockOptions o;
-      o.d = d;
-      o.cells = d == 2 ? 8 : 3;
+      BlockOptions o = sheared_at_side(d);
       o.mu = mu;
-      o.clamp_side = true;
-      o.shear = 4;
       OnContact condensed(block(o));
       const CondensedProblem p = condensed.problem();
       SemismoothNewton newton(p);

@@ -14,16 +14,6 @@ using namespace frictioncg::test;
 
 namespace {
 
-BlockOptions held(int d, Law law) {
-  BlockOptions o;
-  o.d = d;
-  o.cells = d == 2 ? 8 : 3;
-  o.law = law;
-  o.clamp_side = true;
-  o.shear = 4;
-  return o;
-}
-
 /// A plate 100 times as wide as thick, held at its side, that a pressure bends onto a floor.
 SparseOptions plate(int cells) {
   SparseOptions o;
@@ -39,7 +29,7 @@ SparseOptions plate(int cells) {
 
 TEST(FactoredMatrix, SolvesForTheFreeDofsWithWhatSpringsAndLawsAdd) {
   for (int d : {2, 3}) {
-    const Posed posed = block(held(d, Law::coulomb)).system();
+    const Posed posed = block(sheared_at_side(d)).system();
     const SystemPtr system = posed.problem().system;
     const Index interior = system->interior(), n = system->dofs(), m = system->contact_dofs();
     Vector springs = Vector::LinSpaced(m, 1, 2);
@@ -71,7 +61,7 @@ TEST(FactoredMatrix, SolvesForTheFreeDofsWithWhatSpringsAndLawsAdd) {
 }
 
 TEST(FactoredMatrix, SaysWhereAMatrixIsNotDefiniteAndRecovers) {
-  const Posed posed = block(held(2, Law::coulomb)).system();
+  const Posed posed = block(sheared_at_side(2)).system();
   const SystemPtr system = posed.problem().system;
   const Index m = system->contact_dofs();
   FactoredMatrix factor(system);
@@ -93,7 +83,7 @@ TEST(FactoredMatrix, SaysWhereAMatrixIsNotDefiniteAndRecovers) {
 TEST(SparsePath, EndsWhereThePathOnTheContactDofsEnds) {
   for (int d : {2, 3})
     for (Law law : {Law::frictionless, Law::tresca, Law::coulomb}) {
-      OnContact condensed(block(held(d, law)));
+      OnContact condensed(block(sheared_at_side(d, law)));
       const ContactProblem& problem = condensed.posed.problem();
       const CondensedProblem on_S = condensed.problem();
       CentralPath dense(on_S);
