@@ -245,20 +245,16 @@ Solution Solver::by_multigrid(const ContactProblem& problem, const Settings& set
                problem, rest, observer);
 }
 
-/// Sparse factors of A; where they do not arrive, or do not fit, the condensed route.
+/// Sparse factors of A: along the central path at once where Newton's method by multigrid has just
+/// failed. Where they do not arrive, or do not fit, the condensed route.
 Solution Solver::by_sparse_factors(const ContactProblem& problem, const Settings& settings,
                                    const Vector& x0, Observer* observer) {
+  const bool newton_failed = multigrid_ && !sparse_;
   if (!lay_out_sparse_factor(settings)) return by_condensation(problem, settings, x0, observer);
-  return or_by(&Solver::by_condensation, sparse_->solve(problem, settings, x0, observer), problem,
-               settings, observer);
-}
-
-/// The same without Newton's method before the central path.
-Solution Solver::by_central_path(const ContactProblem& problem, const Settings& settings,
-                                 const Vector& x0, Observer* observer) {
-  if (!lay_out_sparse_factor(settings)) return by_condensation(problem, settings, x0, observer);
-  const Index bound = bound_of(problem, settings);
-  return or_by(&Solver::by_condensation, sparse_->follow_path(problem, settings, bound, observer),
+  return or_by(&Solver::by_condensation,
+               newton_failed
+                   ? sparse_->follow_path(problem, settings, bound_of(problem, settings), observer)
+                   : sparse_->solve(problem, settings, x0, observer),
                problem, settings, observer);
 }
 
@@ -268,11 +264,9 @@ bool Solver::lay_out_sparse_factor(const Settings& settings) {
   return sparse_->laid_out() && sparse_->bytes() <= settings.memory;
 }
 
-/// Sparse factors do for slender bodies: along the central path where Newton's method has just
-/// failed.
-Solver::Way Solver::after_multigrid(const Costs& costs) const {
-  if (costs.condensed <= costs.sparse) return &Solver::by_condensation;
-  return sparse_ ? &Solver::by_sparse_factors : &Solver::by_central_path;
+/// Sparse factors do for slender bodies.
+Solver::Way Solver::after_multigrid(const Costs& costs) {
+  return costs.sparse < costs.condensed ? &Solver::by_sparse_factors : &Solver::by_condensation;
 }
 
 /// s, or where it decides nothing short of rounding, what the next route and those after it find

@@ -59,9 +59,7 @@ class Solver {
                              const Vector& x0, Observer* observer);
   using Way = Solution (Solver::*)(const ContactProblem&, const Settings&, const Vector&,
                                    Observer*);
-  Solution by_central_path(const ContactProblem& problem, const Settings& settings,
-                           const Vector& x0, Observer* observer);
-  Way after_multigrid(const Costs& costs) const;
+  static Way after_multigrid(const Costs& costs);
   Solution or_by(Way next, Solution s, const ContactProblem& problem, Settings rest,
                  Observer* observer);
   bool lay_out_sparse_factor(const Settings& settings);

@@ -10,10 +10,11 @@ class FreedomOfBodies {
  public:
   /// body: of each node X of the interface.
   FreedomOfBodies(int d, const std::vector<mortar::Vec3>& X, std::vector<Index> body)
-      : generators_(over(d, X)),
+      : d_(d),
+        extent_(extent_of(X)),
         body_(std::move(body)),
         bodies_(body_.empty() ? 0 : *std::max_element(body_.begin(), body_.end()) + 1) {
-    const Index k = generators_.count();
+    const Index k = generators().count();
     in_A_ = in_D_ = held_ = DenseMatrix::Zero(k, k * bodies_);
   }
 
@@ -22,18 +23,13 @@ class FreedomOfBodies {
   /// another is not free of it.
   void add(const Triplets& A, const Dirichlet& dirichlet, const std::vector<NodePlace>& places,
            const std::function<bool(Index)>& own = {}) {
-    const Index k = generators_.count();
+    const Index k = generators().count();
     using Rows = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    Rows w = Rows::Zero(A.n, k), Aw = Rows::Zero(A.n, k);
+    const Rows w = rigid_modes(places, d_, A.n, extent_);
+    Rows Aw = Rows::Zero(A.n, k);
     std::vector<Index> of(A.n, -1);
-    for (const NodePlace& p : places) {
-      if (p.body >= bodies_) continue;
-      const RigidGenerators::Fields here = generators_.at(position(p));
-      for (int c = 0; p.dof[c] >= 0 && c < here.rows(); ++c) {
-        of[p.dof[c]] = p.body;
-        w.row(p.dof[c]) = here.row(c);
-      }
-    }
+    for (const NodePlace& p : places)
+      for (int c = 0; p.body < bodies_ && c < d_; ++c) of[p.dof[c]] = p.body;
     Vector D = Vector::Zero(A.n);
     for (std::size_t e = 0; e < A.size; ++e) {
       const Index i = A.row(e), j = A.col(e);
@@ -59,8 +55,8 @@ class FreedomOfBodies {
   }
 
   mortar::Freedom freedom() const {
-    mortar::Freedom freedom{generators_, body_, {}};
-    const Index k = generators_.count();
+    mortar::Freedom freedom{generators(), body_, {}};
+    const Index k = freedom.generators.count();
     for (Index b = 0; b < bodies_; ++b) {
       const DenseMatrix D = in_D_.middleCols(k * b, k);
       const DenseMatrix support = D.trace() * held_.middleCols(k * b, k);
@@ -79,15 +75,11 @@ class FreedomOfBodies {
   /// <Aw,w>/<Dw,w> up to which a motion counts as free: a support is stiffer than rounding.
   static constexpr Real resisted = 1e-10;
 
-  static RigidGenerators over(int d, const std::vector<mortar::Vec3>& X) {
-    Extent extent;
-    for (const mortar::Vec3& x : X) extent.mean += x / static_cast<Real>(X.size());
-    for (const mortar::Vec3& x : X)
-      extent.radius = std::max(extent.radius, (x - extent.mean).norm());
-    return {d, extent.mean, extent.radius};
-  }
+  /// Those of rigid_modes.
+  RigidGenerators generators() const { return {d_, extent_.mean, extent_.radius}; }
 
-  const RigidGenerators generators_;
+  const int d_;
+  const Extent extent_;
   const std::vector<Index> body_;
   const Index bodies_;
   DenseMatrix in_A_, in_D_, held_;  ///< k x k of each body, side by side

@@ -100,10 +100,9 @@ inline void refuse_far_pivots(const Scene& scene, const MovingObstacles& moving)
   constexpr Real far = 1e4;
   const RigidObstacles& rigid = moving.rigid;
   for (std::size_t o = 0; o < moving.pivot.size(); ++o) {
-    std::vector<NodePlace> arms;
+    std::vector<Eigen::Vector3d> arms;
     for (std::size_t k = 0; k < rigid.arm.size(); ++k)
-      if (rigid.of_point[k] == static_cast<Index>(o))
-        arms.push_back({{rigid.arm[k][0], rigid.arm[k][1], rigid.arm[k][2]}, {}, 0});
+      if (rigid.of_point[k] == static_cast<Index>(o)) arms.push_back(rigid.arm[k]);
     if (arms.size() < 2) continue;
     const Extent extent = extent_of(arms);
     if (!(extent.mean.norm() > far * extent.radius)) continue;

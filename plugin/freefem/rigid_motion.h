@@ -21,7 +21,7 @@ struct NodePlace {
   Index body = 0;
 };
 
-/// The mean of nodes, and their largest distance from it.
+/// The mean of points, and their largest distance from it.
 struct Extent {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   Real radius = 0;
@@ -31,10 +31,14 @@ inline Eigen::Vector3d position(const NodePlace& node) {
   return Eigen::Map<const Eigen::Vector3d>(node.x.data());
 }
 
-inline Extent extent_of(const std::vector<NodePlace>& nodes) {
+inline const Eigen::Vector3d& position(const Eigen::Vector3d& x) { return x; }
+
+/// Of nodes, or of their positions.
+template <class Point>
+Extent extent_of(const std::vector<Point>& points) {
   Extent e;
-  for (const NodePlace& p : nodes) e.mean += position(p) / static_cast<Real>(nodes.size());
-  for (const NodePlace& p : nodes) e.radius = std::max(e.radius, (position(p) - e.mean).norm());
+  for (const Point& p : points) e.mean += position(p) / static_cast<Real>(points.size());
+  for (const Point& p : points) e.radius = std::max(e.radius, (position(p) - e.mean).norm());
   return e;
 }
 

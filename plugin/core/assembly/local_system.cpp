@@ -13,9 +13,6 @@ namespace frictioncg {
 /// Two gaps are one where they differ by less than this share of the largest gap or prescribed
 /// displacement.
 constexpr Real same_gap = 1e-9;
-/// A load below so many times the rounding of what it is summed of is none: what a displacement of
-/// before leaves of a body that nothing loads.
-constexpr Real roundings = 10;
 
 namespace {
 
@@ -159,8 +156,9 @@ void set_load(const LocalLoad& load, const System& system, Increment& increment)
   increment.F = load.F;
   increment.load_norm = norm_D(system, load.external);
   increment.rounding = std::numeric_limits<Real>::epsilon() * norm_D(system, load.sizes);
-  const Real none = roundings * increment.rounding;
-  if (std::isfinite(none) && norm_D(system, increment.F) <= none) increment.F.setZero();
+  // what a displacement of before leaves of a body that nothing loads
+  if (std::isfinite(increment.noise()) && norm_D(system, increment.F) <= increment.noise())
+    increment.F.setZero();
   increment.force_scale = std::max(norm_D(system, load.total), driving_norm(system, increment));
   if (increment.force_scale == 0) increment.force_scale = 1;
 }

@@ -25,6 +25,9 @@ struct Increment {
   Real load_norm = 0;
   /// Norm of the rounding that F carries from the terms it was summed of, in norm_D.
   Real rounding = 0;
+
+  /// A load, or what is left of one, counts as rounding up to this, in norm_D.
+  Real noise() const { return 10 * rounding; }
 };
 
 }  // namespace frictioncg

@@ -148,6 +148,7 @@ Vector node_weights(const System& system) {
     if (t > 0) weight.segment(T, t).setConstant(system.D.segment(T, t).mean());
   }
   if (!system.mesh_node.empty()) take_means(system, weight);
+  if (weight.size() == 0 || weight.maxCoeff() <= penalty * weight.minCoeff()) return weight;
   const Real most = penalty * std::max(median(weight), median(weight.tail(system.contact_dofs())));
   std::vector<Index> stiff;
   for (Index k = 0; k < system.dofs(); ++k)

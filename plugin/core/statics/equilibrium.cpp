@@ -13,9 +13,6 @@ namespace {
 
 /// A load is balanced where no more than this share of it is left.
 constexpr Real rounding = 1e-9;
-/// Nor one below so many times the rounding of what it is summed of: b, and what the displacement
-/// of before leaves, which may be a million times more.
-constexpr Real roundings = 10;
 /// Forces of more than so many times the load are none that a body can bear: a balance that takes
 /// them does not hold the load, and a motion that nothing but they could stop is a proof.
 constexpr Real most_pressure = 1e6;
@@ -268,8 +265,8 @@ Statics balance(const DenseMatrix& W, const ContactProblem& problem) {
   system.sum(work.data(), static_cast<Index>(work.size()));
   const Real load = system.sum(F.lpNorm<1>());
   Real noise = rounding * load * system.largest(W.size() > 0 ? W.cwiseAbs().maxCoeff() : 0);
-  if (problem.increment.rounding > 0)
-    noise += roundings * problem.increment.rounding * largest_size(system, W);
+  // what the displacement of before leaves may have been summed of terms a million times larger
+  if (problem.increment.noise() > 0) noise += problem.increment.noise() * largest_size(system, W);
   if (work.norm() <= noise) return statics;
   Resistance resistance(W, work, most_pressure * load, problem);
   NearestInCone nearest(resistance.target());

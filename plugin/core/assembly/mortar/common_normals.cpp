@@ -14,7 +14,6 @@ namespace {
 
 /// Mean square of n.w over that of w, up to which a motion is tangential to flats: rounding.
 constexpr Real of_flats = 1e-12;
-constexpr Real rounding = 1e-14;  ///< of the cosine of parallel normals
 /// Cosine of 45 degrees: what a curved master has before a flat slave at a steeper angle is far
 /// away; the motion alone tells the normal there, which turns by up to 60 degrees.
 constexpr Real steep = M_SQRT1_2, kept = 0.5;
@@ -49,12 +48,13 @@ class Curves {
   }
   /// Of a bore: normals come together.
   bool concave(Index f) const {
+    if (flat(f)) return false;
     const Plane& plane = side_.planes[f];
     Real spread = 0;
     for (int v = 0; v < side_.d; ++v)
       spread += (smooth_.at(f, v).normal - plane.normal)
                     .dot(X_[side_.facet(f).node[v]] - X_[side_.facet(f).node[(v + 1) % side_.d]]);
-    return spread < -rounding * plane.size;
+    return spread < 0;
   }
   FanNormal at(Index f, const Vec3& lambda) const {
     FanNormal here;
@@ -83,8 +83,9 @@ struct Bends {
   explicit Bends(const Side& side) {
     std::set<Index> bent;
     for (const Joint& j : side.joints) {
-      if (!(j.cosine > sharp) || j.cosine > 1 - rounding) continue;
       const auto [a, b] = j.facet;
+      if (!(j.cosine > sharp) || same_direction(side.planes[a].normal, side.planes[b].normal))
+        continue;
       bent.insert({a, b});
       const Vec3 turn = side.planes[b].normal - side.planes[a].normal;
       inwards = inwards || turn.dot(side.planes[b].origin - side.planes[a].origin) < 0;
