@@ -28,7 +28,7 @@ Costs estimate_costs(const System& system) {
   costs.condensed += of_laws * std::pow(contact, 3);
   const bool known = system.rigid_modes && !system.mesh_node.empty();
   costs.multigrid = costs.sparse = std::numeric_limits<double>::infinity();
-  if (known) costs.multigrid = of_cycles * double(system.A.nonZeros());
+  if (known) costs.multigrid = of_cycles * double(system.entries().nonZeros());
   const double sparse = of_steps * std::pow(n, 1.5);
   if (std::max(costs.multigrid, sparse) < costs.condensed && slenderness(system) >= slender)
     costs.sparse = sparse;
@@ -42,7 +42,7 @@ double seconds_of_factor(const System& system) {
 }
 
 double seconds_of_hierarchy(const System& system) {
-  return of_levels * double(system.A.nonZeros());
+  return of_levels * double(system.entries().nonZeros());
 }
 
 }  // namespace frictioncg

@@ -34,7 +34,6 @@ struct Levels {
   Index count = 0;
   Real complexity = 0;  ///< entries of all levels over those of the finest
   double bytes = 0;     ///< kept in memory
-  double of_A = 0;      ///< the same over what A takes
 };
 
 /// CPU seconds of the phases; zero where there is no such phase. The set-up of a hierarchy counts

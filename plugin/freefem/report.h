@@ -198,6 +198,11 @@ inline void report_memory(double needed, const Settings& s) {
   std::cout << std::endl;
 }
 
+/// The memory of a matrix in its present format [bytes].
+inline double storage(const Matrix& A) {
+  return (sizeof(Real) + sizeof(Index)) * double(A.nonZeros()) + sizeof(Index) * (A.rows() + 1.0);
+}
+
 /// Phases and counters, for verb 3.
 inline void report_phases(const Scene& scene, const Solution& solution) {
   const Times& t = solution.times;
@@ -207,7 +212,8 @@ inline void report_phases(const Scene& scene, const Solution& solution) {
          << std::endl;
   if (solution.levels.count > 0)
     line() << "multigrid hierarchy: " << solution.levels.bytes / 1e6 << " MB, "
-           << solution.levels.of_A << " times the storage of A" << std::endl;
+           << solution.levels.bytes / storage(scene.system->system()->entries())
+           << " times the storage of A" << std::endl;
   if (solution.steps.total() > 0) {
     line() << "steps:";
     for (int k = 0; k < step_labels; ++k)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <stdexcept>
 
 #include "parts.h"
 
@@ -33,7 +34,7 @@ void add_node(const Numbering& numbering, const System& local, const std::vector
   const Index d = numbering.dimension;
   std::vector<PetscInt> touched{first_slot / d};
   for (Index p : dofs)
-    for (Matrix::InnerIterator e(local.A, p); e; ++e)
+    for (Matrix::InnerIterator e(local.entries(), p); e; ++e)
       touched.push_back(numbering.slot[e.col()] / d);
   std::sort(touched.begin(), touched.end());
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
@@ -50,7 +51,7 @@ void add_node(const Numbering& numbering, const System& local, const std::vector
     if (s >= static_cast<Index>(dofs.size()))
       at(first_slot + s) = filler;
     else
-      for (Matrix::InnerIterator e(local.A, dofs[s]); e; ++e)
+      for (Matrix::InnerIterator e(local.entries(), dofs[s]); e; ++e)
         at(numbering.slot[e.col()]) += e.value();
     rows.start.push_back(static_cast<PetscInt>(rows.columns.size()));
   }
@@ -87,7 +88,7 @@ void SharedMatrix::find_contact(const System& local) {
   for (Index p : N.own) {
     const bool contact = p >= local.interior();
     row.clear();
-    for (Matrix::InnerIterator e(local.A, p); e; ++e)
+    for (Matrix::InnerIterator e(local.entries(), p); e; ++e)
       if (contact || e.col() >= local.interior()) row[N.slot[e.col()]] = e.value();
     if (contact) {
       const Index i = node_of[p - local.interior()];
@@ -105,7 +106,7 @@ void SharedMatrix::find_contact(const System& local) {
 }
 
 void SharedMatrix::find_bodies(const LocalSystem& local) {
-  const Bodies parts = bodies_of(local.system()->A);
+  const Bodies parts = bodies_of(local.system()->entries());
   const std::vector<Index>& origin = local.basis().origin;
   std::vector<DofOfPart> dofs;
   for (std::size_t p = 0; p < origin.size(); ++p) dofs.push_back({origin[p], parts.of[p]});
@@ -174,6 +175,22 @@ Vector SharedMatrix::magnitude(const Vector& x) const {
   Vector result;
   from_slots(Ax_.get(), result);
   return result;
+}
+
+Vector SharedSystem::multiply_sized(const Vector& x, Vector& Ax) const {
+  A->multiply(x, Ax);
+  return A->magnitude(x);
+}
+
+void SharedSystem::move_contact(const Vector& dx_C, Vector& r) const {
+  Vector dx = Vector::Zero(dofs()), Adx;
+  dx.tail(dx_C.size()) = dx_C;
+  multiply(dx, Adx);
+  r -= Adx;
+}
+
+const Matrix& SharedSystem::entries() const {
+  throw std::logic_error("the entries of A are shared by processes");
 }
 
 }  // namespace frictioncg

@@ -15,21 +15,15 @@ struct ContactEntries {
   std::vector<PetscInt> contact_slot;  ///< of each own contact dof
 };
 
-/// A of all processes as a matrix of PETSc's, and their common sums.
-class SharedMatrix final : public Processes {
+/// A of all processes as a matrix of PETSc's.
+class SharedMatrix {
  public:
   /// Collective. local: the overlapping system of this process, its own rows complete.
   SharedMatrix(std::shared_ptr<const Domain> domain, Numbering numbering, const LocalSystem& local);
 
-  void multiply(const Vector& x, Vector& Ax) const override;
-  Vector magnitude(const Vector& x) const override;
-  void sum(Real* values, Index count) const override { domain_->sum(values, count); }
-  Real largest(Real value) const override { return domain_->largest(value); }
-  Vector gathered(const Vector& own) const override { return domain_->gathered(own); }
-  Vector combined(const Vector& own, const Both& both) const override {
-    return domain_->combined(own, both);
-  }
-  Bodies bodies() const override { return bodies_; }
+  void multiply(const Vector& x, Vector& Ax) const;  ///< own rows of A x
+  Vector magnitude(const Vector& x) const;           ///< own rows of |A||x|
+  const Bodies& bodies() const { return bodies_; }   ///< in the graph of A
 
   const Domain& domain() const { return *domain_; }
   const Numbering& numbering() const { return numbering_; }
@@ -55,6 +49,23 @@ class SharedMatrix final : public Processes {
   VecHandle x_, Ax_;
   ContactEntries contact_;
   Bodies bodies_;
+};
+
+/// What this process owns of a system that several share.
+struct SharedSystem final : System {
+  std::shared_ptr<const SharedMatrix> A;
+
+  void multiply(const Vector& x, Vector& Ax) const override { A->multiply(x, Ax); }
+  Vector multiply_sized(const Vector& x, Vector& Ax) const override;
+  void move_contact(const Vector& dx_C, Vector& r) const override;
+  Bodies bodies() const override { return A->bodies(); }
+  const Matrix& entries() const override;
+  void sum(Real* values, Index count) const override { A->domain().sum(values, count); }
+  Real largest(Real value) const override { return A->domain().largest(value); }
+  Vector gathered(const Vector& own) const override { return A->domain().gathered(own); }
+  Vector combined(const Vector& own, const Both& both) const override {
+    return A->domain().combined(own, both);
+  }
 };
 
 }  // namespace frictioncg

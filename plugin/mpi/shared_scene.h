@@ -91,12 +91,12 @@ inline Eigen::MatrixXd own_modes(const SharedScene& shared, const Eigen::MatrixX
 inline SystemPtr own_system(SharedScene& shared) {
   const LocalSystem& local = *shared.scene->system;
   const Numbering& numbering = shared.numbering();
-  const auto own = std::make_shared<System>();
+  const auto own = std::make_shared<SharedSystem>();
   own->dimension = shared.scene->d;
   own->D = shared.A->own_part(local.system()->D);
   own->weight = shared.A->own_part(local.system()->weight);
   own->first = numbering.own_first;
-  own->processes = shared.A;
+  own->A = shared.A;
   const std::vector<NodePlace> places = shared.scene->places();
   shared.extent = extents_of_all(*shared.domain, {places}).front();
   const Eigen::MatrixXd modes = own_modes(shared, motions(shared, places, shared.extent));

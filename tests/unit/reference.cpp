@@ -60,7 +60,7 @@ Eigen::VectorXd solve_node(const Eigen::MatrixXd& S, const Eigen::VectorXd& f, d
 }
 
 Reference reference_solution(const ContactProblem& p) {
-  const Eigen::MatrixXd A = p.system->A;
+  const Eigen::MatrixXd A = p.system->entries();
   const int interior = p.interior(), n = p.dofs(), contact = n - interior;
   const Eigen::LDLT<Eigen::MatrixXd> A_II(A.topLeftCorner(interior, interior));
   const Eigen::MatrixXd A_IC = A.topRightCorner(interior, contact);

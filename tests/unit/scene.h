@@ -8,6 +8,11 @@
 
 namespace frictioncg::test {
 
+/// A system of these tests, to be copied and changed.
+inline const AssembledSystem& assembled(const SystemPtr& system) {
+  return dynamic_cast<const AssembledSystem&>(*system);
+}
+
 /// A scene in local frames, and the way back.
 class Posed {
  public:

@@ -154,7 +154,7 @@ TEST_F(Faults, MultigridTakesLessThanTwelveTimesTheStorageOfTheMatrix) {
   o.cells = {14, 14, 14};
   const SparseScene scene = sparse_block(o);
   const Posed posed = scene.system(scene.node_of_dof);
-  const Matrix& A = posed.problem().system->A;
+  const Matrix& A = posed.problem().system->entries();
   const double storage = 12.0 * double(A.nonZeros());
   Settings settings;
   settings.method = Method::multigrid;

@@ -283,7 +283,7 @@ TEST(Solver, TheDirectionThatNamesAnIndefiniteMatrixIsOne) {
     for (std::size_t k = 0; k < s.a.size(); ++k)
       if (s.i[k] != s.j[k]) s.a[k] *= factor;
     const Posed posed = s.system();
-    const Matrix& A = posed.problem().system->A;
+    const Matrix& A = posed.problem().system->entries();
     Settings regularized;
     regularized.newton = false;
     for (const Settings& settings : {Settings(), gc3(), regularized}) {
@@ -670,7 +670,7 @@ TEST(Solver, ThePlanLeavesOutWhatTheSceneDoesNotNeed) {
   EXPECT_EQ(plan(Law::tresca, Method::gc3, true).tangents, 5);
   EXPECT_EQ(plan(Law::tresca, Method::gc3, true).nodes, 5);
   EXPECT_EQ(plan(Law::tresca, Method::gc3, true).dofs, 50);
-  const auto empty = std::make_shared<System>();
+  const auto empty = std::make_shared<AssembledSystem>();
   empty->first = {0};
   ContactProblem nothing{empty, {}};
   nothing.increment.law = Law::coulomb;

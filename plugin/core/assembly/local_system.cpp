@@ -89,7 +89,7 @@ Matrix LocalSystem::border(Index n) const {
 /// The system in the basis.
 void LocalSystem::assemble(const Triplets& A, int dimension, const std::vector<Index>& mesh_node,
                            RigidModes modes, RigidModes body_modes) {
-  const auto system = std::make_shared<System>();
+  const auto system = std::make_shared<AssembledSystem>();
   system->dimension = dimension;
   system->first = basis_->first;
   system->border = border(A.n);
@@ -147,8 +147,8 @@ LocalLoad LocalSystem::load_from(const Vector& b, const Vector& w_old) const {
   load.F = load.total;
   if (w_old.size() == 0) return load;
   load.start.head(w) = w_old;
-  load.F.noalias() -= system_->A * load.start.head(w);
-  load.sizes += magnitude(system_->A, load.start.head(w));
+  load.F.noalias() -= system_->entries() * load.start.head(w);
+  load.sizes += magnitude(system_->entries(), load.start.head(w));
   return load;
 }
 

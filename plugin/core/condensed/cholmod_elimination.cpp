@@ -33,12 +33,12 @@ struct CholmodElimination::UpperTriangle {
 
   explicit UpperTriangle(const System& s, const std::vector<Index>& roots = {}) {
     const Index n = s.dofs(), interior = s.interior();
-    const Index* begin = s.A.outerIndexPtr();
-    const Index* col = s.A.innerIndexPtr();
-    const Real* a = s.A.valuePtr();
+    const Index* begin = s.entries().outerIndexPtr();
+    const Index* col = s.entries().innerIndexPtr();
+    const Real* a = s.entries().valuePtr();
     column.reserve(n + 1);
-    row.reserve(s.A.nonZeros() / 2 + n);
-    value.reserve(s.A.nonZeros() / 2 + n);
+    row.reserve(s.entries().nonZeros() / 2 + n);
+    value.reserve(s.entries().nonZeros() / 2 + n);
     column.push_back(0);
     for (Index j = 0; j < n; ++j) {
       for (Index k = begin[j]; k < begin[j + 1] && col[k] < j; ++k) {

@@ -44,8 +44,8 @@ struct NodeGraph {
     std::vector<Index> node_of(n);
     number_nodes(s, node_of);
     const Index nodes = static_cast<Index>(first_dof.size()) - 1;
-    const Index* begin = s.A.outerIndexPtr();
-    const Index* col = s.A.innerIndexPtr();
+    const Index* begin = s.entries().outerIndexPtr();
+    const Index* col = s.entries().innerIndexPtr();
     std::vector<Index> seen_by(nodes, -1);
     column.reserve(nodes + 1);
     column.push_back(0);
@@ -129,8 +129,8 @@ std::vector<Index> contact_last(const System& s, Ordering ordering, cholmod_comm
 }
 
 std::vector<Index> last_of_each_part(const System& s, const std::vector<Index>& order) {
-  const Index* row = s.A.outerIndexPtr();
-  const Index* col = s.A.innerIndexPtr();
+  const Index* row = s.entries().outerIndexPtr();
+  const Index* col = s.entries().innerIndexPtr();
   std::vector<char> seen(s.interior(), 0);
   std::vector<Index> roots, stack;
   for (Index k = s.interior() - 1; k >= 0; --k) {

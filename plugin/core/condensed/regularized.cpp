@@ -14,7 +14,7 @@ constexpr Real least_stiffness = 1e-8;  ///< of diag(S) over D, to precondition 
 /// sparse form takes half as much again as S.
 ContactProblem on_contact_dofs(const CondensedProblem& condensed) {
   const System& whole = *condensed.laws.system;
-  const auto s = std::make_shared<System>();
+  const auto s = std::make_shared<AssembledSystem>();
   s->dimension = whole.dimension;
   for (Index first : whole.first) s->first.push_back(first - whole.interior());
   s->A = condensed.S.sparseView(0, 0);

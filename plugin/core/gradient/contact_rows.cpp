@@ -10,9 +10,9 @@ ContactRows::ContactRows(const ContactProblem& problem)
       dx_C_(Vector::Zero(problem.contact_dofs())) {}
 
 Real ContactRows::row_product(Index c, const Vector& v_in) const {
-  const Index* row = system_.A.outerIndexPtr();
-  const Index* col = system_.A.innerIndexPtr();
-  const Real *a = system_.A.valuePtr(), *v = v_in.data();
+  const Index* row = system_.entries().outerIndexPtr();
+  const Index* col = system_.entries().innerIndexPtr();
+  const Real *a = system_.entries().valuePtr(), *v = v_in.data();
   const Index i = system_.interior() + c;
   Real sum = 0;
   for (Index k = row[i]; k < row[i + 1]; ++k) sum += a[k] * v[col[k]];
@@ -30,9 +30,9 @@ void ContactRows::owe(Index c, Real dx) {
 }
 
 void ContactRows::displace(Vector& x, Index c, Real dx) {
-  const Index* row = system_.A.outerIndexPtr();
-  const Index* col = system_.A.innerIndexPtr();
-  const Real* a = system_.A.valuePtr();
+  const Index* row = system_.entries().outerIndexPtr();
+  const Index* col = system_.entries().innerIndexPtr();
+  const Real* a = system_.entries().valuePtr();
   const Index interior = system_.interior(), i = interior + c;
   x[i] += dx;
   owe(c, dx);
@@ -48,9 +48,9 @@ void ContactRows::settle(Preconditioner& P) {
 }
 
 Real ContactRows::energy(const Vector& d) const {
-  const Index* row = system_.A.outerIndexPtr();
-  const Index* col = system_.A.innerIndexPtr();
-  const Real* a = system_.A.valuePtr();
+  const Index* row = system_.entries().outerIndexPtr();
+  const Index* col = system_.entries().innerIndexPtr();
+  const Real* a = system_.entries().valuePtr();
   const Index interior = system_.interior();
   Real sum = 0;
   for (Index c = 0; c < d.size(); ++c) {
@@ -68,7 +68,7 @@ Vector tangential_stiffness(const System& system) {
     const Index T = system.first[i] + 1, t = system.tangents(i);
     if (t == 1) stiffness[i] = system.D[T];
     if (t != 2) continue;
-    const Real off = system.A.coeff(T, T + 1), half = (system.D[T] - system.D[T + 1]) / 2;
+    const Real off = system.entries().coeff(T, T + 1), half = (system.D[T] - system.D[T + 1]) / 2;
     stiffness[i] = (system.D[T] + system.D[T + 1]) / 2 + std::hypot(half, off);
   }
   return stiffness;

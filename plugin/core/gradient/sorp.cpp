@@ -72,9 +72,9 @@ bool Sorp::settled(const Vector& x, const Vector& g, Tangents tangents, Real bou
 }
 
 Real Sorp::row_residual(const Vector& x, Index i) const {
-  const Index* row = problem_.system->A.outerIndexPtr();
-  const Index* col = problem_.system->A.innerIndexPtr();
-  const Real* a = problem_.system->A.valuePtr();
+  const Index* row = problem_.system->entries().outerIndexPtr();
+  const Index* col = problem_.system->entries().innerIndexPtr();
+  const Real* a = problem_.system->entries().valuePtr();
   Real r = problem_.increment.F[i];
   for (Index k = row[i]; k < row[i + 1]; ++k) r -= a[k] * x[col[k]];
   return r;

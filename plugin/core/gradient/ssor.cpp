@@ -23,8 +23,8 @@ SsorPreconditioner::SsorPreconditioner(const System& system, bool on_hessian, Re
       dE_y_(Vector::Zero(system.contact_dofs())),
       dy_C_(Vector::Zero(system.contact_dofs())),
       dy_I_(Vector::Zero(system.interior())) {
-  const Index* row = system.A.outerIndexPtr();
-  const Index* col = system.A.innerIndexPtr();
+  const Index* row = system.entries().outerIndexPtr();
+  const Index* col = system.entries().innerIndexPtr();
   for (Index i = 0; i < system.dofs(); ++i)
     diagonal_[i] = static_cast<Index>(std::lower_bound(col + row[i], col + row[i + 1], i) - col);
 }
@@ -32,9 +32,9 @@ SsorPreconditioner::SsorPreconditioner(const System& system, bool on_hessian, Re
 /// y_C = (C/omega + E)_CC^{-1} (rhs - lower_interior) on the free contact dofs; y_C into y's tail.
 void SsorPreconditioner::forward_contact(const Vector& lower_interior, const Vector& rhs,
                                          Vector& y_out) const {
-  const Index* row = system_.A.outerIndexPtr();
-  const Index* col = system_.A.innerIndexPtr();
-  const Real* a = system_.A.valuePtr();
+  const Index* row = system_.entries().outerIndexPtr();
+  const Index* col = system_.entries().innerIndexPtr();
+  const Real* a = system_.entries().valuePtr();
   const Index shift = interior_ - static_cast<Index>(system_.dofs() - y_out.size());
   Real* y = y_out.data();
   for (Index c = 0; c < rhs.size(); ++c) {
@@ -51,9 +51,9 @@ void SsorPreconditioner::forward_contact(const Vector& lower_interior, const Vec
 }
 
 void SsorPreconditioner::start(const Vector& r) {
-  const Index* row = system_.A.outerIndexPtr();
-  const Index* col = system_.A.innerIndexPtr();
-  const Real *a = system_.A.valuePtr(), *y = y_.data();
+  const Index* row = system_.entries().outerIndexPtr();
+  const Index* col = system_.entries().innerIndexPtr();
+  const Real *a = system_.entries().valuePtr(), *y = y_.data();
   interior_r_z_ = interior_dr_z_ = 0;
   for (Index i = 0; i < interior_; ++i) {
     Real sum = r[i];
@@ -64,9 +64,9 @@ void SsorPreconditioner::start(const Vector& r) {
 }
 
 void SsorPreconditioner::set_contact(const Vector& r_C, const ContactPart& part) {
-  const Index* row = system_.A.outerIndexPtr();
-  const Index* col = system_.A.innerIndexPtr();
-  const Real *a = system_.A.valuePtr(), *y = y_.data();
+  const Index* row = system_.entries().outerIndexPtr();
+  const Index* col = system_.entries().innerIndexPtr();
+  const Real *a = system_.entries().valuePtr(), *y = y_.data();
   free_ = part.free;
   if (on_hessian_ && C_.tail(r_C.size()) != D_.tail(r_C.size()) + part.hessian) {
     C_changed_ = true;
@@ -100,9 +100,9 @@ void SsorPreconditioner::set_contact(const Vector& r_C, const ContactPart& part)
 /// s := kappa C y + gamma s, then (C/omega + E') v = s from the last row up. Each row ends on the
 /// entry that was computed last, so that the rest of its sum does not wait for it.
 void SsorPreconditioner::direction(Real gamma, Vector& v_out) {
-  const Index* row = system_.A.outerIndexPtr();
-  const Index* col = system_.A.innerIndexPtr();
-  const Real* a = system_.A.valuePtr();
+  const Index* row = system_.entries().outerIndexPtr();
+  const Index* col = system_.entries().innerIndexPtr();
+  const Real* a = system_.entries().valuePtr();
   const Index* diagonal = diagonal_.data();
   const Real *C = C_.data(), *y = y_.data(), *inverse = inverse_.data();
   Real *s = s_.data(), *v = v_out.data();
@@ -135,9 +135,9 @@ void SsorPreconditioner::direction(Real gamma, Vector& v_out) {
 /// (C/omega + E) e = s + (D - 2C/omega) v, so that A v = (C/omega + E)(v + e), and <Av,v> = <v+e,
 /// s>.
 Curvature SsorPreconditioner::curvature(const Vector& v_in) {
-  const Index* row = system_.A.outerIndexPtr();
-  const Index* col = system_.A.innerIndexPtr();
-  const Real* a = system_.A.valuePtr();
+  const Index* row = system_.entries().outerIndexPtr();
+  const Index* col = system_.entries().innerIndexPtr();
+  const Real* a = system_.entries().valuePtr();
   const Index* diagonal = diagonal_.data();
   const Real *C = C_.data(), *v = v_in.data(), *s = s_.data(), *inverse = inverse_.data();
   Real* e = e_.data();
@@ -182,9 +182,9 @@ void SsorPreconditioner::advance(Real rho, const Vector& v_in, Vector& x_out) {
 
 /// y_I -= dy_I = (C/omega + E)_II^{-1} A_IC dx_C.
 void SsorPreconditioner::move_contact(const Vector& dx_C) {
-  const Index* row = system_.A.outerIndexPtr();
-  const Index* col = system_.A.innerIndexPtr();
-  const Real *a = system_.A.valuePtr(), *dx = dx_C.data(), *dy = dy_I_.data();
+  const Index* row = system_.entries().outerIndexPtr();
+  const Index* col = system_.entries().innerIndexPtr();
+  const Real *a = system_.entries().valuePtr(), *dx = dx_C.data(), *dy = dy_I_.data();
   interior_r_z_ = 0;
   for (Index i = 0; i < interior_; ++i) {
     Real sum = 0;
@@ -198,9 +198,9 @@ void SsorPreconditioner::move_contact(const Vector& dx_C) {
 }
 
 Real SsorPreconditioner::free_norm() const {
-  const Index* row = system_.A.outerIndexPtr();
-  const Index* col = system_.A.innerIndexPtr();
-  const Real *a = system_.A.valuePtr(), *y = y_.data();
+  const Index* row = system_.entries().outerIndexPtr();
+  const Index* col = system_.entries().innerIndexPtr();
+  const Real *a = system_.entries().valuePtr(), *y = y_.data();
   Real sum = 0;
   for (Index i = 0; i < interior_; ++i) {
     Real r = C_[i] / omega_ * y_[i];

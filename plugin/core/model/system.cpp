@@ -15,18 +15,7 @@ bool costs_no_energy(const System& system, const Vector& w) {
   return costs_no_energy(in[0], in[1]);
 }
 
-void System::multiply(const Vector& x, Vector& Ax) const {
-  if (processes)
-    processes->multiply(x, Ax);
-  else
-    Ax.noalias() = A * x;
-}
-
-Vector System::multiply_sized(const Vector& x_in, Vector& Ax) const {
-  if (processes) {
-    processes->multiply(x_in, Ax);
-    return processes->magnitude(x_in);
-  }
+Vector AssembledSystem::multiply_sized(const Vector& x_in, Vector& Ax) const {
   Ax.resize(A.rows());
   Vector size(A.rows());
   const Index* row = A.outerIndexPtr();
@@ -45,21 +34,14 @@ Vector System::multiply_sized(const Vector& x_in, Vector& Ax) const {
   return size;
 }
 
-void System::move_contact(const Vector& dx_C, Vector& r) const {
-  if (processes) {
-    Vector dx = Vector::Zero(dofs()), Adx;
-    dx.tail(dx_C.size()) = dx_C;
-    multiply(dx, Adx);
-    r -= Adx;
-    return;
-  }
+void AssembledSystem::move_contact(const Vector& dx_C, Vector& r) const {
   for (Index c = 0; c < dx_C.size(); ++c) {
     if (dx_C[c] == 0) continue;
     for (Matrix::InnerIterator a(A, interior() + c); a; ++a) r[a.col()] -= a.value() * dx_C[c];
   }
 }
 
-Bodies System::bodies() const { return processes ? processes->bodies() : bodies_of(A); }
+Bodies AssembledSystem::bodies() const { return bodies_of(A); }
 
 Bodies bodies_of(const Matrix& A) {
   const Index n = static_cast<Index>(A.rows());
@@ -127,13 +109,13 @@ std::vector<char> supported(const System& system, const std::vector<Index>& stif
   if (M.rows() != system.dofs() || !M.allFinite()) return found;
   for (Index k : stiff) {
     Vector resisted = Vector::Zero(M.cols());
-    for (Matrix::InnerIterator a(system.A, k); a; ++a)
+    for (Matrix::InnerIterator a(system.entries(), k); a; ++a)
       resisted += a.value() * M.row(a.col()).transpose();
     found[k] = resisted.cwiseAbs().maxCoeff() > resists * system.D[k];
   }
   std::vector<char> beside = found;
   for (Index k : stiff)
-    for (Matrix::InnerIterator a(system.A, k); a && !beside[k]; ++a)
+    for (Matrix::InnerIterator a(system.entries(), k); a && !beside[k]; ++a)
       beside[k] = found[a.col()] &&
                   std::abs(a.value()) > coupled * std::sqrt(system.D[k] * system.D[a.col()]);
   return beside;

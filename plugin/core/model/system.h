@@ -3,23 +3,34 @@
 
 #include <functional>
 #include <memory>
+#include <vector>
 
-#include "model/processes.h"
+#include "types.h"
 
 namespace frictioncg {
+
+/// Which part of a scene that hangs together each dof belongs to.
+struct Bodies {
+  std::vector<Index> of;  ///< n, numbered from 0
+  Index count = 0;        ///< on all processes
+};
 
 /// Candidates for rigid motions: n x k, made when asked for. None of them need be in the kernel of
 /// A: a support or a link may stand against it. An empty function: not known.
 using RigidModes = std::function<Eigen::MatrixXd()>;
 
-/// What stays from increment to increment: the matrix, and where its contact nodes lie. Immutable
-/// from construction.
+/// What stays from increment to increment: the matrix A (n x n, symmetric positive semi-definite
+/// [force/length]), and where its contact nodes lie. Immutable from construction.
 ///
 /// The interior dofs come first, then the contact nodes one by one, each with its normal dof
 /// followed by its tangential dofs: two in 3D, one in 2D, none where there is no friction.
+///
+/// Several processes may share it: each owns some of the dofs and nodes, holds vectors and products
+/// of that size, and calls the same functions in the same order as all others.
 struct System {
+  virtual ~System() = default;
+
   int dimension = 2;         ///< 2 or 3
-  Matrix A;                  ///< n x n, symmetric positive semi-definite [force/length]
   Vector D;                  ///< n, diag(A)
   Vector weight;             ///< n, of node_weights: the stiffness that residuals are divided by
   std::vector<Index> first;  ///< m + 1; contact node i owns the dofs first[i] .. first[i+1]-1
@@ -29,9 +40,6 @@ struct System {
   Matrix border;
   RigidModes rigid_modes;  ///< of all bodies as if they were one, in local frames
   RigidModes body_modes;   ///< of each body alone, where a coupling joins them in A; or empty
-  /// Null, or the processes that share the system: all of the above is then what this one owns, and
-  /// A is empty, being theirs.
-  std::shared_ptr<const Processes> processes;
 
   Index dofs() const { return first.back(); }
   Index nodes() const { return static_cast<Index>(first.size()) - 1; }
@@ -39,26 +47,39 @@ struct System {
   Index contact_dofs() const { return dofs() - interior(); }
   Index tangents(Index i) const { return first[i + 1] - first[i] - 1; }
 
-  // Of all processes together, where there are several:
-  void multiply(const Vector& x, Vector& Ax) const;  ///< Ax = A x
+  virtual void multiply(const Vector& x, Vector& Ax) const = 0;  ///< Ax = A x
   /// The same; returns |A||x|: what A x is summed of.
-  Vector multiply_sized(const Vector& x, Vector& Ax) const;
+  virtual Vector multiply_sized(const Vector& x, Vector& Ax) const = 0;
   /// r -= A dx, where dx_C (contact_dofs) alone is not 0, by the rows of what moved.
-  void move_contact(const Vector& dx_C, Vector& r) const;
-  Bodies bodies() const;
+  virtual void move_contact(const Vector& dx_C, Vector& r) const = 0;
+  virtual Bodies bodies() const = 0;  ///< in the graph of A
+  /// A itself, for what needs its entries. Throws std::logic_error where processes share them.
+  virtual const Matrix& entries() const = 0;
+
+  // Over all processes; of one alone, what it has:
+  /// Adds up each of the values, in place.
+  virtual void sum(Real* /*values*/, Index /*count*/) const {}
+  virtual Real largest(Real value) const { return value; }
   /// The vectors of all, one after the other.
-  Vector gathered(const Vector& own) const { return processes ? processes->gathered(own) : own; }
-  Vector combined(const Vector& own, const Processes::Both& both) const {
-    return processes ? processes->combined(own, both) : own;
-  }
-  void sum(Real* values, Index count) const {
-    if (processes) processes->sum(values, count);
-  }
+  virtual Vector gathered(const Vector& own) const { return own; }
+  /// One vector in place of those of all, of one size, by what stands for two of them.
+  using Both = std::function<Vector(const Vector&, const Vector&)>;
+  virtual Vector combined(const Vector& own, const Both& /*both*/) const { return own; }
   Real sum(Real value) const {
     sum(&value, 1);
     return value;
   }
-  Real largest(Real value) const { return processes ? processes->largest(value) : value; }
+};
+
+/// A system that one process holds whole.
+struct AssembledSystem final : System {
+  Matrix A;
+
+  void multiply(const Vector& x, Vector& Ax) const override { Ax.noalias() = A * x; }
+  Vector multiply_sized(const Vector& x, Vector& Ax) const override;
+  void move_contact(const Vector& dx_C, Vector& r) const override;
+  Bodies bodies() const override;
+  const Matrix& entries() const override { return A; }
 };
 
 /// Whether a motion w costs no energy, by <Aw,w> and <Dw,w>. The entries of A, each rounded to

@@ -44,10 +44,10 @@ void validate_layout(const System& s) {
       refuse("contact node ", i, " owns ", size, " dofs; it has its normal and at most ",
              s.dimension - 1, " tangents");
   }
-  if (s.A.rows() != s.dofs() || s.A.cols() != s.dofs())
-    refuse("A is ", s.A.rows(), " x ", s.A.cols(), " but first ends at ", s.dofs(),
+  if (s.entries().rows() != s.dofs() || s.entries().cols() != s.dofs())
+    refuse("A is ", s.entries().rows(), " x ", s.entries().cols(), " but first ends at ", s.dofs(),
            "; A has a row and a column for each dof");
-  if (!s.A.isCompressed()) refuse("A is not compressed; call makeCompressed()");
+  if (!s.entries().isCompressed()) refuse("A is not compressed; call makeCompressed()");
 }
 
 void validate_load(const Increment& increment, const System& system) {
@@ -109,7 +109,7 @@ const char* without_effect(Option option, const Settings& s) {
 void validate(const System& s) {
   validate_layout(s);
   const Index n = s.dofs();
-  if (!Eigen::Map<const Vector>(s.A.valuePtr(), s.A.nonZeros()).allFinite())
+  if (!Eigen::Map<const Vector>(s.entries().valuePtr(), s.entries().nonZeros()).allFinite())
     refuse("A has an entry that is not finite; every entry is a number");
   require_size("D", Index(s.D.size()), n, "dof");
   require_size("weight", Index(s.weight.size()), n, "dof");

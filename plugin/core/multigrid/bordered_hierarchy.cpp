@@ -19,7 +19,7 @@ BorderedHierarchy::BorderedHierarchy(const System& system, std::unique_ptr<Level
       r_(system.dofs()),
       z_(system.dofs()) {
   for (Index p = system.interior(); p < system.dofs(); ++p)
-    for (Matrix::InnerIterator a(system.A, p); a; ++a) {
+    for (Matrix::InnerIterator a(system.entries(), p); a; ++a) {
       const Index i = static_cast<Index>(a.col());
       if (place_[i] >= 0 || (i >= first_ && i < first_ + border_)) continue;
       place_[i] = static_cast<Index>(near_.size());
@@ -37,7 +37,7 @@ Border BorderedHierarchy::border(const std::vector<char>& fixed,
   DenseMatrix S = shift * DenseMatrix(system_.D.segment(first_, border_).asDiagonal());
   for (Index c = 0; c < contact; ++c) {
     if (!fixed[c]) continue;
-    for (Matrix::InnerIterator a(system_.A, interior + c); a; ++a)
+    for (Matrix::InnerIterator a(system_.entries(), interior + c); a; ++a)
       if (place_[a.col()] >= 0) B.row(place_[a.col()]) -= a.value() * at_contact_.row(c);
   }
   for (Index c = 0; c < contact; ++c) {
@@ -94,12 +94,12 @@ Matrix without_border(const System& system) {
   const Index k = static_cast<Index>(system.border.cols()), n = system.dofs();
   const Index end = system.interior(), first = end - k;
   Matrix A(n - k, n - k);
-  A.reserve(system.A.nonZeros());
+  A.reserve(system.entries().nonZeros());
   for (Index p = 0; p < n; ++p) {
     if (p >= first && p < end) continue;
     const Index row = p < first ? p : p - k;
     A.startVec(row);
-    for (Matrix::InnerIterator e(system.A, p); e; ++e)
+    for (Matrix::InnerIterator e(system.entries(), p); e; ++e)
       if (e.col() < first || e.col() >= end)
         A.insertBack(row, e.col() < first ? e.col() : e.col() - k) = e.value();
   }

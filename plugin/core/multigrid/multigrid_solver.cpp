@@ -17,11 +17,6 @@ constexpr Index most_iterations = 2000;
 /// The route costs so many cycles as a rule, set-up included: the unit of `allowance`.
 constexpr Real usual_iterations = 50;
 
-/// The memory of a matrix in its present format [bytes].
-double storage(const Matrix& A) {
-  return (sizeof(Real) + sizeof(Index)) * double(A.nonZeros()) + sizeof(Index) * (A.rows() + 1.0);
-}
-
 }  // namespace
 
 MultigridSolver::MultigridSolver(SystemPtr system) : system_(std::move(system)) {
@@ -42,9 +37,7 @@ Solution MultigridSolver::solve(const ContactProblem& problem, const Settings& s
   Solution s;
   s.route = Route::multigrid;
   s.layer = system_->largest(problem.nodes()) == 0 ? Layer::linear : Layer::multigrid;
-  const double bytes = hierarchy_->bytes();
-  s.levels = {hierarchy_->levels(), hierarchy_->operator_complexity(), bytes,
-              system_->processes ? 0 : bytes / storage(system_->A)};
+  s.levels = {hierarchy_->levels(), hierarchy_->operator_complexity(), hierarchy_->bytes()};
   s.times.factor = setup_;
   setup_ = 0;
   double start = cpu_seconds();

@@ -23,7 +23,7 @@ std::unique_ptr<Hierarchy> make_hierarchy(const System& system, const HierarchyO
   const bool fits =
       modes.rows() == system.dofs() && modes.cols() == (system.dimension == 2 ? 3 : 6);
   if (!fits) return nullptr;
-  if (system.dofs() <= options.dense) return std::make_unique<DenseHierarchy>(system.A);
+  if (system.dofs() <= options.dense) return std::make_unique<DenseHierarchy>(system.entries());
   if (const Index k = static_cast<Index>(system.border.cols())) {
     const Index end = system.interior(), behind = system.contact_dofs();
     std::vector<Index> mesh_node = system.mesh_node;
@@ -35,7 +35,7 @@ std::unique_ptr<Hierarchy> make_hierarchy(const System& system, const HierarchyO
         system, make_levels(without_border(system), blocks, of_bodies, options));
   }
   const NodeBlocks blocks = make_node_blocks(system.mesh_node, system.dimension, system.interior());
-  return make_levels(system.A, blocks, modes, options);
+  return make_levels(system.entries(), blocks, modes, options);
 }
 
 }  // namespace frictioncg

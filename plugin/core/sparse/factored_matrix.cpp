@@ -38,7 +38,7 @@ void FactoredMatrix::copy_upper_triangle() {
     if (s.tangents(i) == 2) second[s.first[i] + 2] = 1;
   column_.push_back(0);
   for (Index j = 0; j < s.dofs(); ++j) {
-    for (Matrix::InnerIterator a(s.A, j); a && a.col() < j; ++a) {
+    for (Matrix::InnerIterator a(s.entries(), j); a && a.col() < j; ++a) {
       row_.push_back(static_cast<Index>(a.col()));
       value_.push_back(a.value());
     }
@@ -87,7 +87,7 @@ void FactoredMatrix::apply(const Vector& r, Vector& z) {
 }
 
 Real FactoredMatrix::operator_complexity() const {
-  return laid_out() ? 2 * common_.lnz / Real(system_->A.nonZeros()) : 0;
+  return laid_out() ? 2 * common_.lnz / Real(system_->entries().nonZeros()) : 0;
 }
 
 }  // namespace frictioncg

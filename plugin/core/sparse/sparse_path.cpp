@@ -10,7 +10,7 @@ constexpr int most_directions = 40;
 }  // namespace
 
 Vector SparsePathMatrix::multiply(const Vector& y) const {
-  return (system_.A * y.cwiseQuotient(unit_)).cwiseQuotient(unit_);
+  return (system_.entries() * y.cwiseQuotient(unit_)).cwiseQuotient(unit_);
 }
 
 bool SparsePathMatrix::factor(const PathLaws& laws) {

@@ -62,7 +62,7 @@ DenseMatrix rigid_motions(const System& system, Index max_iterations) {
   const Vector scale = system.D.cwiseSqrt().cwiseInverse();
   DenseMatrix W(n, 0);  // of D^{-1/2} A D^{-1/2}, orthonormal
   const auto product = [&](const Vector& v) {
-    return Vector(scale.asDiagonal() * (system.A * (scale.asDiagonal() * v)));
+    return Vector(scale.asDiagonal() * (system.entries() * (scale.asDiagonal() * v)));
   };
   while (W.cols() < n) {
     Vector z = arbitrary(n, 1, static_cast<Index>(W.cols()));

@@ -98,7 +98,7 @@ TEST(Obstacles, AnObstacleAloneMovesAtNoCost) {
     const System& system = *s.local->system();
     const DenseMatrix border(system.border);
     ASSERT_EQ(border.cols(), 2 * s.each() - 1);
-    EXPECT_LT((system.A * border).norm(), 1e-12 * system.A.norm() * border.norm());
+    EXPECT_LT((system.entries() * border).norm(), 1e-12 * system.entries().norm() * border.norm());
     for (Index k = 0; k < border.cols(); ++k) {
       const Vector u = s.local->to_global(border.col(k));
       EXPECT_LT(u.head(s.scene.n).norm(), 1e-12 * u.norm());
@@ -199,7 +199,7 @@ TEST(Obstacles, TheBorderedHierarchyIsSymmetricDefiniteAndZeroOnWhatIsFixed) {
       for (std::size_t p = 0; p < free_dofs.size(); ++p)
         for (std::size_t q = 0; q < free_dofs.size(); ++q) {
           on_free(p, q) = M(free_dofs[p], free_dofs[q]);
-          A(p, q) = system.A.coeff(free_dofs[p], free_dofs[q]);
+          A(p, q) = system.entries().coeff(free_dofs[p], free_dofs[q]);
         }
       if (d == 3)
         for (std::size_t p = 0; p < free_dofs.size(); ++p)

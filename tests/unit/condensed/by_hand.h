@@ -8,7 +8,7 @@ namespace frictioncg::test {
 class ByHand {
  public:
   ByHand(int d, const DenseMatrix& S, const Vector& f) : S_(S), f_(f) {
-    auto system = std::make_shared<System>();
+    auto system = std::make_shared<AssembledSystem>();
     const Index n = static_cast<Index>(f.size());
     system->dimension = d;
     system->A = S.sparseView();

@@ -128,7 +128,8 @@ TEST(Condensed, AgreesWithTheConjugateGradientOnAToTheRegularizationsBound) {
       settings.tol = 1e-10;
       settings.regeps = eps * a.x.lpNorm<Eigen::Infinity>();
       const Vector e = solve(p, settings).x - a.x;
-      const Real error = std::sqrt(e.dot(p.system->A * e) / a.x.dot(p.system->A * a.x));
+      const Real error =
+          std::sqrt(e.dot(p.system->entries() * e) / a.x.dot(p.system->entries() * a.x));
       EXPECT_LT(error, 3 * eps) << d;
     }
   }

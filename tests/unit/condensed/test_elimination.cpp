@@ -34,7 +34,7 @@ TEST(Elimination, SchurComplementCondensedLoadAndFieldMatchDenseAlgebra) {
       CholmodElimination elimination(ordering);
       ASSERT_EQ(elimination.factor(*p.system, 1e9), Outcome::done);
       EXPECT_EQ(elimination.floating().cols(), 0);
-      const Eigen::MatrixXd A = p.system->A;
+      const Eigen::MatrixXd A = p.system->entries();
       const Index I = p.interior(), C = p.contact_dofs();
       const Eigen::MatrixXd to_contact =
           A.bottomLeftCorner(C, I) *
@@ -47,10 +47,11 @@ TEST(Elimination, SchurComplementCondensedLoadAndFieldMatchDenseAlgebra) {
       const Vector x_C = Vector::Random(C);
       const Vector x = elimination.recover(x_C);
       EXPECT_LT((x.tail(C) - x_C).norm(), 1e-13 * x_C.norm());
-      EXPECT_LT((p.increment.F - p.system->A * x).head(I).norm(), 1e-11 * (p.system->A * x).norm());
+      EXPECT_LT((p.increment.F - p.system->entries() * x).head(I).norm(),
+                1e-11 * (p.system->entries() * x).norm());
       const Vector w = elimination.extend(x_C);
       EXPECT_LT((w.tail(C) - x_C).norm(), 1e-13 * x_C.norm());
-      EXPECT_LT((p.system->A * w).head(I).norm(), 1e-11 * (p.system->A * w).norm());
+      EXPECT_LT((p.system->entries() * w).head(I).norm(), 1e-11 * (p.system->entries() * w).norm());
     }
 }
 
@@ -67,11 +68,11 @@ TEST(Elimination, WhatFloatsAlongAFrictionlessPlaneIsNamedAndSAndFExistAllTheSam
       ASSERT_EQ(elimination.factor(*p.system, 1e9), Outcome::done);
       const DenseMatrix& V = elimination.floating();
       ASSERT_EQ(V.cols(), bodies * (d == 2 ? 1 : 3));
-      EXPECT_LT((p.system->A * V).norm(), 1e-11 * p.system->A.norm() * V.norm());
+      EXPECT_LT((p.system->entries() * V).norm(), 1e-11 * p.system->entries().norm() * V.norm());
       const Index I = p.interior(), C = p.contact_dofs();
       EXPECT_EQ(V.bottomRows(C).norm(), 0);
       EXPECT_GT(Eigen::JacobiSVD<DenseMatrix>(V).singularValues().minCoeff(), 0.1);
-      const Eigen::MatrixXd A = p.system->A;
+      const Eigen::MatrixXd A = p.system->entries();
       const Eigen::MatrixXd to_contact =
           A.bottomLeftCorner(C, I) * pseudo_inverse(A.topLeftCorner(I, I));
       const Eigen::MatrixXd S = A.bottomRightCorner(C, C) - to_contact * A.topRightCorner(I, C);
@@ -79,7 +80,8 @@ TEST(Elimination, WhatFloatsAlongAFrictionlessPlaneIsNamedAndSAndFExistAllTheSam
       const Vector f = p.increment.F.tail(C) - to_contact * p.increment.F.head(I);
       EXPECT_LT((elimination.condense(p.increment.F) - f).norm(), 1e-11 * f.norm());
       const Vector x = elimination.recover(Vector::Random(C));
-      EXPECT_LT((p.increment.F - p.system->A * x).head(I).norm(), 1e-10 * (p.system->A * x).norm());
+      EXPECT_LT((p.increment.F - p.system->entries() * x).head(I).norm(),
+                1e-10 * (p.system->entries() * x).norm());
     }
 }
 
@@ -120,7 +122,7 @@ TEST(Elimination, AsksForTheFactorAndTheDenseMatricesAndForNoByteMore) {
   ASSERT_EQ(open.factor(*p.system, 1e9), Outcome::done);
   const double needed = open.memory_needed();
   // a factor of some fill-in: more than the lower half of A, less than a dense one
-  EXPECT_GT(needed, dense + sizeof(Real) * p.system->A.nonZeros() / 2);
+  EXPECT_GT(needed, dense + sizeof(Real) * p.system->entries().nonZeros() / 2);
   EXPECT_LT(needed, dense + sizeof(Real) * std::pow(p.dofs(), 2) / 2);
   CholmodElimination exact, tight, tighter;
   EXPECT_EQ(exact.factor(*p.system, needed), Outcome::done);
@@ -175,7 +177,7 @@ TEST(Elimination, AContactBlockThatSpringsWouldMakeDefiniteIsIndefiniteAllTheSam
   DenseMatrix A(2, 2);
   A << 1, 1.7, 1.7, 1;  // S = 1 - 2.89
   ByHand hand(1, A, Vector::Ones(2));
-  System system = *hand.problem.system;
+  AssembledSystem system = assembled(hand.problem.system);
   system.first = {1, 2};
   CholmodElimination elimination;
   EXPECT_EQ(elimination.factor(system, 1e9), Outcome::not_positive_definite);
@@ -183,7 +185,7 @@ TEST(Elimination, AContactBlockThatSpringsWouldMakeDefiniteIsIndefiniteAllTheSam
 
 TEST(Elimination, AnIndefiniteMatrixHasNone) {
   const ContactProblem p = problem_of(BlockOptions());
-  System bad = *p.system;
+  AssembledSystem bad = assembled(p.system);
   bad.A.coeffRef(3, 3) *= -1;
   bad.D[3] *= -1;
   CholmodElimination elimination;

@@ -224,7 +224,7 @@ TEST(SemismoothNewton, ItsResidualIsTheCertificates) {
     const Scene s = make_scene(r);
     const Posed posed = s.system();
     const ContactProblem& problem = posed.problem();
-    const DenseMatrix S = problem.system->A;
+    const DenseMatrix S = problem.system->entries();
     const CondensedProblem p{S, problem.increment.F, problem.system->weight, problem};
     SemismoothNewton newton(p);
     newton.start_from_stick();
@@ -247,7 +247,7 @@ TEST(SemismoothNewton, LargeSystemsAreSolvedThroughSinglePrecisionAndIllConditio
     const Scene s = make_scene(r);
     const Posed posed = s.system();
     const ContactProblem& problem = posed.problem();
-    const DenseMatrix S = problem.system->A;
+    const DenseMatrix S = problem.system->entries();
     const CondensedProblem p{S, problem.increment.F, problem.system->weight, problem};
     SemismoothNewton newton(p);
     newton.start_from_stick();

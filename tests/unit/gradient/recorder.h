@@ -8,7 +8,7 @@ namespace frictioncg::test {
 
 /// J of (5), or J_eps of (11) with eps > 0.
 inline Real energy(const ContactProblem& p, const Vector& g, const Phi& phi, const Vector& x) {
-  Real sum = x.dot(0.5 * (p.system->A * x) - p.increment.F);
+  Real sum = x.dot(0.5 * (p.system->entries() * x) - p.increment.F);
   for (Index i = 0; i < p.nodes(); ++i)
     if (g[i] > 0 && p.tangents(i) > 0) sum += g[i] * phi.value(tangential_norm(*p.system, i, x));
   return sum;
@@ -17,7 +17,7 @@ inline Real energy(const ContactProblem& p, const Vector& g, const Phi& phi, con
 /// Norm (norm_D) of -J' over the interior, the open normals and the tangents that slide.
 inline Real open_residual(const ContactProblem& p, const Vector& g, const Phi& phi,
                           const Vector& x) {
-  Vector r = p.increment.F - p.system->A * x;
+  Vector r = p.increment.F - p.system->entries() * x;
   for (Index i = 0; i < p.nodes(); ++i) {
     const Index N = p.system->first[i], t = p.tangents(i);
     if (x[N] >= p.increment.gap[i]) r[N] = 0;

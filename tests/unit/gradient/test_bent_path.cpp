@@ -57,7 +57,7 @@ struct Bend {
   }
   /// J' along w at x.
   Real slope(const Vector& w) const {
-    Real sum = (p.system->A * it.x - p.increment.F).dot(w);
+    Real sum = (p.system->entries() * it.x - p.increment.F).dot(w);
     for (Index i = 0; i < p.nodes(); ++i) {
       const Index T = p.system->first[i] + 1, t = p.tangents(i);
       const Vector x_T = it.x.segment(T, t);
@@ -69,7 +69,7 @@ struct Bend {
 
 /// The way of the body without an obstacle, held by some springs.
 Vector way_down(const ContactProblem& p) {
-  Eigen::MatrixXd A = p.system->A;
+  Eigen::MatrixXd A = p.system->entries();
   A.diagonal() *= 1.1;
   return A.llt().solve(p.increment.F);
 }
@@ -88,7 +88,7 @@ TEST(BentPath, EndsWhereJIsLeastAlongTheBentDirection) {
   for (Law law : {Law::frictionless, Law::tresca}) {
     ContactProblem p = pressed(law);
     Vector v = way_down(p);
-    const Real a = p.increment.F.dot(v), least = a / v.dot(p.system->A * v);
+    const Real a = p.increment.F.dot(v), least = a / v.dot(p.system->entries() * v);
     const Index node = foremost(p, v), N = p.system->first[node];
     p.increment.gap[node] = 0.1 * least * v[N];
     Bend bend(p);

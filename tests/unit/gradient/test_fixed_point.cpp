@@ -16,7 +16,7 @@ namespace {
 /// r_N = F_N - x_T takes any value; the laws hold at slip, x_T = 1 and r_T = r_N = g*.
 ContactProblem nodes_apart(const Vector& g_star) {
   const Index m = static_cast<Index>(g_star.size());
-  const auto s = std::make_shared<System>();
+  const auto s = std::make_shared<AssembledSystem>();
   s->A.resize(2 * m, 2 * m);
   for (Index i = 0; i < m; ++i) {
     s->first.push_back(2 * i);
@@ -180,7 +180,7 @@ TEST(FixedPoint, AFailedMinimizationNamesTheEnd) {
 
 TEST(FixedPoint, ASeparatedNodeHasNoLimitHoweverLargeMu) {
   // r_N of rounding size times mu was taken for friction: u_T = 0 where -0.3 is true
-  const auto s = std::make_shared<System>();
+  const auto s = std::make_shared<AssembledSystem>();
   s->A.resize(2, 2);
   s->A.insert(0, 0) = 2;
   s->A.insert(0, 1) = 0.3;

@@ -26,14 +26,14 @@ struct Ray {
   }
   Real J(const Phi& phi, Real rho) const {
     const Vector y = x + rho * v;
-    Real sum = y.dot(0.5 * (p.system->A * y) - p.increment.F);
+    Real sum = y.dot(0.5 * (p.system->entries() * y) - p.increment.F);
     for (Index i = 0; i < p.nodes(); ++i) sum += g[i] * phi.value(tangential_norm(*p.system, i, y));
     return sum;
   }
-  Real a() const { return v.dot(p.increment.F - p.system->A * x); }
+  Real a() const { return v.dot(p.increment.F - p.system->entries() * x); }
   Real slope(const Phi& phi, Real rho) const {
     const Vector y = x + rho * v;
-    Real sum = v.dot(p.system->A * y - p.increment.F);
+    Real sum = v.dot(p.system->entries() * y - p.increment.F);
     for (Index i = 0; i < p.nodes(); ++i)
       sum += g[i] * phi.slope_over_t(tangential_norm(*p.system, i, y)) *
              y.segment(p.system->first[i] + 1, p.tangents(i))
@@ -54,7 +54,7 @@ TEST(LineSearch, ExactStepIsARootOfTheSlopeForEachRegularization) {
           const Phi phi{kind, eps};
           Real r_v = -line.slope(phi, 0);
           if (r_v < 0) line.v = -line.v, r_v = -r_v;
-          const Curvature vAv{line.v.dot(line.p.system->A * line.v), line.v.squaredNorm()};
+          const Curvature vAv{line.v.dot(line.p.system->entries() * line.v), line.v.squaredNorm()};
           LineSearch search(*line.p.system, Step::exact);
           const Real rho = search(phi, line.g, line.x, line.v, {r_v, line.a(), vAv}, 1e300);
           // the slope changes sign at rho, to the rounding of rho
@@ -71,7 +71,7 @@ TEST(LineSearch, NewtonStepIsEquation14) {
   if (r_v < 0) line.v = -line.v, r_v = -r_v;
   const Real h = 1e-6;
   const Real J2 = (line.slope(phi, h) - line.slope(phi, -h)) / (2 * h);
-  const Curvature vAv{line.v.dot(line.p.system->A * line.v), line.v.squaredNorm()};
+  const Curvature vAv{line.v.dot(line.p.system->entries() * line.v), line.v.squaredNorm()};
   LineSearch newton(*line.p.system, Step::newton);
   EXPECT_NEAR(newton(phi, line.g, line.x, line.v, {r_v, line.a(), vAv}, 1e300), r_v / J2,
               1e-6 * r_v / J2);
@@ -81,7 +81,7 @@ TEST(LineSearch, StopsAtTheGapAndSeesARigidMotionThatNothingBrakes) {
   Ray line(2, 3);
   const Phi phi{Regularization::polynomial, 1e-8};
   LineSearch search(*line.p.system, Step::exact);
-  const Curvature vAv{line.v.dot(line.p.system->A * line.v), line.v.squaredNorm()};
+  const Curvature vAv{line.v.dot(line.p.system->entries() * line.v), line.v.squaredNorm()};
   EXPECT_EQ(search(phi, Vector::Zero(line.p.nodes()), line.x, line.v, {1, 1, vAv}, 1e-12), 1e-12);
   line.v.setConstant(1e-3);
   Real brake = 0;
@@ -106,7 +106,7 @@ struct Descent {
   Descent(int d, unsigned seed, const Phi& phi) : line(d, seed) {
     r_v = -line.slope(phi, 0);
     if (r_v < 0) line.v = -line.v, r_v = -r_v;
-    vAv = {line.v.dot(line.p.system->A * line.v), line.v.squaredNorm()};
+    vAv = {line.v.dot(line.p.system->entries() * line.v), line.v.squaredNorm()};
   }
   Real step(LineSearch& search, const Phi& phi, Real rho_max = 1e300) {
     return search(phi, line.g, line.x, line.v, {r_v, line.a(), vAv}, rho_max);

@@ -44,7 +44,7 @@ struct OnAFace {
   Vector r_C() const { return r.tail(system.contact_dofs()); }
   /// What P approximates: A on the free dofs, and J'' on their tangents
   Eigen::MatrixXd J() const {
-    Eigen::MatrixXd J = system.A;
+    Eigen::MatrixXd J = system.entries();
     J.diagonal().tail(part.hessian.size()) += part.hessian;
     for (Index c = 0; c < part.hessian.size(); ++c) {
       if (part.free[c]) continue;
@@ -75,7 +75,7 @@ TEST(MultigridPreconditioner, IsCloseToTheInverseOnTheFreeFaceAndZeroWhereHeld) 
     EXPECT_NEAR(P.r_v(z), f.r.dot(z), 1e-12 * P.r_z());
     EXPECT_NEAR(P.free_norm(), norm_D(f.system, f.r), 1e-12 * P.free_norm());
     const Curvature k = P.curvature(z);
-    EXPECT_NEAR(k.A, z.dot(f.system.A * z), 1e-9 * k.D);
+    EXPECT_NEAR(k.A, z.dot(f.system.entries() * z), 1e-9 * k.D);
     EXPECT_NEAR(k.D, z.dot(f.system.D.cwiseProduct(z)), 1e-12 * k.D);
   }
 }
@@ -95,12 +95,12 @@ TEST(MultigridPreconditioner, KeepsResidualsAndProductsWhileXAndFacesChange) {
     P.advance(0.1, v, x);
     EXPECT_EQ(P.r_z(), r_z);  // of the last set_contact
     const Vector r_before = r;
-    r -= 0.1 * (f.system.A * v);
+    r -= 0.1 * (f.system.entries() * v);
     if (step == 1) {
       Vector dx = Vector::Zero(f.system.dofs());
       dx[interior + 13] = 1e-3;
       P.move_contact(dx.tail(m));
-      r -= f.system.A * dx;
+      r -= f.system.entries() * dx;
       f.part.free[14] = 0;
     }
     for (Index c = 0; c < m; ++c)

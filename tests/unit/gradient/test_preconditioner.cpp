@@ -25,7 +25,7 @@ struct Case {
     part.free[0] = part.free[3] = part.free[4] = 0;
     part.hessian = Vector::Random(p.contact_dofs()).cwiseAbs() * 1e4;
     r = Vector::Random(p.dofs());
-    A_free = p.system->A;
+    A_free = p.system->entries();
     for (Index c = 0; c < p.contact_dofs(); ++c)
       if (!part.free[c]) {
         const Index i = p.interior() + c;
@@ -69,7 +69,7 @@ TEST(Preconditioner, DirectionIsTheSolutionOfEquation15OnTheFreeSubspace) {
       EXPECT_NEAR(P->r_v(v), c.r.dot(v), 1e-10 * c.r.dot(v));
       EXPECT_NEAR(P->free_norm(), norm_D(*c.p.system, c.r), 1e-10);
       const Curvature k = P->curvature(v);
-      EXPECT_NEAR(k.A, v.dot(c.p.system->A * v), 1e-8 * k.D);
+      EXPECT_NEAR(k.A, v.dot(c.p.system->entries() * v), 1e-8 * k.D);
       EXPECT_NEAR(k.D, (c.p.system->D.array() * v.array().square()).sum(), 1e-10 * k.D);
     }
 }
@@ -89,12 +89,12 @@ TEST(Preconditioner, AnIterationKeepsResidualsAndProductsExactWhileTheHessianCha
       const Vector expected = now.C(kind, 1.2).lu().solve(r) + 0.5 * v_before;
       EXPECT_LT((v - expected).norm(), 1e-10 * expected.norm()) << int(kind);
       EXPECT_NEAR(P->r_v(v), r.dot(v), 1e-9 * r.norm() * v.norm());
-      EXPECT_NEAR(P->curvature(v).A, v.dot(c.p.system->A * v), 1e-9 * P->curvature(v).D);
+      EXPECT_NEAR(P->curvature(v).A, v.dot(c.p.system->entries() * v), 1e-9 * P->curvature(v).D);
       Vector x = c.r;
       P->advance(rho, v, x);
       EXPECT_LT((x - c.r - rho * v).norm(), 1e-14 * c.r.norm());
       const Vector r_before = r;
-      r -= rho * (c.p.system->A * v);
+      r -= rho * (c.p.system->entries() * v);
       part.hessian *= 1.5;
       now.part = part;
       for (Index k = 0; k < c.p.contact_dofs(); ++k) {
@@ -123,7 +123,7 @@ TEST(Preconditioner, AMoveOfContactDofsReachesTheInteriorResidual) {
     Vector dx = Vector::Zero(c.p.dofs()), r = c.r;
     dx.tail(c.p.contact_dofs()) = dx_C;
     P->move_contact(dx_C);
-    r.head(interior) -= (c.p.system->A * dx).head(interior);
+    r.head(interior) -= (c.p.system->entries() * dx).head(interior);
     P->set_contact(c.r_C(), c.part);
     P->direction(0, v);
     const Vector z = c.C(kind, 1.3).lu().solve(r);

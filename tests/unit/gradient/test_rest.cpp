@@ -18,7 +18,7 @@ struct Sliding {
     it.x = vec({0, 1e-3});
     it.g = vec({g});
     it.faces.start(it.x, it.g, Tangents::sliding, true);
-    it.rows.start(hand.problem.increment.F - hand.problem.system->A * it.x);
+    it.rows.start(hand.problem.increment.F - hand.problem.system->entries() * it.x);
   }
   bool comes_to_rest(Real v, Real residual) {
     return come_to_rest(it, vec({0, v}), 1e-4, vec({1}), residual) && it.faces.at_rest(0);

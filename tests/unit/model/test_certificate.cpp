@@ -37,7 +37,7 @@ Scene sheared_block(int d = 2, Real angle = 0) {
 
 /// One contact node on springs: A = diag(k), dofs N, T(, T2).
 ContactProblem one_node(const Vector& k, Law law, Real coefficient) {
-  const auto s = std::make_shared<System>();
+  const auto s = std::make_shared<AssembledSystem>();
   s->dimension = static_cast<int>(k.size());
   s->A.resize(Index(k.size()), Index(k.size()));
   for (Index i = 0; i < k.size(); ++i) s->A.insert(i, i) = k[i];
@@ -63,7 +63,7 @@ TEST(Certificate, IsTheScaledNormOfTheThreeLawsInDenseArithmetic) {
   const Solved at = solved(sheared_block());
   const ContactProblem& p = at.problem();
   const Vector x = at.x + 1e-4 * Vector::Random(at.x.size());
-  const Eigen::MatrixXd A = p.system->A;
+  const Eigen::MatrixXd A = p.system->entries();
   const Vector r = p.increment.F - A * x;
   Vector w(p.dofs());
   for (Index i = 0; i < p.dofs(); ++i) {
@@ -417,7 +417,7 @@ TEST(States, ANodeWhoseTangentsAreHeldSticksWithFrictionAndSlipsWithout) {
 TEST(States, ALooseAnswerLeavesMoreInDoubtButNotEverything) {
   // the equilibrium of a second spring is off by `error`; the node is open by 1e-8 or 1e-4
   const auto state_at = [](Real error, Real open) {
-    const auto s = std::make_shared<System>();
+    const auto s = std::make_shared<AssembledSystem>();
     s->A.resize(3, 3);
     for (Index i = 0; i < 3; ++i) s->A.insert(i, i) = 1;
     s->A.makeCompressed();

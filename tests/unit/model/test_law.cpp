@@ -155,7 +155,7 @@ TEST(Law, OfANodeIsThatOfItsIncrement) {
 }
 
 TEST(Law, TangentialNormIsThatOfTheTangentsOfItsNode) {
-  System s;
+  AssembledSystem s;
   s.first = {1, 4, 5};
   const Vector x = (Vector(5) << 9, 8, 3, 4, 7).finished();
   EXPECT_EQ(tangential_norm(s, 0, x), 5);

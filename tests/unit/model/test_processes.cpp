@@ -12,44 +12,29 @@ using namespace frictioncg::test;
 
 namespace {
 
-/// One process that calls itself all of them, and counts what it is asked.
-class Alone final : public Processes {
- public:
-  explicit Alone(const Matrix& A) : A_(A) {}
-  void multiply(const Vector& x, Vector& Ax) const override { Ax = A_ * x; }
-  Vector magnitude(const Vector& x) const override { return frictioncg::magnitude(A_, x); }
+/// A system as one process of several has it: it counts the sums it is asked for.
+struct Alone final : System {
+  explicit Alone(const System& of) : System(of), whole(of) {}
+  void multiply(const Vector& x, Vector& Ax) const override { whole.multiply(x, Ax); }
+  Vector multiply_sized(const Vector& x, Vector& Ax) const override {
+    return whole.multiply_sized(x, Ax);
+  }
+  void move_contact(const Vector& dx_C, Vector& r) const override { whole.move_contact(dx_C, r); }
+  Bodies bodies() const override { return whole.bodies(); }
+  const Matrix& entries() const override { throw std::logic_error("entries"); }
   void sum(Real*, Index) const override { ++sums; }
-  Real largest(Real value) const override { return value; }
-  Vector gathered(const Vector& own) const override { return own; }
-  Vector combined(const Vector& own, const Both&) const override { return own; }
-  Bodies bodies() const override { return bodies_of(A_); }
 
+  const System& whole;
   mutable Index sums = 0;
-
- private:
-  const Matrix A_;
 };
 
-/// The same problem on a system whose A is the processes'.
-ContactProblem shared(const ContactProblem& problem, std::shared_ptr<const Alone>& alone) {
-  const System& s = *problem.system;
-  alone = std::make_shared<const Alone>(s.A);
-  const auto system = std::make_shared<System>();
-  system->dimension = s.dimension;
-  system->D = s.D;
-  system->weight = s.weight;
-  system->first = s.first;
-  system->rigid_modes = s.rigid_modes;
-  system->processes = alone;
-  return {system, problem.increment};
-}
-
 Solution solve_shared(const ContactProblem& problem, const SceneInBlocks& scene, Index* sums) {
-  std::shared_ptr<const Alone> alone;
-  const ContactProblem all = shared(problem, alone);
+  const auto alone = std::make_shared<const Alone>(*problem.system);
+  const ContactProblem all{alone, problem.increment};
   Settings settings;
   settings.tol = 1e-9;
-  MultigridSolver solver(all.system, make_hierarchy(scene.system->A, scene.blocks, scene.modes));
+  MultigridSolver solver(all.system,
+                         make_hierarchy(scene.system->entries(), scene.blocks, scene.modes));
   const Solution s = solver.solve(all, settings, {}, nullptr);
   if (sums) *sums = alone->sums;
   return s;

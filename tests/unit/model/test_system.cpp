@@ -7,8 +7,8 @@ using namespace frictioncg;
 namespace {
 
 /// Interior dofs with the diagonal 1, 3, 8; contact nodes (N, T1, T2) with 5, 2, 4 and (N) with 7.
-System small(std::vector<Index> mesh_node) {
-  System s;
+AssembledSystem small(std::vector<Index> mesh_node) {
+  AssembledSystem s;
   s.dimension = 3;
   s.D.resize(7);
   s.D << 1, 3, 8, 5, 2, 4, 7;
@@ -21,7 +21,7 @@ System small(std::vector<Index> mesh_node) {
 }  // namespace
 
 TEST(System, CountsItsDofsNodesAndTangents) {
-  const System s = small({});
+  const AssembledSystem s = small({});
   EXPECT_EQ(s.dofs(), 7);
   EXPECT_EQ(s.nodes(), 2);
   EXPECT_EQ(s.interior(), 3);
@@ -38,12 +38,12 @@ TEST(System, InteriorDofsOfAMeshNodeShareTheirMeanDiagonal) {
 }
 
 TEST(System, WithoutMeshNodesEachInteriorDofHasItsOwnWeight) {
-  const System s = small({});
+  const AssembledSystem s = small({});
   EXPECT_EQ(s.weight.head(3), s.D.head(3));
 }
 
 TEST(System, AContactNodeHasOneWeightAlongItsNormalAndOneAcross) {
-  for (const System& s : {small({}), small({4, 4, 0, 4, 4, 4, 0})}) {
+  for (const AssembledSystem& s : {small({}), small({4, 4, 0, 4, 4, 4, 0})}) {
     EXPECT_EQ(s.weight[3], 5);
     EXPECT_EQ(s.weight[4], 3);
     EXPECT_EQ(s.weight[5], 3);
@@ -52,7 +52,7 @@ TEST(System, AContactNodeHasOneWeightAlongItsNormalAndOneAcross) {
 }
 
 TEST(System, WithoutInteriorTheWeightsAreThoseOfTheContactNodes) {
-  System s;
+  AssembledSystem s;
   s.D = Vector::Constant(2, 6);
   s.first = {0, 2};
   s.mesh_node = {0, 0};
@@ -60,14 +60,14 @@ TEST(System, WithoutInteriorTheWeightsAreThoseOfTheContactNodes) {
 }
 
 /// A chain of interior dofs with springs k between them and one contact dof, held at its first one.
-System chain(const Vector& k, Real support) {
+AssembledSystem chain(const Vector& k, Real support) {
   const Index n = static_cast<Index>(k.size()) + 1;
   DenseMatrix A = DenseMatrix::Zero(n, n);
   for (Index i = 0; i + 1 < n; ++i)
     for (Index a : {i, i + 1})
       for (Index b : {i, i + 1}) A(a, b) += a == b ? k[i] : -k[i];
   A(0, 0) += support;
-  System s;
+  AssembledSystem s;
   s.dimension = 2;
   s.A = A.sparseView();
   s.D = A.diagonal();
@@ -80,7 +80,7 @@ System chain(const Vector& k, Real support) {
 TEST(System, APenaltyCountsByTheDisplacementThatItLetsThrough) {
   const Real most = 1e6 * 2;  // over the median of 2
   for (const Real support : {1e11, 1e20, 1e79}) {
-    const System s = chain(Vector::Ones(6), support);
+    const AssembledSystem s = chain(Vector::Ones(6), support);
     EXPECT_NEAR(s.weight[0] / std::min(support * (support / most), 1e80), 1, 1e-10);
     EXPECT_EQ(s.weight.tail(6), s.D.tail(6));
   }
@@ -90,19 +90,19 @@ TEST(System, AStiffInclusionIsNoPenaltyNorWhatIsBesideOne) {
   Vector k = Vector::Ones(10);
   k.segment(3, 2).setConstant(1e13);
   for (const Real support : {0., 1., 1e20}) {
-    const System s = chain(k, support);
+    const AssembledSystem s = chain(k, support);
     EXPECT_EQ(s.weight.tail(10), s.D.tail(10)) << support;
   }
 }
 
 TEST(System, WithoutRigidMotionsNoPenaltyIsTold) {
-  System s = chain(Vector::Ones(6), 1e20);
+  AssembledSystem s = chain(Vector::Ones(6), 1e20);
   s.rigid_modes = {};
   EXPECT_EQ(node_weights(s), s.D);
 }
 
 TEST(System, DofsThatAPenaltyCouplesStronglyAreHeldWithIt) {
-  System s = chain(Vector::Ones(6), 1e20);
+  AssembledSystem s = chain(Vector::Ones(6), 1e20);
   s.A.coeffRef(1, 1) += 1e20;  // as rows of a trace's mass that sum up to 0
   s.A.coeffRef(0, 1) = s.A.coeffRef(1, 0) = -1e20;
   s.A.coeffRef(0, 0) += 1e20;
@@ -114,7 +114,7 @@ TEST(System, DofsThatAPenaltyCouplesStronglyAreHeldWithIt) {
 }
 
 TEST(System, ResidualsAreMeasuredOverTheRootOfTheWeight) {
-  const System s = small({4, 4, 0, 1, 1, 1, 2});
+  const AssembledSystem s = small({4, 4, 0, 1, 1, 1, 2});
   Vector r = Vector::Zero(7);
   r[0] = 2;
   r[5] = 3;
@@ -122,7 +122,7 @@ TEST(System, ResidualsAreMeasuredOverTheRootOfTheWeight) {
 }
 
 TEST(System, WhatDrivesAnIncrementIsItsLoadOrItsPenetration) {
-  const System s = small({});
+  const AssembledSystem s = small({});
   Increment i;
   i.F = Vector::Zero(7);
   i.gap = Vector::Zero(2);

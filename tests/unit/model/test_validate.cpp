@@ -25,7 +25,7 @@ std::string refusal(const std::function<void()>& check) {
 }
 
 struct Legal {
-  std::shared_ptr<System> system;
+  std::shared_ptr<AssembledSystem> system;
   Increment increment;
 };
 
@@ -34,10 +34,11 @@ Legal legal() {
   o.cells = 2;
   const Scene s = block(o);
   const Posed posed = s.system({0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7, 8, 8});
-  return {std::make_shared<System>(*posed.problem().system), posed.problem().increment};
+  return {std::make_shared<AssembledSystem>(assembled(posed.problem().system)),
+          posed.problem().increment};
 }
 
-std::string refused_system(const std::function<void(System&)>& change) {
+std::string refused_system(const std::function<void(AssembledSystem&)>& change) {
   const Legal l = legal();
   change(*l.system);
   return refusal([&] { validate(*l.system); });
@@ -64,8 +65,8 @@ void expect(const std::string& refusal, std::initializer_list<const char*> parts
 }  // namespace
 
 TEST(Validate, WhatIsLegalPasses) {
-  EXPECT_EQ(refused_system([](System&) {}), "");
-  EXPECT_EQ(refused_system([](System& s) { s.mesh_node.clear(); }), "");
+  EXPECT_EQ(refused_system([](AssembledSystem&) {}), "");
+  EXPECT_EQ(refused_system([](AssembledSystem& s) { s.mesh_node.clear(); }), "");
   EXPECT_EQ(refused_increment([](Increment&) {}), "");
   EXPECT_EQ(refused_increment([](Increment& i) { i.gap[1] = infinite; }), "");
   EXPECT_EQ(refused_increment([](Increment& i) { i.gap[1] = -0.1; }), "");
@@ -75,27 +76,35 @@ TEST(Validate, WhatIsLegalPasses) {
 }
 
 TEST(Validate, ASystemIsRefusedByItsLayout) {
-  expect(refused_system([](System& s) { s.dimension = 4; }), {"dimension = 4", "2 or 3"});
-  expect(refused_system([](System& s) { s.dimension = 1; }), {"dimension = 1"});
-  expect(refused_system([](System& s) { s.first.clear(); }), {"first"});
-  expect(refused_system([](System& s) { s.first[0] = -1; }), {"first"});
-  expect(refused_system([](System& s) { s.first[1] = s.first[0]; }),
+  expect(refused_system([](AssembledSystem& s) { s.dimension = 4; }), {"dimension = 4", "2 or 3"});
+  expect(refused_system([](AssembledSystem& s) { s.dimension = 1; }), {"dimension = 1"});
+  expect(refused_system([](AssembledSystem& s) { s.first.clear(); }), {"first"});
+  expect(refused_system([](AssembledSystem& s) { s.first[0] = -1; }), {"first"});
+  expect(refused_system([](AssembledSystem& s) { s.first[1] = s.first[0]; }),
          {"contact node 0 owns 0 dofs", "at most 1 tangents"});
-  expect(refused_system([](System& s) { s.first[0] -= 1; }), {"contact node 0 owns 3 dofs"});
-  expect(refused_system([](System& s) { s.first.back() -= 1; }), {"A is 18 x 18", "ends at 17"});
-  expect(refused_system([](System& s) { s.A.uncompress(); }), {"compressed"});
-  expect(refused_system([](System& s) { s.D.conservativeResize(17); }), {"D has 17", "takes 18"});
-  expect(refused_system([](System& s) { s.weight.resize(0); }), {"weight has 0", "takes 18"});
-  expect(refused_system([](System& s) { s.mesh_node.pop_back(); }), {"mesh_node has 17"});
-  expect(refused_system([](System& s) { s.mesh_node[4] = -2; }), {"mesh_node = -2 at dof 4"});
+  expect(refused_system([](AssembledSystem& s) { s.first[0] -= 1; }),
+         {"contact node 0 owns 3 dofs"});
+  expect(refused_system([](AssembledSystem& s) { s.first.back() -= 1; }),
+         {"A is 18 x 18", "ends at 17"});
+  expect(refused_system([](AssembledSystem& s) { s.A.uncompress(); }), {"compressed"});
+  expect(refused_system([](AssembledSystem& s) { s.D.conservativeResize(17); }),
+         {"D has 17", "takes 18"});
+  expect(refused_system([](AssembledSystem& s) { s.weight.resize(0); }),
+         {"weight has 0", "takes 18"});
+  expect(refused_system([](AssembledSystem& s) { s.mesh_node.pop_back(); }), {"mesh_node has 17"});
+  expect(refused_system([](AssembledSystem& s) { s.mesh_node[4] = -2; }),
+         {"mesh_node = -2 at dof 4"});
 }
 
 TEST(Validate, ASystemIsRefusedByItsNumbers) {
-  expect(refused_system([](System& s) { s.A.valuePtr()[5] = undefined; }), {"A has an entry"});
-  expect(refused_system([](System& s) { s.A.valuePtr()[5] = infinite; }), {"A has an entry"});
+  expect(refused_system([](AssembledSystem& s) { s.A.valuePtr()[5] = undefined; }),
+         {"A has an entry"});
+  expect(refused_system([](AssembledSystem& s) { s.A.valuePtr()[5] = infinite; }),
+         {"A has an entry"});
   for (Real bad : {0.0, -1.0, undefined, 1e-90, 1e90}) {
-    expect(refused_system([&](System& s) { s.D[3] = bad; }), {"D = ", "at dof 3", "> 0"});
-    expect(refused_system([&](System& s) { s.weight[3] = bad; }), {"weight = ", "at dof 3"});
+    expect(refused_system([&](AssembledSystem& s) { s.D[3] = bad; }), {"D = ", "at dof 3", "> 0"});
+    expect(refused_system([&](AssembledSystem& s) { s.weight[3] = bad; }),
+           {"weight = ", "at dof 3"});
   }
 }
 

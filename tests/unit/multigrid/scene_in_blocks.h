@@ -19,7 +19,7 @@ struct SceneInBlocks {
         system(posed.problem().system),
         modes(system->rigid_modes()),
         blocks(make_node_blocks(system->mesh_node, scene.d, system->interior())),
-        hierarchy(make_hierarchy(system->A, blocks, modes, how)) {}
+        hierarchy(make_hierarchy(system->entries(), blocks, modes, how)) {}
 };
 
 }  // namespace frictioncg::test

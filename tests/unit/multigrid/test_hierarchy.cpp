@@ -25,7 +25,7 @@ Real rate(SceneInBlocks& s, const std::vector<char>& fixed = {}) {
     const Real before = r_z;
     r_z = r.dot(z);
     v = k == 0 ? z : Vector(z + (r_z / before) * v);
-    Av = (system.A * v).cwiseProduct(free);
+    Av = (system.entries() * v).cwiseProduct(free);
     r -= (r_z / v.dot(Av)) * Av;
   }
   return std::pow(norm_D(system, r) / first, 1.0 / k);
@@ -153,12 +153,12 @@ TEST(Hierarchy, TruncatedEqualsTheGalerkinProductsOfTheTruncatedMatrix) {
     s.hierarchy->truncate(faces.fixed, faces.W);
 
     // M A M + W from the matrix itself, in the unit the hierarchy took
-    Eigen::MatrixXd A = s.system->A;
+    Eigen::MatrixXd A = s.system->entries();
     for (const TangentialStiffness& w : faces.W) A.block<2, 2>(w.first, w.first) += w.M;
     const Index interior = s.system->interior();
     for (std::size_t c = 0; c < faces.fixed.size(); ++c)
       if (faces.fixed[c]) A.row(interior + c).setZero(), A.col(interior + c).setZero();
-    A /= s.system->A.diagonal().mean();
+    A /= s.system->entries().diagonal().mean();
     Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(s.blocks.slots(), s.blocks.slots());
     for (Index p = 0; p < s.system->dofs(); ++p)
       for (Index q = 0; q < s.system->dofs(); ++q)
@@ -247,7 +247,7 @@ TEST(Hierarchy, DoesNotDependOnTheUnitOfForce) {
 
 TEST(Hierarchy, TakesLittleMemoryBesideTheMatrix) {
   SceneInBlocks s(cube(16));
-  const double A = double(s.system->A.nonZeros()) * (sizeof(Real) + sizeof(Index));
+  const double A = double(s.system->entries().nonZeros()) * (sizeof(Real) + sizeof(Index));
   EXPECT_LT(s.hierarchy->bytes(), 1.2 * A);
   EXPECT_LT(s.hierarchy->operator_complexity(), 1.5);
 }
@@ -264,7 +264,7 @@ TEST(Hierarchy, OfASmallMatrixIsItsInverseOnWhatIsFree) {
   const Vector r = Vector::Random(s.system->dofs());
   Vector z;
   s.hierarchy->apply(r, z);
-  Vector left = r - s.system->A * z;
+  Vector left = r - s.system->entries() * z;
   left.tail(springs.size()) -= springs.cwiseProduct(z.tail(springs.size()));
   for (const TangentialStiffness& w : faces.W)
     left.segment<2>(w.first) -= w.M * z.segment<2>(w.first);

@@ -19,12 +19,12 @@ inline ContactProblem beside(const ContactProblem& one, int bodies) {
   const auto place = [I, C, bodies](Index i, int body) {
     return i < I ? i + body * I : bodies * I + (i - I) + body * C;
   };
-  const auto system = std::make_shared<System>();
+  const auto system = std::make_shared<AssembledSystem>();
   system->dimension = one.system->dimension;
   std::vector<Eigen::Triplet<Real>> t;
   for (int body = 0; body < bodies; ++body) {
     for (Index i = 0; i < n; ++i)
-      for (Matrix::InnerIterator e(one.system->A, i); e; ++e)
+      for (Matrix::InnerIterator e(one.system->entries(), i); e; ++e)
         t.emplace_back(place(i, body), place(Index(e.col()), body), e.value());
     for (Index k = 0; k < one.nodes(); ++k)
       system->first.push_back(place(one.system->first[k], body));

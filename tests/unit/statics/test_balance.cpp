@@ -44,7 +44,7 @@ struct RandomBody {
     now.gap = Vector::Zero(m);
     now.F.resize(2 * m);
     for (Index k = 0; k < 2 * m; ++k) now.F[k] = uniform(-1, 1);
-    const auto system = std::make_shared<System>();
+    const auto system = std::make_shared<AssembledSystem>();
     for (Index first = 0; first <= 2 * m; first += 2) system->first.push_back(first);
     system->A.resize(2 * m, 2 * m);  // 0: all motions are rigid
     system->weight = Vector::Ones(2 * m);

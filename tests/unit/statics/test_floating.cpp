@@ -16,7 +16,7 @@ void expect_floating(const System& system, Index count) {
   for (Index k = 0; k < count; ++k) {
     const Vector w = W.col(k);
     EXPECT_NEAR(w.dot(system.D.cwiseProduct(w)), 1, 1e-12);
-    EXPECT_LT(w.dot(system.A * w), 1e-12);
+    EXPECT_LT(w.dot(system.entries() * w), 1e-12);
   }
   if (count == 0) return;
   EXPECT_EQ(W.colPivHouseholderQr().rank(), count);
@@ -25,10 +25,10 @@ void expect_floating(const System& system, Index count) {
 /// Two bodies of one shape, the first `ratio` times as stiff, its displacements relative to those
 /// of the second: u = w + u_soft puts entries of the stiff body beside those of the soft one, whose
 /// springs are `held` times D.
-System coupled(const System& one, Real ratio, Real held) {
+AssembledSystem coupled(const AssembledSystem& one, Real ratio, Real held) {
   const Index n = one.dofs();
   const Matrix K = one.A;
-  System two = one;
+  AssembledSystem two = one;
   std::vector<Eigen::Triplet<Real, Index>> entries;
   for (Index i = 0; i < n; ++i)
     for (Matrix::InnerIterator e(K, i); e; ++e) {
@@ -58,12 +58,12 @@ TEST(Floating, BodiesAreThePartsOfTheGraphOfA) {
   BlockOptions o;
   o.cells = 2;
   const ContactProblem one = problem_of(o);
-  EXPECT_EQ(bodies_of(one.system->A).count, 1);
+  EXPECT_EQ(bodies_of(one.system->entries()).count, 1);
   const ContactProblem three = beside(one, 3);
-  const Bodies bodies = bodies_of(three.system->A);
+  const Bodies bodies = bodies_of(three.system->entries());
   ASSERT_EQ(bodies.count, 3);
   for (Index i = 0; i < three.dofs(); ++i)
-    for (Matrix::InnerIterator e(three.system->A, i); e; ++e)
+    for (Matrix::InnerIterator e(three.system->entries(), i); e; ++e)
       EXPECT_EQ(bodies.of[i], bodies.of[e.col()]);
 }
 
@@ -88,7 +88,7 @@ TEST(Floating, AStiffnessOfAMillionthIsASupport) {
   BlockOptions o;
   const ContactProblem p = problem_of(o);
   for (Real spring : {1e-6, 1e-16}) {
-    System system = *p.system;
+    AssembledSystem system = assembled(p.system);
     for (Index i = 0; i < system.dofs(); ++i) system.A.coeffRef(i, i) += spring * system.D[i];
     expect_floating(system, spring > 1e-10 ? 0 : 3);
   }
@@ -109,7 +109,7 @@ TEST(Floating, ASmallBodyFarFromTheOriginIsFound) {
 TEST(Floating, OfAStiffBodyOnASoftOneThatIsHeldTheMotionsAreSharp) {
   BlockOptions o;
   o.cells = 4;
-  const System one = *problem_of(o).system;
+  const AssembledSystem one = assembled(problem_of(o).system);
   for (const Real ratio : {1., 1e4, 1e7, 1e9}) {
     const Eigen::MatrixXd W = floating_motions(coupled(one, ratio, 1));
     ASSERT_EQ(W.cols(), 3);
@@ -120,7 +120,7 @@ TEST(Floating, OfAStiffBodyOnASoftOneThatIsHeldTheMotionsAreSharp) {
 TEST(Floating, OfTwoCoupledBodiesThatFloatNoMotionIsFoundTwice) {
   BlockOptions o;
   o.cells = 4;
-  const System one = *problem_of(o).system;
+  const AssembledSystem one = assembled(problem_of(o).system);
   for (const Real ratio : {1., 1e2, 1e4}) expect_floating(coupled(one, ratio, 0), 6);
 }
 
@@ -149,7 +149,7 @@ TEST(Floating, WithoutCandidatesThereAreNone) {
   Scene s = block(o);
   s.modes.resize(0, 0);
   expect_floating(*s.system().problem().system, 0);
-  System other = *block(o).system().problem().system;
+  AssembledSystem other = assembled(block(o).system().problem().system);
   for (Index rows : {0, other.dofs() - 1, other.dofs() + 1}) {  // of another scene
     other.rigid_modes = [rows] { return Eigen::MatrixXd(Eigen::MatrixXd::Ones(rows, 3)); };
     expect_floating(other, 0);
@@ -160,7 +160,7 @@ TEST(Floating, ABendingIsNoRigidMotionHoweverLittleItCosts) {
   BlockOptions o;
   const ContactProblem two = beside(problem_of(o), 2);
   const Eigen::MatrixXd M = two.system->rigid_modes();
-  const Bodies bodies = bodies_of(two.system->A);
+  const Bodies bodies = bodies_of(two.system->entries());
   Vector w = M * Vector::LinSpaced(3, 1, 2);
   for (Index i = 0; i < w.size(); ++i)
     if (bodies.of[i] == 1) w[i] = -2 * M(i, 2);  // each body by its own motion
@@ -173,7 +173,7 @@ TEST(Floating, ABendingIsNoRigidMotionHoweverLittleItCosts) {
   ASSERT_EQ(found.cols(), 1);
   EXPECT_GT(std::abs(found.col(0).normalized().dot(w.normalized())), 1 - 1e-12);
   EXPECT_EQ(rigid_among(*two.system, mixed.leftCols(0)).cols(), 0);
-  System unknown = *two.system;
+  AssembledSystem unknown = assembled(two.system);
   unknown.rigid_modes = {};
   EXPECT_TRUE(may_be_rigid(unknown, w.cwiseProduct(w)));
 }

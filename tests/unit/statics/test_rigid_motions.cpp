@@ -37,7 +37,7 @@ TEST(RigidMotions, AFreeBodyHasThreeOrSixASupportedOneNone) {
       const ContactProblem p = problem_of(o);
       // u_x held at one face leaves the other translations, and in 3D the turn about x
       const Index in_A = supported ? (d == 2 ? 1 : 3) : (d == 2 ? 3 : 6);
-      expect_rigid(rigid_motions(*p.system, 100000), p.system->A, p.system->D, in_A);
+      expect_rigid(rigid_motions(*p.system, 100000), p.system->entries(), p.system->D, in_A);
       const Vector D = p.system->weight.tail(p.contact_dofs());
       const DenseMatrix S = schur_complement(p);
       expect_rigid(rigid_motions(S, D), S, D, in_A);
@@ -50,7 +50,8 @@ TEST(RigidMotions, SeveralBodiesHaveTheSumOfTheirs) {
     o.d = d;
     o.cells = 2;
     const ContactProblem p = beside(problem_of(o), 3);
-    expect_rigid(rigid_motions(*p.system, 100000), p.system->A, p.system->D, d == 2 ? 9 : 18);
+    expect_rigid(rigid_motions(*p.system, 100000), p.system->entries(), p.system->D,
+                 d == 2 ? 9 : 18);
     const Vector D = p.system->weight.tail(p.contact_dofs());
     const DenseMatrix S = schur_complement(p);
     expect_rigid(rigid_motions(S, D), S, D, d == 2 ? 9 : 18);
@@ -63,7 +64,7 @@ TEST(RigidMotions, ASoftDeformationIsNone) {
     DenseMatrix S(3, 3);
     S << 1, 0, 0, 0, 1 + spring, -1, 0, -1, 1;
     EXPECT_EQ(rigid_motions(S, Vector::Ones(3)).cols(), spring > 0 ? 0 : 1);
-    System s;
+    AssembledSystem s;
     s.A = S.sparseView();
     s.D = s.A.diagonal();
     s.first = {0, 2, 3};
@@ -86,8 +87,8 @@ TEST(RigidMotions, RankDeficitsOfRandomMatricesAreFound) {
     r.contrast = 100;
     const Posed posed = make_scene(r).system();
     const System& s = *posed.problem().system;
-    expect_rigid(rigid_motions(DenseMatrix(s.A), s.D), s.A, s.D, deficit);
-    expect_rigid(rigid_motions(s, 100000), s.A, s.D, deficit);
+    expect_rigid(rigid_motions(DenseMatrix(s.entries()), s.D), s.entries(), s.D, deficit);
+    expect_rigid(rigid_motions(s, 100000), s.entries(), s.D, deficit);
   }
 }
 
@@ -99,7 +100,7 @@ TEST(RigidMotions, WithoutIterationsNothingIsClaimed) {
 TEST(RigidMotions, ASupportThatIsLostInTheResidualIsASupport) {
   ContactProblem p = problem_of(BlockOptions());
   for (Real support : {0.0, 5e-13}) {  // over the diagonal of A, at every dof
-    System s = *p.system;
+    AssembledSystem s = assembled(p.system);
     for (Index i = 0; i < s.dofs(); ++i) s.A.coeffRef(i, i) += support * s.D[i];
     EXPECT_EQ(rigid_motions(s, 100000).cols(), support > 0 ? 0 : 3);
   }

@@ -25,7 +25,7 @@ Solution expect_undetermined(const ContactProblem& p, Index count, const Setting
   for (Index k = 0; k < part.size(); ++k) {
     const Vector v = s.undetermined.col(k);
     EXPECT_LT(std::abs(part[k]), 1e-9 * size * std::sqrt(v.dot(p.system->D.cwiseProduct(v))));
-    EXPECT_LT((p.system->A * v).norm(), 1e-9 * (p.system->A * s.x).norm() / size);
+    EXPECT_LT((p.system->entries() * v).norm(), 1e-9 * (p.system->entries() * s.x).norm() / size);
   }
   return s;
 }
@@ -147,7 +147,7 @@ TEST(Undetermined, WithoutALoadABodyIsAsFreeAsUnderABalancedOne) {
     const Solution s = solve(p, Settings());
     EXPECT_EQ(s.status, Status::converged);
     EXPECT_TRUE(s.x.isZero(0));
-    EXPECT_LT((p.system->A * s.undetermined).norm(), 1e-12);
+    EXPECT_LT((p.system->entries() * s.undetermined).norm(), 1e-12);
     return s.undetermined.cols();
   };
   for (int d : {2, 3}) {
@@ -240,7 +240,7 @@ TEST(Undetermined, CoupledBodiesFallOneByOne) {
   p.increment.F.tail(n / 2 - I) = pushed_back.tail(n / 2 - I);
   DenseMatrix T = DenseMatrix::Identity(n, n);
   T(0, I) = 1;
-  System coupled = *p.system;
+  AssembledSystem coupled = assembled(p.system);
   coupled.A = DenseMatrix(T.transpose() * DenseMatrix(coupled.A) * T).sparseView();
   coupled.D = coupled.A.diagonal();
   coupled.weight = node_weights(coupled);
@@ -248,10 +248,10 @@ TEST(Undetermined, CoupledBodiesFallOneByOne) {
   coupled.rigid_modes = [modes] { return modes; };
   DenseMatrix each = DenseMatrix::Zero(n, 6);
   const DenseMatrix both = p.system->rigid_modes();
-  const Bodies bodies = bodies_of(p.system->A);
+  const Bodies bodies = bodies_of(p.system->entries());
   for (Index i = 0; i < n; ++i) each.block(i, 3 * bodies.of[i], 1, 3) = both.row(i);
   coupled.body_modes = [T, each] { return DenseMatrix(T.inverse() * each); };
-  p.system = std::make_shared<const System>(coupled);
+  p.system = std::make_shared<const AssembledSystem>(coupled);
   p.increment.F = T.transpose() * p.increment.F;
   EXPECT_EQ(floating_motions(*p.system).cols(), 6);
   const Solution s = solve(p, Settings());
@@ -331,7 +331,7 @@ TEST(Undetermined, BranchesBarTheMotionsThatTheyStandAgainst) {
 TEST(Undetermined, TheLeastIsOrthogonalAndDiffersByTheMotionsAlone) {
   const Vector D = Vector::LinSpaced(5, 1, 3);
   const DenseMatrix V = DenseMatrix::Random(5, 2);
-  System system;
+  AssembledSystem system;
   system.D = D;
   const Vector x = Vector::Random(5), y = least(x, V, system);
   EXPECT_LT((V.transpose() * D.cwiseProduct(y)).norm(), 1e-13);
@@ -346,7 +346,7 @@ TEST(Undetermined, ASupportOfATrillionthDeterminesAMotionThatSTakesForRigid) {
       o.cells = 2;
       o.shear = 0;
       ContactProblem p = problem_of(o);
-      const auto system = std::make_shared<System>(*p.system);
+      const auto system = std::make_shared<AssembledSystem>(assembled(p.system));
       for (Index i = 0; i < system->dofs(); ++i) system->A.coeffRef(i, i) += support * system->D[i];
       if (!known) system->rigid_modes = {};
       p.increment.mu.setZero();  // but with tangents
