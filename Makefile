@@ -52,6 +52,7 @@ WITH_MPI   = $(wildcard $(BUILD)/frictionCG-mpi.so)
 SHARED    := $(wildcard tests/mpi/*.edp examples/*-mpi.edp) tests/mpi/scarce tests/mpi/limited
 PAGES     := README.md $(wildcard edp/doc/*.md)
 BENCHES   := $(wildcard tests/bench/*.cpp)
+BENCH_PLUGINS = $(BENCHES:tests/bench/%.cpp=$(BUILD)/%.so)
 OWN       := $(CORE) $(HEADERS) $(wildcard plugin/*.cpp plugin/mpi/*.cpp plugin/mpi/*.h tests/unit/*.cpp tests/unit/*.h \
                tests/unit/*/*.cpp tests/unit/*/*.h tests/bench/*.cpp tests/bench/*.h tests/scarce/*.cpp)
 
@@ -176,7 +177,7 @@ demo: setup ## the block of the paper: displacement, contact forces, and their p
 
 check: setup ## all tests; those of several processes after `make mpi`
 	@$(MAKE) --no-print-directory -j$$(nproc) all $(BUILD)/unit_tests $(BUILD)/two_springs \
-	  $(BUILD)/scarce.so $(WITH_MPI) >/dev/null
+	  $(BUILD)/scarce.so $(WITH_MPI) $(if $(CI),$(BENCH_PLUGINS)) >/dev/null
 	@bash tests/run $(BUILD)/unit_tests $(BUILD)/two_springs tests/figures tests/scarce/one $(SCRIPTS) \
 	  $(EXAMPLES) $(PAGES) $(SHARED)
 
@@ -210,11 +211,11 @@ $(BUILD)/unit/%.o: tests/unit/%.cpp Makefile $(UNIT_PCH:=.gch)
 -include $(OBJECTS:.o=.d) $(UNIT:tests/%.cpp=$(BUILD)/%.d) $(BUILD)/frictionCG.d $(MPI_OBJECTS:.o=.d)
 
 # The benchmarks run in FreeFEM, with one thread, in the same process as what they compare with.
-$(BUILD)/%.so: tests/bench/%.cpp $(OBJECTS) $(HEADERS)
+$(BUILD)/%.so: tests/bench/%.cpp tests/bench/on_scene.h $(OBJECTS) $(HEADERS)
 	$(CXX) $(FLAGS) $(FF_FLAGS) -Wno-shadow -Wno-use-after-free -shared $< $(OBJECTS) -o $@ $(LIBS)
 
 bench: setup ## the paper's tables, and costs as ratios to one linear solve
-	@$(MAKE) --no-print-directory -j$$(nproc) all $(BENCHES:tests/bench/%.cpp=$(BUILD)/%.so) >/dev/null
+	@$(MAKE) --no-print-directory -j$$(nproc) all $(BENCH_PLUGINS) >/dev/null
 	@for script in tests/bench/paper.edp tests/bench/cost.edp tests/bench/costPair.edp \
 	  tests/bench/roller.edp tests/bench/multigrid3d.edp; do \
 	  (cd $(BUILD) && OPENBLAS_NUM_THREADS=1 $(RUN) ../$$script) || exit 1; done

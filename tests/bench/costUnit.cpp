@@ -1,8 +1,9 @@
 // A FreeFEM plugin of the benchmarks: what one linear solve, and one product, with the same matrix
 // cost.
 //   real[int] t = linearSolve(A, b, Vh, label);
-//     CPU seconds of CHOLMOD, analyse + factor + solve: the best, with AMD, with METIS; of one
-//     product A x; the peak memory of the best [MB]; and of FreeFEM's own solver=CHOLMOD
+//     CPU seconds of CHOLMOD on one thread, analyse + factor + solve: the best, with AMD, with
+//     METIS; of one product A x; the peak memory of the best [MB]; and of FreeFEM's own
+//     solver="CHOLMOD", sym=1, positive=1 on the matrix of the script, as FreeFEM numbers it
 //   real a = attainableResidual(A, b, Vh, label, u);
 //     the certificate that rounding allows at u: eps_machine ||A||u|| in its norm
 //   real e = energyError(A, u, v);
@@ -13,20 +14,21 @@
 //   real t = frictionlessSolve(A, b, Vh, label, u);
 //     CPU seconds of the same frictionless scene without any code for friction: copy, factor,
 //     active set on S, back-substitution, residual; u becomes the field
+//   real t = wallTime();     [s], FreeFEM's time() counts whole seconds
 //   real m = peakMemory(reset);  peak memory of the process since the last reset [MB]
 
 // FreeFEM's solver class, in its headers, asks for what FreeFEM was configured with.
 #define HAVE_LIBUMFPACK
 #define HAVE_SUITESPARSE_UMFPACK_H
 
-#include "../../plugin/freefem/call.h"
-#include "../../plugin/freefem/errors.h"
-#include "../../plugin/freefem/operators.h"
+#include "on_scene.h"
 
 #include "core/condensed/cholmod_elimination.h"
+#include "core/condensed/serial.h"
 
 #include <cholmod.h>
 
+#include <chrono>
 #include <fstream>
 #include <utility>
 
@@ -47,7 +49,7 @@ double peak_megabytes(bool reset) {
 /// CHOLMOD as a user would call it: on the dofs, supernodal. The contact dofs get half their
 /// diagonal added, without which a body held by contact alone has no factor.
 double cholmod_solve_seconds(const System& p, const Vector& F, int ordering) {
-  Matrix half = p.A.triangularView<Eigen::Lower>();
+  Matrix half = p.entries().triangularView<Eigen::Lower>();
   for (Index i = p.interior(); i < p.dofs(); ++i) half.coeffRef(i, i) *= 1.5;
   cholmod_common common;
   cholmod_start(&common);
@@ -83,16 +85,9 @@ double cholmod_solve_seconds(const System& p, const Vector& F, int ordering) {
   return seconds;
 }
 
-/// The same by FreeFEM's own solver="CHOLMOD", sym=1, positive=1, with its defaults.
-double freefem_solve_seconds(const System& p, const Vector& F) {
-  const Index n = p.dofs();
-  HashMatrix<int, double> H(static_cast<int>(n), static_cast<int>(n), p.A.nonZeros(), 1);
-  for (Index j = 0; j < n; ++j)
-    for (Matrix::InnerIterator it(p.A, j); it; ++it)
-      if (it.index() >= j)
-        H(static_cast<int>(it.index()), static_cast<int>(j)) =
-            it.value() * (it.index() == j && j >= p.interior() ? 1.5 : 1);
-  Vector b = F, x = Vector::Zero(n);
+/// CPU seconds of FreeFEM's own solver="CHOLMOD", sym=1, positive=1, with its defaults.
+double freefem_solve_seconds(HashMatrix<int, double>& H) {
+  Vector b = Vector::Ones(H.n), x = Vector::Zero(H.n);
   Data_Sparse_Solver defaults;
   const double start = cpu_seconds();
   VirtualSolverCHOLMOD<int, double> solver(H, defaults, nullptr);
@@ -102,73 +97,27 @@ double freefem_solve_seconds(const System& p, const Vector& F) {
   return cpu_seconds() - start;
 }
 
-/// A scene under its load.
-struct PosedScene {
-  Scene& scene;
-  const Increment& increment;
-  const Vector& u0;
-  const System& system() const { return *scene.system->system(); }
-  Vector local(const KN_<double>& u) const {
-    const Vector field = copy_of(u);
-    check_vector(field, "u", scene.dofs);
-    return scene.system->to_local(field);
+/// The script's own matrix, or that of two bodies, which no script has: with springs on the contact
+/// dofs.
+std::unique_ptr<HashMatrix<int, double>> with_springs(const PosedScene& posed) {
+  const System& p = posed.system();
+  if (!posed.scene.pairing) {
+    auto H = std::make_unique<HashMatrix<int, double>>(posed.A);
+    for (Index k = 0; k < posed.scene.system->nodes(); ++k)
+      for (int c = 0; c < posed.scene.d; ++c) {
+        const int dof = posed.scene.contact_point(k).point.dof[c];
+        (*H)(dof, dof) *= 1.5;
+      }
+    return H;
   }
-};
-
-/// name(A, b, site, extra ..., mu=.., gap=..): poses the contact problem, and hands it to
-/// Body::run(stack, posed, extra ...).
-template <class Body, class... Extra>
-class OnScene : public E_F0mps {
- public:
-  using Result = typename Body::Result;
-  /// next: the first of the extra arguments
-  OnScene(const basicAC_F0& args, std::shared_ptr<const Site> site, int next)
-      : arguments_(args, site->dimension(), site->two_bodies()),
-        A_(to<Matrice_Creuse<double>*>(args[0])),
-        b_(to<KN_<double>>(args[1])),
-        site_(std::move(site)) {
-    (extra_.push_back(to<Extra>(args[next++])), ...);
-  }
-  AnyType operator()(Stack stack) const override {
-    return translated(Body::name, [&] {
-      const Call call(stack, arguments_, b_);
-      PointLaws laws;
-      const auto scene = read_scene(stack, arguments_, A_, *site_, true, laws);
-      const LocalIncrement now = increment(call, *scene, laws);
-      return SetAny<Result>(
-          run(stack, {*scene, now.increment, now.u0}, std::index_sequence_for<Extra...>()));
-    });
-  }
-
- private:
-  template <std::size_t... k>
-  Result run(Stack stack, const PosedScene& posed, std::index_sequence<k...>) const {
-    return Body::run(stack, posed, GetAny<Extra>((*extra_[k])(stack))...);
-  }
-
-  Arguments arguments_;
-  Expression A_, b_;
-  std::shared_ptr<const Site> site_;
-  std::vector<Expression> extra_;
-};
-
-template <class Body, class... Extra>
-void add_on_site(const std::vector<aType>& site, const MakeSite& make) {
-  std::vector<aType> types = SolveOnce::before_site();
-  const int first = static_cast<int>(types.size());
-  types.insert(types.end(), site.begin(), site.end());
-  const int next = static_cast<int>(types.size());
-  (types.push_back(atype<Extra>()), ...);
-  Global.Add(Body::name, "(",
-             new Overload(atype<typename Body::Result>(), types, [=](const basicAC_F0& args) {
-               return new OnScene<Body, Extra...>(args, make(args, first), next);
-             }));
-}
-
-template <class Body, class... Extra>
-void add_on_scene() {
-  for_each_site<v_fes>(add_on_site<Body, Extra...>);
-  for_each_site<v_fes3>(add_on_site<Body, Extra...>);
+  const Matrix& A = p.entries();
+  const int n = p.dofs();
+  auto H = std::make_unique<HashMatrix<int, double>>(n, n, A.nonZeros(), 1);
+  for (int j = 0; j < n; ++j)
+    for (Matrix::InnerIterator it(A, j); it; ++it)
+      if (it.index() >= j)
+        (*H)(int(it.index()), j) = it.value() * (it.index() == j && j >= p.interior() ? 1.5 : 1);
+  return H;
 }
 
 struct LinearSolve {
@@ -177,19 +126,22 @@ struct LinearSolve {
   static Result run(Stack stack, const PosedScene& posed) {
     const System& p = posed.system();
     KN<double>* t = Add2StackOfPtr2Free(stack, new KN<double>(6));
+    const Serial serial;
     peak_megabytes(true);
     (*t)[1] = cholmod_solve_seconds(p, posed.increment.F, CHOLMOD_AMD);
     const double with_amd = peak_megabytes(true);
     (*t)[2] = cholmod_solve_seconds(p, posed.increment.F, CHOLMOD_METIS);
     const double with_metis = peak_megabytes(true);
-    (*t)[5] = freefem_solve_seconds(p, posed.increment.F);
+    const auto H = with_springs(posed);
+    peak_megabytes(true);
+    (*t)[5] = freefem_solve_seconds(*H);
     const double with_freefem = peak_megabytes(true);
     (*t)[0] = std::min({(*t)[1], (*t)[2], (*t)[5]});
     Vector x = Vector::Ones(p.dofs()), y(p.dofs());
-    const int products = 1 + static_cast<int>(2e8 / (1 + p.A.nonZeros()));
+    const int products = 1 + static_cast<int>(2e8 / (1 + p.entries().nonZeros()));
     const double start = cpu_seconds();
     for (int k = 0; k < products; ++k) {
-      y.noalias() = p.A * x;
+      y.noalias() = p.entries() * x;
       x[k % p.dofs()] += 1e-9 * y[0];
     }
     (*t)[3] = (cpu_seconds() - start) / products;
@@ -205,7 +157,7 @@ struct AttainableResidual {
   static Result run(Stack, const PosedScene& posed, KN_<double> u) {
     const System& p = posed.system();
     const Vector x = posed.local(u);
-    const Vector size = p.A.cwiseAbs() * x.cwiseAbs();
+    const Vector size = p.entries().cwiseAbs() * x.cwiseAbs();
     return std::numeric_limits<double>::epsilon() * norm_D(p, size) / posed.increment.force_scale;
   }
 };
@@ -257,9 +209,9 @@ struct ExportSystem {
     const Vector mu =
         posed.increment.law == Law::coulomb ? posed.increment.mu : Vector::Zero(p.nodes());
     out.write(head, 3);
-    out.write(p.A.outerIndexPtr(), p.dofs() + 1);
-    out.write(p.A.innerIndexPtr(), p.A.nonZeros());
-    out.write(p.A.valuePtr(), p.A.nonZeros());
+    out.write(p.entries().outerIndexPtr(), p.dofs() + 1);
+    out.write(p.entries().innerIndexPtr(), p.entries().nonZeros());
+    out.write(p.entries().valuePtr(), p.entries().nonZeros());
     out.write(posed.increment.F.data(), p.dofs());
     out.write(p.first.data(), p.nodes() + 1);
     out.write(posed.increment.gap.data(), p.nodes());
@@ -318,12 +270,16 @@ struct FrictionlessSolve {
     const Vector x =
         elimination.recover(obstacle_on_S(elimination.S(), elimination.condense(posed.increment.F),
                                           p.D.tail(p.contact_dofs()), posed.increment.gap));
-    const Vector r = posed.increment.F - p.A * x;
+    const Vector r = posed.increment.F - p.entries() * x;
     const Vector field = posed.scene.system->to_global(x, posed.u0);
     for (Index i = 0; i < posed.scene.ndof(); ++i) u[i] = field[i];
     return posed.scene.copy_seconds + cpu_seconds() - start + 0 * r[0];
   }
 };
+
+double wall_time() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 double peak_memory(const long& reset) { return peak_megabytes(reset != 0); }
 
@@ -335,6 +291,7 @@ void load() {
   Global.Add(
       "energyError", "(",
       new OneOperator3_<double, Matrice_Creuse<double>*, KN_<double>, KN_<double>>(energy_error));
+  Global.Add("wallTime", "(", new OneOperator0<double>(wall_time));
   Global.Add("peakMemory", "(", new OneOperator1_<double, long>(peak_memory));
 }
 

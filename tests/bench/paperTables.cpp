@@ -1,7 +1,6 @@
 // A FreeFEM plugin of the benchmarks: paperTables(A, b, Vh, label, mu=..., ...) repeats the tables
 // 3 to 6 of Raous and Barbarin (1992) on the scene it is given, with the paper's own counts beside.
-#include "../../plugin/freefem/call.h"
-#include "../../plugin/freefem/errors.h"
+#include "on_scene.h"
 
 #include <iomanip>
 
@@ -29,7 +28,7 @@ class Tables {
       given.g[i] =
           law_of(coulomb.increment, i).limit(exact.certificate.r[problem_.system->first[i]]);
     x_ = exact.x;
-    energy_ = x_.dot(problem_.system->A * x_);
+    energy_ = x_.dot(problem_.system->entries() * x_);
   }
 
   /// eps [length]; stop on |dx| <= 0.5e-5 |x|, partial convergence at `partial`
@@ -52,7 +51,7 @@ class Tables {
     const Outcome o = solver->minimize(x, problem_.increment.g, eps, Tangents::sliding, 0);
     const double seconds = cpu_seconds() - start;
     const Vector e = x - x_;
-    const double error = std::sqrt(std::abs(e.dot(problem_.system->A * e)) / energy_);
+    const double error = std::sqrt(std::abs(e.dot(problem_.system->entries() * e)) / energy_);
     std::ostringstream text;
     if (o.status == Status::converged && error > 1e-2) {
       text << " stops wrong (" << std::setprecision(1) << std::scientific << error << ")";
@@ -191,66 +190,42 @@ void print_tables(const Tables& t, const PaperCounts& paper, double eps) {
   std::cout << std::defaultfloat;
 }
 
-/// paperTables(A, b, Vh, label, mu=..., which): which = 1, 2, 3 for the paper's scenes.
-class PaperTables : public E_F0mps {
- public:
+/// paperTables(A, b, Vh, label, which, mu=...): which = 1, 2, 3 for the paper's scenes.
+struct PaperTables {
+  static constexpr const char* name = "paperTables";
   using Result = long;
-  explicit PaperTables(const basicAC_F0& args)
-      : arguments_(args, 2),
-        A_(to<Matrice_Creuse<double>*>(args[0])),
-        b_(to<KN_<double>>(args[1])),
-        Vh_(to<pfes*>(args[2])),
-        label_(to<long>(args[3])),
-        which_(to<long>(args[4])) {}
-  static ArrayOfaType typeargs() {
-    return ArrayOfaType(atype<Matrice_Creuse<double>*>(), atype<KN_<double>>(), atype<pfes*>(),
-                        atype<long>(), atype<long>());
+  static Result run(Stack, const PosedScene& posed, long which) {
+    const Tables tables({posed.scene.system->system(), posed.increment});
+    const PaperCounts counts[] = {{{{102, 71, 93}, {98, 93, 90}, {50, 49, 47}},
+                                   225,
+                                   {115, 49, 113, 47},
+                                   {30, 28, 30, 27, 30},
+                                   1.58,
+                                   Regularization::square_root,
+                                   1e-3},
+                                  {{{289, 227, 257}, {0, 0, 0}, {241, 223, 220}},
+                                   776,
+                                   {0, 0, 0, 241},
+                                   {0, 0, 0, 0, 0},
+                                   1.96,
+                                   Regularization::square_root,
+                                   0.5e-3},
+                                  {{{0, 0, 0}, {0, 0, 0}, {0, 277, 0}},
+                                   3646,
+                                   {676, 305, 584, 277},
+                                   {742, 588, 680, 560, 1579},
+                                   1.86,
+                                   Regularization::log_cosh,
+                                   0.5e-3}};
+    const long nodes = tables.problem().nodes();
+    std::cout << "  " << tables.problem().dofs() << " dofs, " << nodes
+              << " contact nodes, eps 1e-8 mm, |dx| <= 0.5e-5 |x|\n";
+    print_tables(tables, counts[which - 1], 1e-8);
+    return nodes;
   }
-  static E_F0* f(const basicAC_F0& args) { return new PaperTables(args); }
-  AnyType operator()(Stack stack) const override {
-    return translated("paperTables", [&] {
-      const Call call(stack, arguments_, b_);
-      PointLaws laws;
-      const auto scene = pose<v_fes>(stack, arguments_, A_, GetAny<pfes*>((*Vh_)(stack)),
-                                     {GetAny<long>((*label_)(stack))}, true, laws);
-      const LocalIncrement now = increment(call, *scene, laws);
-      const Tables tables({scene->system->system(), now.increment});
-      const PaperCounts counts[] = {{{{102, 71, 93}, {98, 93, 90}, {50, 49, 47}},
-                                     225,
-                                     {115, 49, 113, 47},
-                                     {30, 28, 30, 27, 30},
-                                     1.58,
-                                     Regularization::square_root,
-                                     1e-3},
-                                    {{{289, 227, 257}, {0, 0, 0}, {241, 223, 220}},
-                                     776,
-                                     {0, 0, 0, 241},
-                                     {0, 0, 0, 0, 0},
-                                     1.96,
-                                     Regularization::square_root,
-                                     0.5e-3},
-                                    {{{0, 0, 0}, {0, 0, 0}, {0, 277, 0}},
-                                     3646,
-                                     {676, 305, 584, 277},
-                                     {742, 588, 680, 560, 1579},
-                                     1.86,
-                                     Regularization::log_cosh,
-                                     0.5e-3}};
-      const long which = GetAny<long>((*which_)(stack));
-      std::cout << "  " << tables.problem().dofs() << " dofs, " << tables.problem().nodes()
-                << " contact nodes, eps 1e-8 mm, |dx| <= 0.5e-5 |x|\n";
-      print_tables(tables, counts[which - 1], 1e-8);
-      const long rows = tables.problem().nodes();
-      return SetAny<long>(rows);
-    });
-  }
-
- private:
-  Arguments arguments_;
-  Expression A_, b_, Vh_, label_, which_;
 };
 
-void load() { Global.Add("paperTables", "(", new OneOperatorCode<PaperTables>()); }
+void load() { add_on_scene<PaperTables, long>(); }
 
 }  // namespace
 
