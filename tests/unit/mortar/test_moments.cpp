@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "core/assembly/mortar/along_normals.h"
 #include "core/assembly/mortar/moments.h"
 #include "surfaces.h"
 
@@ -67,6 +68,66 @@ std::pair<Real, Real> imbalance(const Surfaces& s, const Mortar& mortar, bool fr
     }
   }
   return {sum.norm() / size, (moment - couples).norm() / size};
+}
+
+/// A node at 0 whose normal points along (1, -1), and below it a master from x = a to b, of two
+/// halves: P has the first half alone.
+struct Aslant {
+  Aslant(int d, Real a, Real b) : d_(d) {
+    const auto at = [&](Real x, Real y) { return d == 2 ? Vec3(x, -1, 0) : Vec3(x, y, -1); };
+    X = {Vec3::Zero()};
+    for (Real y : {-1., 2.})
+      for (Real x : {a, (a + b) / 2, b})
+        if (d == 3 || y < 0) X.push_back(at(x, y));
+    for (Index k : {0, 1}) {
+      Facet f;
+      f.outward = Vec3::Unit(d - 1);
+      f.node = {1 + k, 2 + k, -1, -1, -1, -1};
+      if (d == 3) f.node[2] = 4 + k;
+      surface.facets.push_back(f);
+      if (d == 3) f.node = {5 + k, 4 + k, 2 + k, -1, -1, -1}, surface.facets.push_back(f);
+    }
+    node.normal = (Vec3::Unit(0) - Vec3::Unit(d - 1)).normalized();
+    const Index n = static_cast<Index>(X.size());
+    P = Matrix(n, n);
+    P.insert(0, 1) = 0.7, P.insert(0, 2) = 0.3;
+  }
+  Matrix G(const Matrix& by) const {
+    Matrix G(1, by.cols());
+    G.insert(0, 0) = 1;
+    for (Matrix::InnerIterator it(by, 0); it; ++it) G.insert(0, it.col()) = -it.value();
+    return G;
+  }
+  Matrix seen(bool of_master) const {
+    std::vector<char> all(X.size(), of_master);
+    const std::vector<Side> masters = {Side(d_, surface, X)};
+    return along_normals(P, G(P), {node}, all, masters, X);
+  }
+  Vec3 place(const Matrix& by) const {
+    Vec3 x = Vec3::Zero();
+    for (Matrix::InnerIterator it(by, 0); it; ++it) x += it.value() * X[it.col()];
+    return x;
+  }
+
+  int d_;
+  std::vector<Vec3> X;
+  Surface surface;
+  ContactNode node;
+  Matrix P;
+};
+
+TEST(MortarMoments, ANodeWithTheMastersNormalSeesItWhereTheNormalMeetsIt) {
+  for (int d : {2, 3}) {
+    const Aslant s(d, -0.5, 1.5);  // met at x = 1, beyond the facet that the row has
+    const Matrix seen = s.seen(true);
+    EXPECT_LT((s.place(seen) - std::sqrt(2) * s.node.normal).norm(), 1e-14);
+    EXPECT_NEAR(seen.row(0).sum(), 1, 1e-15);
+    for (Matrix::InnerIterator it(seen, 0); it; ++it) EXPECT_GT(it.value(), 0);
+    EXPECT_LT((s.seen(false) - s.P).norm(), 1e-300) << "a normal of its own";
+    EXPECT_LT((Aslant(d, -0.5, 0.5).seen(true) - s.P).norm(), 1e-300) << "the normal meets nothing";
+  }
+  const Aslant balanced(2, 0.7, 2.7);  // 1 = 0.7 * 0.7 + 0.3 * 1.7
+  EXPECT_LT((balanced.seen(true) - balanced.P).norm(), 1e-300);
 }
 
 }  // namespace

@@ -157,7 +157,7 @@ DenseMatrix slipping(const Freedom& freedom, const DenseMatrix& relative,
 
 /// Takes the master's normals where more of the motions slip along them.
 void choose(int d, const Freedom& freedom, const DenseMatrix& relative, const Group& group,
-            std::vector<Vec3>& normal) {
+            std::vector<Vec3>& normal, std::vector<char>& of_master) {
   std::vector<PointNormal> own;
   bool other_first = false;
   for (const auto& [i, here] : group.nodes) {
@@ -177,15 +177,20 @@ void choose(int d, const Freedom& freedom, const DenseMatrix& relative, const Gr
   }
   make_tangential(d, freedom.generators, of_other, taken, kept);
   std::size_t k = 0;
-  for (const auto& [i, here] : group.nodes) normal[i] = taken[k++].normal;
+  for (const auto& [i, here] : group.nodes) {
+    normal[i] = taken[k++].normal;
+    of_master[i] = 1;
+  }
 }
 
 }  // namespace
 
-void choose_common_normals(const Nodes& nodes, const std::vector<Side>& slaves,
-                           const std::vector<Side>& masters, const std::vector<Cover>& covers,
-                           const Options& options, const Owns& owns, std::vector<Vec3>& normal) {
-  if (!options.freedom) return;
+std::vector<char> choose_common_normals(const Nodes& nodes, const std::vector<Side>& slaves,
+                                        const std::vector<Side>& masters,
+                                        const std::vector<Cover>& covers, const Options& options,
+                                        const Owns& owns, std::vector<Vec3>& normal) {
+  std::vector<char> of_master(nodes.X.size(), 0);
+  if (!options.freedom) return of_master;
   std::optional<Freedom> freedom;
   for (std::size_t p = 0; p < slaves.size(); ++p) {
     if (!may_differ(slaves[p], masters[p])) continue;
@@ -197,9 +202,11 @@ void choose_common_normals(const Nodes& nodes, const std::vector<Side>& slaves,
       const DenseMatrix &V = freedom->of_body[slave], &W = freedom->of_body[master];
       DenseMatrix relative(freedom->generators.count(), V.cols() + W.cols());
       relative << V, W;
-      if (relative.cols() > 0) choose(nodes.dimension, *freedom, relative, group, normal);
+      if (relative.cols() > 0)
+        choose(nodes.dimension, *freedom, relative, group, normal, of_master);
     }
   }
+  return of_master;
 }
 
 }  // namespace frictioncg::mortar

@@ -18,9 +18,10 @@ namespace frictioncg::mortar {
 /// shaft's own normals see that; so of a bore and what is in it the latter counts.
 ///
 /// normal: of the slave's own surface, per node, replaced where the master's count; owns: as in
-/// slave_normals. Faces of one body keep theirs.
-void choose_common_normals(const Nodes& nodes, const std::vector<Side>& slaves,
-                           const std::vector<Side>& masters, const std::vector<Cover>& covers,
-                           const Options& options, const Owns& owns, std::vector<Vec3>& normal);
+/// slave_normals. Faces of one body keep theirs. Returns, per node, whether the master's count.
+std::vector<char> choose_common_normals(const Nodes& nodes, const std::vector<Side>& slaves,
+                                        const std::vector<Side>& masters,
+                                        const std::vector<Cover>& covers, const Options& options,
+                                        const Owns& owns, std::vector<Vec3>& normal);
 
 }  // namespace frictioncg::mortar

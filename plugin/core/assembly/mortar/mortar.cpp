@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "assembly/mortar/across_gap.h"
+#include "assembly/mortar/along_normals.h"
 #include "assembly/mortar/dual_basis.h"
 #include "assembly/mortar/integration.h"
 #include "assembly/mortar/moments.h"
@@ -50,7 +51,7 @@ class Assembly {
     faced_.assign(nodes.X.size(), 0);
   }
   void add_pair(Index p, const Side& slave, const Side& master, const Cover& cover);
-  void finish(Mortar& mortar);
+  void finish(const std::vector<Side>& masters, Mortar& mortar);
 
  private:
   Index size() const { return static_cast<Index>(nodes_.X.size()); }
@@ -206,7 +207,7 @@ void Assembly::set_statistics(Mortar& mortar) {
   mortar.statistics_ = std::move(statistics_);
 }
 
-void Assembly::finish(Mortar& mortar) {
+void Assembly::finish(const std::vector<Side>& masters, Mortar& mortar) {
   const Index n = size();
   mortar.size_ = n;
   mortar.edges_ = std::move(edges_);
@@ -228,6 +229,9 @@ void Assembly::finish(Mortar& mortar) {
   set_distances_of_edges(mortar);
   mortar.P_ = balanced(mortar.P_, mortar.G_, mortar.nodes_, nodes_.X);
   mortar.G_ = mortar.S_ - Matrix(K * mortar.P_);
+  mortar.P_ =
+      along_normals(mortar.P_, mortar.G_, mortar.nodes_, ownership_.of_master, masters, nodes_.X);
+  mortar.G_ = mortar.S_ - Matrix(K * mortar.P_);
   mortar.P_ = across_gap(mortar.P_, mortar.G_, mortar.nodes_, nodes_, partner_);
   mortar.G_ = mortar.S_ - Matrix(K * mortar.P_);
   set_statistics(mortar);
@@ -247,7 +251,7 @@ Mortar::Mortar(const Nodes& nodes, const std::vector<Pair>& pairs, const Options
   Assembly assembly(nodes, options, ownership);
   for (std::size_t p = 0; p < pairs.size(); ++p)
     assembly.add_pair(static_cast<Index>(p), slaves[p], masters[p], covers[p]);
-  assembly.finish(*this);
+  assembly.finish(masters, *this);
 }
 
 /// The identity with `half` of each end in the rows of mid-edges, of those held or of the others.

@@ -42,6 +42,7 @@ Ownership::Ownership(const Nodes& nodes, const std::vector<Side>& slaves,
     : state(nodes.X.size(), State::uncovered),
       pair(nodes.X.size(), -1),
       label(nodes.X.size(), 0),
+      of_master(nodes.X.size(), 0),
       covered(nodes.X.size(), 0),
       owner_(nodes.X.size(), -1) {
   rank_patches(slaves, covers);
@@ -50,7 +51,7 @@ Ownership::Ownership(const Nodes& nodes, const std::vector<Side>& slaves,
   const Owns owns = [&](std::size_t p, Index f, Index i) { return owner_[i] == rank_[p][f]; };
   normal = slave_normals(nodes, slaves, options, owns);
   if (options.normals.empty())
-    choose_common_normals(nodes, slaves, masters, covers, options, owns, normal);
+    of_master = choose_common_normals(nodes, slaves, masters, covers, options, owns, normal);
   else
     take_normals(nodes, options.normals);
   remove_shared(masters, covers);

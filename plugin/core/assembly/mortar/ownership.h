@@ -19,11 +19,12 @@ struct Ownership {
 
   enum class State : char { uncovered, kept, shared, taken, held };
   static constexpr int states = 5;
-  std::vector<State> state;   ///< per node
-  std::vector<Index> pair;    ///< per node, of the owning patch
-  std::vector<long> label;    ///< per node
-  std::vector<Vec3> normal;   ///< per node: given, or slave_normals()
-  std::vector<Real> covered;  ///< per node: measure covered on its well covered facets
+  std::vector<State> state;     ///< per node
+  std::vector<Index> pair;      ///< per node, of the owning patch
+  std::vector<long> label;      ///< per node
+  std::vector<Vec3> normal;     ///< per node: given, or slave_normals()
+  std::vector<char> of_master;  ///< per node: the normal is the master's, choose_common_normals()
+  std::vector<Real> covered;    ///< per node: measure covered on its well covered facets
 
   struct Carriers {
     std::array<bool, 3> kept{};   ///< vertices of the facet
