@@ -6,6 +6,7 @@
 #include "outputs.h"
 #include "motions.h"
 #include "obstacles.h"
+#include "one_value.h"
 #include "plan_report.h"
 #include "report.h"
 #include "site.h"
@@ -150,6 +151,7 @@ inline KN_<double> solve(Stack stack, const Call& call, Scene& scene, const Poin
     report_averted(scene);
     report_large_friction(largest_friction(problem));
     note_weight(scene);
+    note_one_value(scene, call.b);
   }
   Progress progress(problem, call.verb, out.history);
   Vector x0;

@@ -122,6 +122,31 @@ FacetNodes facet_nodes(const typename Dimension<FESpaceType>::Element& K, int fa
   return found;
 }
 
+/// A node of a boundary with a label: its share is the integral of its trace.
+struct LabelledNode {
+  long label = 0;
+  std::array<Index, 3> dof{{-1, -1, -1}};
+  Real share = 0;  ///< [length^(d-1)]
+  int space = 0;   ///< the second of two: 1
+};
+
+/// The nodes of all facets that have labels.
+template <class Space>
+std::vector<LabelledNode> labelled_nodes(const Space& Vh) {
+  using D = Dimension<Space>;
+  std::vector<LabelledNode> all;
+  for (int ib = 0; ib < D::facets(Vh.Th); ++ib) {
+    int facet;
+    const typename D::Element K(Vh[Vh.Th.BoundaryElement(ib, facet)]);
+    const Real measure = Norme2(D::normal(K, facet));
+    const FacetNodes nodes = facet_nodes<Space>(K, facet);
+    for (const FacetNodes::Node& n : nodes.node)
+      all.push_back(
+          {D::label(Vh.Th, ib), n.dof, measure * D::share(nodes.node.size(), n.corner), 0});
+  }
+  return all;
+}
+
 /// The node at a vertex of an element.
 template <class FESpaceType>
 SharedNode node_at_vertex(const FESpaceType& Vh, int element, int vertex) {

@@ -38,6 +38,7 @@ struct Scene {
   std::function<void(MeshPoint*, const BoundaryNode&)> go_to;
   /// Where the nodal values of a displacement are.
   std::function<std::vector<NodePlace>()> places;
+  std::function<std::vector<LabelledNode>()> labelled;  ///< facet by facet
   std::unique_ptr<Pairing> pairing;  ///< of two bodies; null where there is an obstacle alone
   std::unique_ptr<MovingObstacles> moving;  ///< null where all obstacles stand still
   std::unique_ptr<LocalSystem> system;
@@ -180,6 +181,10 @@ void observe(const FESpaceType& Vh, Scene& scene) {
   scene.places = [keep] {
     const FESpaceType* space = keep;
     return node_places(*space);
+  };
+  scene.labelled = [keep] {
+    const FESpaceType* space = keep;
+    return labelled_nodes(*space);
   };
 }
 
@@ -336,6 +341,16 @@ std::shared_ptr<Scene> pair_scene(const FESpaceType& V1, const FESpaceType& V2,
       places.push_back(n);
     }
     return places;
+  };
+  scene->labelled = [of_first = scene->labelled, keep, offset, d = scene->d] {
+    std::vector<LabelledNode> all = of_first();
+    const FESpaceType* space = keep;
+    for (LabelledNode n : labelled_nodes(*space)) {
+      n.space = 1;
+      for (int c = 0; c < d; ++c) n.dof[c] += offset;
+      all.push_back(n);
+    }
+    return all;
   };
   return scene;
 }
