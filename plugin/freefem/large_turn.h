@@ -56,46 +56,63 @@ inline Real least_gyration(const std::vector<NodePlace>& nodes, int d) {
   return least;
 }
 
-/// Whether fields, motions that A leaves free, turn a body about an axis (a unit vector): where
-/// none does, supports hold it, or drive it.
-inline bool leave_free_to_turn(const std::vector<Vector>& motions,
-                               const std::vector<NodePlace>& body, int d,
-                               const Eigen::Vector3d& axis) {
+/// Of fields, motions that A leaves free, the combinations (k x 1 and more) that turn a body: the
+/// first by an axis (a unit vector), the others not at all. Without columns where none turns it
+/// about that axis: supports hold it, or drive it.
+inline DenseMatrix turning(const std::vector<Vector>& motions, const std::vector<NodePlace>& body,
+                           int d, const Eigen::Vector3d& axis) {
   constexpr Real none = 1e-6;  // over the largest displacement of the motion
-  Eigen::Matrix3Xd turns(3, 0);
-  for (const Vector& u : motions) {
-    const RigidMotion m = nearest_rigid_motion(body, d, u);
-    const Eigen::Vector3d turn = m.w * m.extent;
-    if (!(turn.norm() > none * u.lpNorm<Eigen::Infinity>())) continue;
-    turns.conservativeResize(3, turns.cols() + 1);
-    turns.rightCols(1) = turn.normalized();
+  const Index k = static_cast<Index>(motions.size());
+  DenseMatrix turns = DenseMatrix::Zero(3, k);
+  for (Index j = 0; j < k; ++j) {
+    const RigidMotion m = nearest_rigid_motion(body, d, motions[j]);
+    if (m.w.norm() * m.extent > none * motions[j].lpNorm<Eigen::Infinity>()) turns.col(j) = m.w;
   }
-  if (turns.cols() == 0) return false;
-  const Eigen::VectorXd c = least_squares(turns, axis);
-  return (turns * c - axis).norm() < 0.5;
+  if (turns.isZero(0)) return DenseMatrix(k, 0);
+  const DenseMatrix first = least_squares(turns, axis),
+                    others = null_space(turns, none * turns.norm());
+  if (!((turns * first - axis).norm() < 0.5)) return DenseMatrix(k, 0);
+  DenseMatrix all(k, 1 + others.cols());
+  all << first, others;
+  return all;
 }
 
-/// What the normals of touching nodes say to a rotation w about c: of q_i = n_i.(w x (x_i - c))
-/// what no translation a, n_i.a, makes good, by sums over the nodes.
-struct StandAgainst {
-  Eigen::Matrix<Real, 5, 5> vv = Eigen::Matrix<Real, 5, 5>::Zero();  ///< v: n, q, |w x (x - c)|
+/// What touching nodes say to a turn by 1 with which other motions, that do not turn the body, go
+/// along as they like: to its way what is against closed normals, and against stick.
+class StandAgainst {
+ public:
+  /// motions: the turn and the others.
+  explicit StandAgainst(Index motions) : sums_(Vector::Zero(motions * motions + 1)) {}
+  /// against: what each of the motions does against one component of a node.
+  void add(const Vector& against) {
+    const DenseMatrix product = against * against.transpose();
+    sums_.head(product.size()) += product.reshaped();
+  }
+  /// The way of a node of the body: axis x (x - centre).
+  void add_way(const Eigen::Vector3d& way) { sums_.tail(1)[0] += way.squaredNorm(); }
+  void sum(const System& system) { system.sum(sums_.data(), static_cast<Index>(sums_.size())); }
 
-  void add(const Eigen::Vector3d& n, const Eigen::Vector3d& x, const RigidMotion& m) {
-    const Eigen::Vector3d way = m.w.cross(x - m.c);
-    Eigen::Matrix<Real, 5, 1> v;
-    v << n, n.dot(way), way.norm();
-    vv += v * v.transpose();
+  /// Whether the contact holds the body against a turn by so many radians. A floor or a slope
+  /// stands against 0.3 and more of the way, whatever sticks at both ends of the body against all
+  /// of it. Errors of normals make a few hundredths, surfaces of revolution and faces of a crack
+  /// nothing; a round body that sticks stands on the width of its contact, over the arm, and rolls
+  /// on where it has come further than that. What stands on a slope is wider, over its height.
+  bool holds(Real turn) const {
+    constexpr Real clearly = 0.2;
+    const Index k = static_cast<Index>(std::lround(std::sqrt(Real(sums_.size() - 1)))),
+                rest = k - 1;
+    const DenseMatrix G = sums_.head(k * k).reshaped(k, k);
+    Real left = G(0, 0);
+    if (rest > 0) {
+      const Vector along = G.col(0).tail(rest);
+      left -= along.dot(Vector(least_squares(G.bottomRightCorner(rest, rest), along)));
+    }
+    const Real least = std::min(turn / 2, clearly);
+    return left > least * least * sums_.tail(1)[0];
   }
-  void sum(const System& system) { system.sum(vv.data(), static_cast<Index>(vv.size())); }
-  /// Contact itself holds the body against the turn: a floor or a slope, 0.3 and more of the way.
-  /// Errors of normals make a few hundredths, surfaces of revolution and faces of a crack nothing.
-  bool holds() const {
-    constexpr Real clearly = 0.1;  // of the way
-    const Eigen::Matrix3d nn = vv.topLeftCorner<3, 3>();
-    const Eigen::Vector3d nq = vv.col(3).head<3>();
-    const Real left = vv(3, 3) - nq.dot(Vector(least_squares(nn, nq)));
-    return left > clearly * clearly * vv(4, 4);
-  }
+
+ private:
+  Vector sums_;
 };
 
 /// What the call has to say of such a body.
@@ -105,8 +122,8 @@ inline std::string describe(const LargeTurn& turn, int d) {
   s << "the body around " << components_of(turn.motion.c, d, 1e-6 + turn.motion.c.norm())
     << " has turned by " << turn.motion.w.norm() << " radians, " << describe(turn.motion, d)
     << ", and is strained by no more than " << turn.strain
-    << ": small rotations cannot mean that, and nothing holds it but the error of the normals, or "
-       "the couple of friction and a gap";
+    << ": small rotations cannot mean that, and nothing holds it but the error of the normals, the "
+       "couple of friction and a gap, or a contact on which it rolls";
   return s.str();
 }
 

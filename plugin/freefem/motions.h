@@ -19,30 +19,31 @@ inline std::set<Index> bodies_at(const Scene& scene, Index k, const std::vector<
   return joined;
 }
 
-/// Whether contact holds a body against its turn: by a node that sticks to another body or to the
-/// obstacle, or by the normals of those that touch. Between the faces of one body, such as a crack,
-/// it holds nothing of its motion. nodes: the contact nodes of the scene that the states belong to;
-/// system: sums over its processes.
+/// Whether contact holds a body against its turn, by the normals of nodes that touch and by those
+/// that stick. Between the faces of one body, such as a crack, it holds nothing of its motion.
+/// nodes: the contact nodes of the scene that the states belong to; system: sums over its
+/// processes; V: the turn and the motions that go along, in its dofs.
 inline bool held_by_contact(const Scene& scene, const std::vector<Index>& nodes,
                             const std::vector<NodeState>& state, const System& system,
-                            const LargeTurn& turn) {
+                            const LargeTurn& turn, const DenseMatrix& V) {
   std::vector<Index> body(scene.ndof(), -1);
   for (const NodePlace& n : scene.places())
     for (int c = 0; c < scene.d; ++c) body[n.dof[c]] = n.body;
-  StandAgainst normals;
-  Real sticks = 0;
+  const Eigen::Vector3d axis = turn.motion.w.normalized();
+  StandAgainst contact(static_cast<Index>(V.cols()));
   for (std::size_t k = 0; k < nodes.size(); ++k) {
+    if (state[k] == NodeState::separated) continue;
+    const Index first = system.first[static_cast<Index>(k)];
+    const Index last =
+        state[k] == NodeState::stick ? system.first[static_cast<Index>(k) + 1] : first + 1;
+    for (Index i = first; i < last; ++i) contact.add(V.row(i).transpose());
     const std::set<Index> joined = bodies_at(scene, nodes[k], body);
-    const bool counts =
-        joined.count(turn.body) && (joined.size() >= 2 || scene.on_obstacle(nodes[k]));
-    if (state[k] == NodeState::separated || !counts) continue;
-    if (state[k] == NodeState::stick && scene.system->system()->tangents(nodes[k]) > 0) sticks = 1;
-    const BoundaryNode& node = scene.contact_point(nodes[k]);
-    const std::array<Real, 3>& n = node.point.normal;
-    normals.add({n[0], n[1], n[2]}, {node.x.x, node.x.y, node.x.z}, turn.motion);
+    const Fem2D::R3& x = scene.contact_point(nodes[k]).x;
+    if (joined.count(turn.body) && (joined.size() >= 2 || scene.on_obstacle(nodes[k])))
+      contact.add_way(axis.cross(Eigen::Vector3d(x.x, x.y, x.z) - turn.motion.c));
   }
-  normals.sum(system);
-  return system.sum(sticks) > 0 || normals.holds();
+  contact.sum(system);
+  return contact.holds(turn.motion.w.norm());
 }
 
 /// Of a field u (d values a node): the body that has turned by more than small rotations can mean,
@@ -57,10 +58,10 @@ std::string runaway(const std::vector<NodePlace>& nodes, int d, const Vector& u,
   std::vector<Vector> motions;
   for (Index k = 0; k < W.cols(); ++k) motions.push_back(field_of(W.col(k)));
   const auto bodies = by_body(nodes);
-  for (const LargeTurn& turn : turns)
-    if (!held(turn) &&
-        leave_free_to_turn(motions, bodies.at(turn.body), d, turn.motion.w.normalized()))
-      return describe(turn, d);
+  for (const LargeTurn& turn : turns) {
+    const DenseMatrix by = turning(motions, bodies.at(turn.body), d, turn.motion.w.normalized());
+    if (by.cols() > 0 && !held(turn, DenseMatrix(W * by))) return describe(turn, d);
+  }
   return "";
 }
 
@@ -75,8 +76,8 @@ inline std::string runaway(const Scene& scene, const Solution& s, const Vector& 
   std::iota(nodes.begin(), nodes.end(), 0);
   const System& system = *scene.system->system();
   const auto field_of = [&](const Vector& w) { return scene.system->to_global(w); };
-  const auto held = [&](const LargeTurn& turn) {
-    return held_by_contact(scene, nodes, s.state, system, turn);
+  const auto held = [&](const LargeTurn& turn, const DenseMatrix& V) {
+    return held_by_contact(scene, nodes, s.state, system, turn, V);
   };
   return runaway(places, scene.d, field, system, field_of, held);
 }

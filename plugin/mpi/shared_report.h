@@ -126,9 +126,9 @@ inline std::string runaway(SharedScene& shared, const Solution& own, const Vecto
   if (!(most > small_turn * *shared.gyration)) return "";
   const Sample sample(shared);
   const auto field_in_sample = [&](const Vector& w) { return sample.of(field_of(shared, w)); };
-  const auto held = [&](const LargeTurn& turn) {
+  const auto held = [&](const LargeTurn& turn, const DenseMatrix& V) {
     return held_by_contact(*shared.scene, shared.numbering().own_nodes, own.state, *shared.system,
-                           turn);
+                           turn, V);
   };
   return runaway(sample.nodes(), d, sample.of(field), *shared.system, field_in_sample, held);
 }

@@ -107,38 +107,95 @@ TEST(LargeTurn, OnlyABodyThatIsFreeToTurnAboutTheAxisMayRunAway) {
   };
   const Vector along = field(nodes, 3, centre, {1, 2, 3}, none, 0, n);
   const Eigen::Vector3d z = Eigen::Vector3d::UnitZ(), x = Eigen::Vector3d::UnitX();
-  EXPECT_FALSE(leave_free_to_turn({}, nodes, 3, z));
-  EXPECT_FALSE(leave_free_to_turn({along}, nodes, 3, z));
-  EXPECT_FALSE(leave_free_to_turn({along, about(x)}, nodes, 3, z));
-  EXPECT_TRUE(leave_free_to_turn({along, about(x + 1e-3 * z), about(x - 1e-3 * z)}, nodes, 3, z));
-  EXPECT_TRUE(leave_free_to_turn({along, Vector(along + about(z))}, nodes, 3, z));
+  EXPECT_EQ(turning({}, nodes, 3, z).cols(), 0);
+  EXPECT_EQ(turning({along}, nodes, 3, z).cols(), 0);
+  EXPECT_EQ(turning({along, about(x)}, nodes, 3, z).cols(), 0);
+  EXPECT_GT(turning({along, about(x + 1e-3 * z), about(x - 1e-3 * z)}, nodes, 3, z).cols(), 0);
+  EXPECT_GT(turning({along, Vector(along + about(z))}, nodes, 3, z).cols(), 0);
 }
 
 TEST(LargeTurn, ATranslationThatRoundingTurnsLeavesNoTurnFree) {
   const Eigen::Vector3d centre(3, -1, 0), axis = Eigen::Vector3d::UnitZ();
   for (int d : {2, 3}) {
     const auto nodes = bar(d, 1, centre, 0, 0);
-    const auto turning = [&](Real w) {
+    const auto moved = [&](Real w) {
       return field(nodes, d, centre, {1, 2, 0}, w * axis, 0, dofs_of(nodes, d));
     };
-    EXPECT_FALSE(leave_free_to_turn({turning(1e-10)}, nodes, d, axis));
-    EXPECT_TRUE(leave_free_to_turn({turning(1e-3)}, nodes, d, axis));
+    EXPECT_EQ(turning({moved(1e-10)}, nodes, d, axis).cols(), 0);
+    EXPECT_GT(turning({moved(1e-3)}, nodes, d, axis).cols(), 0);
   }
 }
 
-TEST(LargeTurn, NormalsThatLeanByMoreThanATenthStandAgainstATurn) {
-  RigidMotion turn;
-  turn.c = Eigen::Vector3d::Zero();
-  turn.w = Eigen::Vector3d::UnitZ();
-  for (Real lean : {0.05, 0.2}) {
-    StandAgainst normals;
+TEST(LargeTurn, ATurnComesFirstAndWhatGoesAlongTurnsNothing) {
+  const Eigen::Vector3d centre(3, -1, 0), axis = Eigen::Vector3d::UnitZ();
+  const auto nodes = bar(3, 1, centre, 0, 0);
+  const Index n = dofs_of(nodes, 3);
+  std::vector<Vector> motions;
+  for (const Eigen::Vector3d& w : {Eigen::Vector3d(1, 0, 2), Eigen::Vector3d(0, 0, 0),
+                                   Eigen::Vector3d(-1, 0, 1), Eigen::Vector3d(1, 1, 1)})
+    motions.push_back(field(nodes, 3, centre, {1, 2, 0}, w, 0, n));
+  const DenseMatrix by = turning(motions, nodes, 3, axis);
+  ASSERT_EQ(by.cols(), 2);
+  for (Index c = 0; c < 2; ++c) {
+    Vector u = Vector::Zero(n);
+    for (std::size_t k = 0; k < motions.size(); ++k) u += by(static_cast<Index>(k), c) * motions[k];
+    EXPECT_LT((nearest_rigid_motion(nodes, 3, u).w - (c == 0 ? 1 : 0) * axis).norm(), 1e-12);
+    EXPECT_GT(u.norm(), 0.1);
+  }
+}
+
+namespace {
+
+/// What stands against a turn about 0 in the plane, with translations along: closed nodes at x with
+/// normals n, which stick or not.
+StandAgainst against(const std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>>& x_and_n,
+                     bool stick) {
+  StandAgainst contact(3);
+  for (const auto& [x, n] : x_and_n) {
+    const Eigen::Vector3d way = Eigen::Vector3d::UnitZ().cross(x);
+    const Eigen::Vector3d t(-n[1], n[0], 0);
+    contact.add(Eigen::Vector3d(n.dot(way), n[0], n[1]));
+    if (stick) contact.add(Eigen::Vector3d(t.dot(way), t[0], t[1]));
+    contact.add_way(way);
+  }
+  return contact;
+}
+
+}  // namespace
+
+TEST(LargeTurn, NormalsThatLeanStandAgainstATurn) {
+  for (Real lean : {0.05, 0.25}) {
+    std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> nodes;
     for (int k = 0; k < 20; ++k) {
       const Real at = 0.1 * M_PI * k;
-      normals.add({std::cos(at + lean), std::sin(at + lean), 0}, {std::cos(at), std::sin(at), 0},
-                  turn);
+      nodes.push_back(
+          {{std::cos(at), std::sin(at), 0}, {std::cos(at + lean), std::sin(at + lean), 0}});
     }
-    EXPECT_EQ(normals.holds(), lean > 0.1);
+    EXPECT_EQ(against(nodes, false).holds(0.3), lean > 0.1);
+    EXPECT_EQ(against(nodes, false).holds(3), lean > 0.1);
   }
+}
+
+TEST(LargeTurn, AContactHoldsATurnByItsWidthWhetherItSticksOrNot) {
+  const Eigen::Vector3d down(0, -1, 0), up(0, 1, 0);
+  for (bool stick : {false, true})
+    for (Real half : {0.05, 0.1, 0.3}) {  // below the middle, over an arm of 1
+      const StandAgainst floor = against({{{-half, -1, 0}, down}, {{half, -1, 0}, down}}, stick);
+      for (Real turn : {0.11, 0.18, 0.35, 2.0})
+        EXPECT_EQ(floor.holds(turn), half > std::min(turn / 2, 0.2)) << half << " " << turn;
+    }
+  // between two plates a roller turns where it slides, and not where it sticks
+  EXPECT_FALSE(against({{{0, -1, 0}, down}, {{0, 1, 0}, up}}, false).holds(0.2));
+  EXPECT_TRUE(against({{{0, -1, 0}, down}, {{0, 1, 0}, up}}, true).holds(2));
+  // one point holds nothing unless nothing goes along, as on an axle
+  EXPECT_FALSE(against({{{0, -1, 0}, down}}, true).holds(0.2));
+  StandAgainst wheel(1);
+  wheel.add(Vector::Constant(1, 0));
+  wheel.add_way(Eigen::Vector3d::UnitX());
+  EXPECT_FALSE(wheel.holds(0.2));
+  wheel.add(Vector::Constant(1, 1));
+  EXPECT_TRUE(wheel.holds(2));
+  EXPECT_FALSE(StandAgainst(3).holds(0.2)) << "nothing touches";
 }
 
 TEST(LargeTurn, NoRandomSceneHasOne) {
