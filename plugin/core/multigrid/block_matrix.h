@@ -1,52 +1,97 @@
 #pragma once
 #include <algorithm>
 #include <cstddef>
+#include <type_traits>
 
+#include "multigrid/lanes.h"
 #include "types.h"
 
 namespace frictioncg {
 
 // Sparse matrices of small dense blocks in single precision. Sizes are known when compiled, so that
-// each block operation is a few unrolled instructions. Blocks are stored by rows.
+// each block operation is a few unrolled instructions. Blocks are stored by rows; those of 3 x 3,
+// and all with rows of six, are multiplied in lanes. Vectors have `stride` floats a row.
 
-/// y += a x
+/// Whether R x C blocks fill lanes.
 template <int R, int C>
-inline void add_product(const float* a, const float* x, float* y) {
-  for (int r = 0; r < R; ++r) {
-    float sum = a[r * C] * x[0];
-    for (int c = 1; c < C; ++c) sum += a[r * C + c] * x[c];
-    y[r] += sum;
+constexpr bool in_lanes = C == 6 || (R == 3 && C == 3);
+
+/// The sum of a x over blocks a, R x C, and rows x of a vector; lanes are summed up once, at the
+/// end.
+template <int R, int C>
+class BlockSum {
+ public:
+  void add(const float* a, const float* x) {
+    if constexpr (C == 6) {
+      const Four head = load(x), tail{0, 0, x[4], x[5]};
+      for (int r = 0; r < R; ++r) sum_[r] += load(a + r * 6) * head + load(a + r * 6 + 2) * tail;
+    } else if constexpr (in_lanes<R, C>) {
+      const Four v = load(x);
+      for (int r = 0; r < R; ++r) sum_[r] += row_of_three(a, r) * v;
+    } else {
+      for (int r = 0; r < R; ++r)
+        for (int c = 0; c < C; ++c) sum_[r] += a[r * C + c] * x[c];
+    }
+  }
+  /// Row r of the sum
+  float operator[](int r) const {
+    if constexpr (in_lanes<R, C>)
+      return (sum_[r][0] + sum_[r][1]) + (sum_[r][2] + sum_[r][3]);
+    else
+      return sum_[r];
+  }
+
+ private:
+  std::conditional_t<in_lanes<R, C>, Four, float> sum_[R] = {};
+};
+
+/// y += a' x, with a R x C
+template <int R, int C>
+inline void add_transposed_product(const float* a, const float* x, float* y) {
+  if constexpr (C == 6) {
+    Six sum = Six::load(y);
+    for (int r = 0; r < R; ++r) sum.add(x[r], Six::load(a + r * 6));
+    sum.store(y);
+  } else if constexpr (in_lanes<R, C>) {
+    Four sum = load(y);
+    for (int r = 0; r < R; ++r) sum += x[r] * row_of_three(a, r);
+    store(y, sum);
+  } else {
+    for (int r = 0; r < R; ++r)
+      for (int c = 0; c < C; ++c) y[c] += a[r * C + c] * x[r];
   }
 }
 
-/// y += a' x
-template <int R, int C>
-inline void add_transposed_product(const float* a, const float* x, float* y) {
-  for (int c = 0; c < C; ++c) {
-    float sum = a[c] * x[0];
-    for (int r = 1; r < R; ++r) sum += a[r * C + c] * x[r];
-    y[c] += sum;
+/// c += a b, with b K x C, and a R x K, whose entry (r, k) is factor a[r * row + k * column]
+template <int R, int K, int C>
+inline void add_rows(float factor, const float* a, int row, int column, const float* b, float* c) {
+  if constexpr (C == 6) {
+    Six rows[K];
+    for (int k = 0; k < K; ++k) rows[k] = Six::load(b + k * 6);
+    for (int r = 0; r < R; ++r) {
+      Six sum = Six::load(c + r * 6);
+      for (int k = 0; k < K; ++k) sum.add(factor * a[r * row + k * column], rows[k]);
+      sum.store(c + r * 6);
+    }
+  } else {
+    for (int r = 0; r < R; ++r)
+      for (int k = 0; k < K; ++k) {
+        const float f = factor * a[r * row + k * column];
+        for (int j = 0; j < C; ++j) c[r * C + j] += f * b[k * C + j];
+      }
   }
 }
 
 /// c += factor a b, with a R x K and b K x C
 template <int R, int K, int C>
 inline void add_block_product(float factor, const float* a, const float* b, float* c) {
-  for (int r = 0; r < R; ++r)
-    for (int k = 0; k < K; ++k) {
-      const float f = factor * a[r * K + k];
-      for (int j = 0; j < C; ++j) c[r * C + j] += f * b[k * C + j];
-    }
+  add_rows<R, K, C>(factor, a, K, 1, b, c);
 }
 
 /// c += factor a' b, with a K x R and b K x C
 template <int R, int K, int C>
 inline void add_transposed_block_product(float factor, const float* a, const float* b, float* c) {
-  for (int k = 0; k < K; ++k)
-    for (int r = 0; r < R; ++r) {
-      const float f = factor * a[k * R + r];
-      for (int j = 0; j < C; ++j) c[r * C + j] += f * b[k * C + j];
-    }
+  add_rows<R, K, C>(factor, a, 1, R, b, c);
 }
 
 /// A symmetric matrix by its strictly lower blocks, row by row, and its diagonal blocks. Half of

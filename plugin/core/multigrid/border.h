@@ -18,7 +18,7 @@ struct LevelBorder {
   /// v -= B q
   void subtract(const Vector& q, float* v) const {
     for (std::size_t b = 0; b < block.size(); ++b)
-      Eigen::Map<Eigen::Matrix<float, R, 1>>(v + std::size_t(block[b]) * R) -=
+      Eigen::Map<Eigen::Matrix<float, R, 1>>(v + std::size_t(block[b]) * stride<R>) -=
           B.template middleRows<R>(Eigen::Index(b) * R)
               .template cast<Real>()
               .lazyProduct(q)
@@ -28,7 +28,7 @@ struct LevelBorder {
   void subtract_transposed(const float* v, Vector& q) const {
     for (std::size_t b = 0; b < block.size(); ++b)
       for (int s = 0; s < R; ++s)
-        q -= Real(v[std::size_t(block[b]) * R + s]) *
+        q -= Real(v[std::size_t(block[b]) * stride<R> + s]) *
              B.row(Eigen::Index(b) * R + s).transpose().template cast<Real>();
   }
   void allocate(Eigen::Index k) {

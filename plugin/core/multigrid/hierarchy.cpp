@@ -214,11 +214,15 @@ void HierarchyOf<D, K>::factor_coarsest() {
 template <int D, int K>
 void HierarchyOf<D, K>::solve_coarsest(Coarse& level) {
   LevelBorder<K>& q = level.border;
-  const Eigen::Index n = Eigen::Index(level.r.size());
   if (coarsest_.factored()) {
-    x_ << Eigen::Map<Eigen::VectorXf>(level.r.data(), n).template cast<Real>(), q.r;
+    const Eigen::Index rows = level.A.rows();
+    const auto slots = [&](std::vector<float>& v) {
+      return Eigen::Map<Eigen::MatrixXf, 0, Eigen::OuterStride<stride<K>>>(v.data(), K, rows);
+    };
+    x_.head(rows * K).reshaped(K, rows) = slots(level.r).template cast<Real>();
+    x_.tail(q.r.size()) = q.r;
     coarsest_.solve(x_);
-    Eigen::Map<Eigen::VectorXf>(level.z.data(), n) = x_.head(n).template cast<float>();
+    slots(level.z) = x_.head(rows * K).reshaped(K, rows).template cast<float>();
     q.z = x_.tail(q.z.size());
     return;
   }
@@ -287,11 +291,14 @@ void HierarchyOf<D, K>::apply(const Vector& r, Vector& z) {
   }
   // to order 1 and back: single precision keeps its range
   const Eigen::Index k = S_.cols();
-  for (Index p = 0; p < blocks_.dofs(); ++p)
-    fine_.r[blocks_.slot[p]] = static_cast<float>(r[p] / size);
+  const auto at = [this](Index p) {
+    const std::size_t slot = blocks_.slot[p];
+    return slot / D * stride<D> + slot % D;
+  };
+  for (Index p = 0; p < blocks_.dofs(); ++p) fine_.r[at(p)] = static_cast<float>(r[p] / size);
   fine_.border.r = r.tail(k) / size;
   cycle(fine_, 0);
-  for (Index p = 0; p < blocks_.dofs(); ++p) z[p] = size * scale_ * fine_.z[blocks_.slot[p]];
+  for (Index p = 0; p < blocks_.dofs(); ++p) z[p] = size * scale_ * fine_.z[at(p)];
   z.tail(k) = size * scale_ * fine_.border.z;
 }
 

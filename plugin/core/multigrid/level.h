@@ -18,7 +18,7 @@ struct Level {
 
   void allocate() {
     for (std::vector<float>* v : {&r, &z, &work, &residual, &first_r, &first_z})
-      v->assign(std::size_t(A.rows()) * B, 0);
+      v->assign(std::size_t(A.rows()) * stride<B>, 0);
   }
   double bytes() const;
 };

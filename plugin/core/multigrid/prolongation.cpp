@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "multigrid/block_index.h"
+#include "multigrid/smoother.h"
 
 namespace frictioncg {
 
@@ -72,34 +73,28 @@ Tentative<B, K> make_tentative(const Aggregates& aggregates, const Modes<K>& mod
   return t;
 }
 
-/// y = A x, and x := D^{-1} y; returns <y, x_new> / <y, x_old>, a Rayleigh quotient.
+/// y = -A x, and x := D^{-1} y; returns -<y, x_new> / <y, x_old>, a Rayleigh quotient.
 template <int B>
 float spectral_radius(const SymmetricBlocks<B>& A, int steps) {
-  const std::size_t n = std::size_t(A.rows()) * B;
-  std::vector<float> x(n), y(n);
+  const std::vector<float> zero(std::size_t(A.rows()) * stride<B>, 0);
+  std::vector<float> x = zero, y = zero;
   unsigned random = 12345;
-  for (float& value : x) {
-    random = random * 1664525u + 1013904223u;
-    value = static_cast<float>(random >> 8) / (1 << 24) - 0.5f;
-  }
+  for (std::size_t i = 0; i < x.size(); i += stride<B>)
+    for (int k = 0; k < B; ++k) {
+      random = random * 1664525u + 1013904223u;
+      x[i + k] = static_cast<float>(random >> 8) / (1 << 24) - 0.5f;
+    }
   Real lambda = 1;
   for (int step = 0; step < steps; ++step) {
-    std::fill(y.begin(), y.end(), 0.0f);
-    for (Index i = 0; i < A.rows(); ++i) {
-      add_product<B, B>(A.diagonal_at(i), &x[i * std::size_t(B)], &y[i * std::size_t(B)]);
-      for (Index k = A.row[i]; k < A.row[i + 1]; ++k) {
-        const std::size_t j = A.col[k];
-        add_product<B, B>(A.at(k), &x[j * B], &y[i * std::size_t(B)]);
-        add_transposed_product<B, B>(A.at(k), &x[i * std::size_t(B)], &y[j * B]);
-      }
-    }
+    subtract_product(A, zero.data(), x.data(), y.data());
     Real y_x = 0, y_z = 0;
     for (Index i = 0; i < A.rows(); ++i) {
-      const std::size_t at = i * std::size_t(B);
-      std::array<float, B> z{};
-      add_product<B, B>(A.inverse_at(i), &y[at], z.data());
+      const std::size_t at = i * stride<B>;
+      std::fill(&y[at] + B, &y[at] + stride<B>, 0.0f);
+      BlockSum<B, B> z;
+      z.add(A.inverse_at(i), &y[at]);
       for (int k = 0; k < B; ++k) {
-        y_x += Real(y[at + k]) * x[at + k];
+        y_x -= Real(y[at + k]) * x[at + k];
         y_z += Real(y[at + k]) * z[k];
         x[at + k] = z[k];
       }

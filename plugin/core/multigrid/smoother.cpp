@@ -4,26 +4,36 @@ namespace frictioncg {
 
 namespace {
 
+/// The sum of the lower blocks of row i with z
+template <int B>
+inline BlockSum<B, B> lower_product(const SymmetricBlocks<B>& A, std::size_t i, const float* z) {
+  BlockSum<B, B> sum;
+  for (Index k = A.row[i]; k < A.row[i + 1]; ++k)
+    sum.add(A.at(k), z + std::size_t(A.col[k]) * stride<B>);
+  return sum;
+}
+
 /// z_i = D^{-1} (r_i - L z); returns -z_i in minus.
 template <int B>
 inline void relax(const SymmetricBlocks<B>& A, std::size_t i, const float* r, float* z,
                   float* minus) {
-  float rest[B] = {}, z_i[B] = {};
-  for (Index k = A.row[i]; k < A.row[i + 1]; ++k)
-    add_product<B, B>(A.at(k), z + std::size_t(A.col[k]) * B, rest);
-  for (int e = 0; e < B; ++e) rest[e] = r[i * B + e] - rest[e];
-  add_product<B, B>(A.inverse_at(i), rest, z_i);
+  const BlockSum<B, B> lower = lower_product(A, i, z);
+  float rest[stride<B>] = {};
+  for (int e = 0; e < B; ++e) rest[e] = r[i * stride<B> + e] - lower[e];
+  BlockSum<B, B> z_i;
+  z_i.add(A.inverse_at(i), rest);
   for (int e = 0; e < B; ++e) {
-    z[i * B + e] = z_i[e];
+    z[i * stride<B> + e] = z_i[e];
     minus[e] = -z_i[e];
   }
+  for (std::size_t e = B; e < stride<B>; ++e) z[i * stride<B> + e] = 0;
 }
 
 /// y -= L' z_i
 template <int B>
 inline void scatter(const SymmetricBlocks<B>& A, std::size_t i, const float* minus, float* y) {
   for (Index k = A.row[i]; k < A.row[i + 1]; ++k)
-    add_transposed_product<B, B>(A.at(k), minus, y + std::size_t(A.col[k]) * B);
+    add_transposed_product<B, B>(A.at(k), minus, y + std::size_t(A.col[k]) * stride<B>);
 }
 
 }  // namespace
@@ -33,7 +43,7 @@ void sweep_forward(const SymmetricBlocks<B>& A, float* residual, float* z) {
   float minus[B];
   for (std::size_t i = 0; i < std::size_t(A.rows()); ++i) {
     relax(A, i, residual, z, minus);
-    std::fill(residual + i * B, residual + (i + 1) * B, 0.0f);
+    std::fill_n(residual + i * stride<B>, stride<B>, 0.0f);
     scatter(A, i, minus, residual);
   }
 }
@@ -51,13 +61,13 @@ template <int B>
 void subtract_product(const SymmetricBlocks<B>& A, const float* r, const float* z,
                       float* residual) {
   for (std::size_t i = 0; i < std::size_t(A.rows()); ++i) {
-    float sum[B] = {}, minus[B];
-    add_product<B, B>(A.diagonal_at(i), z + i * B, sum);
-    for (Index k = A.row[i]; k < A.row[i + 1]; ++k)
-      add_product<B, B>(A.at(k), z + std::size_t(A.col[k]) * B, sum);
+    const std::size_t first = i * stride<B>;
+    BlockSum<B, B> sum = lower_product(A, i, z);
+    sum.add(A.diagonal_at(i), z + first);
+    float minus[B];
     for (int e = 0; e < B; ++e) {
-      residual[i * B + e] = r[i * B + e] - sum[e];
-      minus[e] = -z[i * B + e];
+      residual[first + e] = r[first + e] - sum[e];
+      minus[e] = -z[first + e];
     }
     scatter(A, i, minus, residual);
   }
@@ -68,15 +78,18 @@ void restrict_to(const Prolongation<R, C>& P, const float* fine, std::vector<flo
   std::fill(coarse.begin(), coarse.end(), 0.0f);
   for (std::size_t i = 0; i < std::size_t(P.rows()); ++i)
     for (Index q = P.row[i]; q < P.row[i + 1]; ++q)
-      add_transposed_product<R, C>(P.at(q), fine + i * R,
-                                   coarse.data() + std::size_t(P.col[q]) * C);
+      add_transposed_product<R, C>(P.at(q), fine + i * stride<R>,
+                                   coarse.data() + std::size_t(P.col[q]) * stride<C>);
 }
 
 template <int R, int C>
 void prolong(const Prolongation<R, C>& P, const float* coarse, float* fine) {
-  for (std::size_t i = 0; i < std::size_t(P.rows()); ++i)
+  for (std::size_t i = 0; i < std::size_t(P.rows()); ++i) {
+    BlockSum<R, C> sum;
     for (Index q = P.row[i]; q < P.row[i + 1]; ++q)
-      add_product<R, C>(P.at(q), coarse + std::size_t(P.col[q]) * C, fine + i * R);
+      sum.add(P.at(q), coarse + std::size_t(P.col[q]) * stride<C>);
+    for (int r = 0; r < R; ++r) fine[i * stride<R> + r] += sum[r];
+  }
 }
 
 #define FRICTIONCG_INSTANTIATE(B)                                          \

@@ -3,6 +3,8 @@
 
 namespace frictioncg {
 
+// Vectors have `stride` floats a row; what lies between rows is 0 in z.
+
 /// One forward block Gauss-Seidel sweep on A z = residual from z = 0: (L + D) z = residual; leaves
 /// in residual what remains, residual - A z = -L' z. One pass over the stored half of A: row i
 /// takes L z for its own equation and gives L' z to those before it. Slots with a zero inverse stay

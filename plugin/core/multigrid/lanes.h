@@ -1,0 +1,45 @@
+#pragma once
+#include <cstddef>
+#include <cstring>
+
+namespace frictioncg {
+
+// Four floats in one register where the machine has such, by the compiler's own vectors.
+using Four = float __attribute__((vector_size(16)));
+
+inline Four load(const float* p) {
+  Four v;
+  std::memcpy(&v, p, sizeof v);
+  return v;
+}
+inline void store(float* p, Four v) { std::memcpy(p, &v, sizeof v); }
+
+/// Six floats: the first four, and the last four.
+struct Six {
+  Four head, tail;
+
+  static Six load(const float* p) { return {frictioncg::load(p), frictioncg::load(p + 2)}; }
+  void store(float* p) const {
+    frictioncg::store(p, head);
+    p[4] = tail[2];
+    p[5] = tail[3];
+  }
+  void add(float factor, const Six& other) {
+    head += factor * other.head;
+    tail += factor * other.tail;
+  }
+};
+
+/// The floats between the rows of a vector of B slots each: rows of three fill one register, whose
+/// last entry means nothing where the vector is written, and is 0 where it is multiplied.
+template <int B>
+constexpr std::size_t stride = B == 3 ? 4 : B;
+
+/// Row r of a 3 x 3 block, and a fourth entry that means nothing.
+inline Four row_of_three(const float* a, int r) {
+  if (r < 2) return load(a + r * 3);
+  const Four v = load(a + 5);
+  return Four{v[1], v[2], v[3], v[0]};
+}
+
+}  // namespace frictioncg
