@@ -178,9 +178,11 @@ void observe(const FESpaceType& Vh, Scene& scene) {
     const FESpaceType* space = keep;
     Dimension<FESpaceType>::set_point(mp, *space, node);
   };
-  scene.places = [keep] {
+  const auto places = std::make_shared<std::vector<NodePlace>>();  // found when first asked for
+  scene.places = [keep, places] {
     const FESpaceType* space = keep;
-    return node_places(*space);
+    if (places->empty()) *places = node_places(*space);
+    return *places;
   };
   scene.labelled = [keep] {
     const FESpaceType* space = keep;

@@ -68,20 +68,45 @@ void check_size(const Triplets& A, const std::vector<Entry>& products) {
     throw IllegalInput("A has more than 2^31 - 1 entries; this build indexes them by 32 bits");
 }
 
-/// Calls visit(row, column, value) for each entry of A_local, in no order: first the triplets
-/// between dofs with factor 1, then what Others has made of the others.
-template <class Visit>
-void for_each_entry(const Triplets& A, const Images& images, const std::vector<Entry>& others,
-                    const Visit& visit) {
-  const Index* plain = images.plain.data();
-  for (std::size_t k = 0; k < A.size; ++k) {
-    const Index p = plain[A.row(k)], q = plain[A.col(k)];
-    if (p < 0 || q < 0 || A.a[k] == 0) continue;
-    visit(p, q, A.a[k]);
-    if (A.half && p != q) visit(q, p, A.a[k]);
+/// The entries of A_local by numbers, some of none: the triplets between dofs with factor 1, of
+/// half-stored ones their mirror images, then what Others has made of the others.
+class Entries {
+ public:
+  Entries(const Triplets& A, const Images& images, const std::vector<Entry>& others)
+      : A_(A), plain_(images.plain.data()), others_(others) {}
+
+  /// visit(number, row, column) in the order of the numbers
+  template <class Visit>
+  void for_each(const Visit& visit) const {
+    const Index size = static_cast<Index>(A_.size);
+    for (Index k = 0; k < size; ++k) {
+      const Index p = plain_[A_.row(k)], q = plain_[A_.col(k)];
+      if (p < 0 || q < 0 || A_.a[k] == 0) continue;
+      visit(k, p, q);
+      if (A_.half && p != q) visit(size + k, q, p);
+    }
+    for (Index k = 0; k < static_cast<Index>(others_.size()); ++k)
+      visit(first_other() + k, others_[k].row(), others_[k].col());
   }
-  for (const Entry& e : others) visit(e.row(), e.col(), e.value());
-}
+  Index row(Index number) const {
+    const Index size = static_cast<Index>(A_.size);
+    if (number < size) return plain_[A_.row(number)];
+    if (number < first_other()) return plain_[A_.col(number - size)];
+    return others_[number - first_other()].row();
+  }
+  Real value(Index number) const {
+    const Index size = static_cast<Index>(A_.size);
+    if (number >= first_other()) return others_[number - first_other()].value();
+    return A_.a[number < size ? number : number - size];
+  }
+
+ private:
+  Index first_other() const { return static_cast<Index>((A_.half ? 2 : 1) * A_.size); }
+
+  const Triplets& A_;
+  const Index* plain_;
+  const std::vector<Entry>& others_;
+};
 
 /// Where each bucket starts, and where the last one ends, from their sizes in start[1..].
 void add_up(std::vector<Index>& start) {
@@ -106,25 +131,20 @@ void close_up(const std::vector<Index>& row, const std::vector<Index>& end, Matr
   M.resizeNonZeros(size);
 }
 
-/// M (n x n) of entries that for_each(visit) tells in any order; those of one place add. Sorted
-/// into buckets twice, by columns and from these by rows; by setFromTriplets the transformation
-/// would take half as much again.
-template <class ForEach>
-void fill(Matrix& M, Index n, const ForEach& for_each) {
+/// M (n x n) of entries in any order; those of one place add. Sorted into buckets twice, by columns
+/// and from these by rows: their numbers alone, which takes the least memory. By setFromTriplets
+/// the transformation would take half as much again.
+void fill(Matrix& M, Index n, const Entries& entries) {
   std::vector<Index> row(n + 1, 0), column(n + 1, 0);
-  for_each([&](Index p, Index q, Real) {
+  entries.for_each([&](Index, Index p, Index q) {
     ++row[p + 1];
     ++column[q + 1];
   });
   add_up(row);
   add_up(column);
-  const std::unique_ptr<Index[]> row_of(new Index[row[n]]);
-  const std::unique_ptr<Real[]> value(new Real[row[n]]);
+  const std::unique_ptr<Index[]> number(new Index[row[n]]);
   std::vector<Index> end(column.begin(), column.end() - 1);
-  for_each([&](Index p, Index q, Real a) {
-    row_of[end[q]] = p;
-    value[end[q]++] = a;
-  });
+  entries.for_each([&](Index k, Index, Index q) { number[end[q]++] = k; });
   M.resize(n, n);
   M.resizeNonZeros(row[n]);
   std::copy(row.begin(), row.end() - 1, end.begin());
@@ -132,13 +152,13 @@ void fill(Matrix& M, Index n, const ForEach& for_each) {
   Real* a = M.valuePtr();
   for (Index q = 0; q < n; ++q)
     for (Index k = column[q]; k < column[q + 1]; ++k) {
-      const Index p = row_of[k];
+      const Index p = entries.row(number[k]);
       Index& at = end[p];
       if (at > row[p] && col[at - 1] == q) {
-        a[at - 1] += value[k];
+        a[at - 1] += entries.value(number[k]);
       } else {
         col[at] = q;
-        a[at++] = value[k];
+        a[at++] = entries.value(number[k]);
       }
     }
   close_up(row, end, M);
@@ -154,7 +174,7 @@ void transform(const Triplets& A, const Basis& basis, Matrix& A_local, Matrix& K
   check_size(A, others.local);
   K.resize(w, basis.T.cols() - w);
   K.setFromTriplets(others.couplings.begin(), others.couplings.end());
-  fill(A_local, w, [&](const auto& visit) { for_each_entry(A, images, others.local, visit); });
+  fill(A_local, w, Entries(A, images, others.local));
 }
 
 /// A cursor a row meets the mirror image of each lower entry in order.

@@ -53,7 +53,7 @@ Bodies bodies_of(const Matrix& A) {
   };
   for (Index i = 0; i < n; ++i)
     for (Matrix::InnerIterator e(A, i); e && e.col() < i; ++e) {
-      if (e.value() == 0) continue;
+      if (root[i] == root[e.col()] || e.value() == 0) continue;
       const Index p = find(i), q = find(static_cast<Index>(e.col()));
       root[std::max(p, q)] = std::min(p, q);
     }

@@ -52,6 +52,13 @@ Index Groups::of(Index i) {
   return i;
 }
 
+/// Under the lower number, which neighbours in a mesh share: trees stay flat.
+void Groups::join(Index i, Index j) {
+  if (parent_[i] == parent_[j]) return;
+  const Index p = of(i), q = of(j);
+  parent_[std::max(p, q)] = std::min(p, q);
+}
+
 Index facet_connected_groups(int d, const std::vector<std::array<Index, 4>>& elements) {
   const Index n = static_cast<Index>(elements.size());
   Groups groups(n);

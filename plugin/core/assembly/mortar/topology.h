@@ -31,7 +31,7 @@ class Groups {
  public:
   explicit Groups(Index n);
   Index of(Index i);
-  void join(Index i, Index j) { parent_[of(i)] = of(j); }
+  void join(Index i, Index j);
 
  private:
   std::vector<Index> parent_;
