@@ -14,19 +14,30 @@ namespace {
 /// A is refused where |a_ij - a_ji| is more than this share of sqrt(a_ii a_jj).
 constexpr Real asymmetry = 1e-9;
 
+/// Entries are fetched from memory so many before their turn.
+constexpr Index ahead = 24;
+
 using Entry = Eigen::Triplet<Real, Index>;
 
-/// The triplets that touch a dof that is held or whose factor is not 1, in the local dofs: those of
-/// A_local, those of K.
+/// What one pass over the triplets tells: those that touch a dof that is held or whose factor is not
+/// 1, in the local dofs, those of A_local and those of K; and how many entries lie in each row and
+/// column of A_local, at [1 ..].
 struct Others {
   std::vector<Entry> local, couplings;
+  std::vector<Index> rows, columns;
 
-  Others(const Triplets& A, const Basis& basis, const Images& images) : w_(basis.local_dofs()) {
+  Others(const Triplets& A, const Basis& basis, const Images& images)
+      : rows(basis.local_dofs() + 1, 0), columns(rows), w_(basis.local_dofs()) {
     std::vector<Entry> B;  // what touches a row of T with several entries
     const Index* plain = images.plain.data();
     for (std::size_t k = 0; k < A.size; ++k) {
       const Index i = A.row(k), j = A.col(k);
-      if ((plain[i] >= 0 && plain[j] >= 0) || A.a[k] == 0) continue;
+      if (A.a[k] == 0) continue;
+      if (plain[i] >= 0 && plain[j] >= 0) {
+        count(plain[i], plain[j]);
+        if (A.half && i != j) count(plain[j], plain[i]);
+        continue;
+      }
       const Images::Image &P = images.all[i], &Q = images.all[j];
       const bool single = P.single() && Q.single();
       const auto add = [&](Index row, Index column, const Images::Image& left,
@@ -40,9 +51,14 @@ struct Others {
       if (A.half && i != j) add(j, i, Q, P);
     }
     if (!B.empty()) add_product(B, basis);
+    for (const Entry& e : local) count(e.row(), e.col());
   }
 
  private:
+  void count(Index p, Index q) {
+    ++rows[p + 1];
+    ++columns[q + 1];
+  }
   void sort(Index p, Index q, Real a) {
     if (q < w_)
       local.emplace_back(p, q, a);
@@ -94,6 +110,12 @@ class Entries {
     if (number < first_other()) return plain_[A_.col(number - size)];
     return others_[number - first_other()].row();
   }
+  /// Starts to read an entry that is soon asked for.
+  void fetch(Index number) const {
+    if (number >= static_cast<Index>(A_.size)) return;
+    __builtin_prefetch(A_.i + number);
+    __builtin_prefetch(A_.a + number);
+  }
   Real value(Index number) const {
     const Index size = static_cast<Index>(A_.size);
     if (number >= first_other()) return others_[number - first_other()].value();
@@ -132,14 +154,10 @@ void close_up(const std::vector<Index>& row, const std::vector<Index>& end, Matr
 }
 
 /// M (n x n) of entries in any order; those of one place add. Sorted into buckets twice, by columns
-/// and from these by rows: their numbers alone, which takes the least memory. By setFromTriplets
-/// the transformation would take half as much again.
-void fill(Matrix& M, Index n, const Entries& entries) {
-  std::vector<Index> row(n + 1, 0), column(n + 1, 0);
-  entries.for_each([&](Index, Index p, Index q) {
-    ++row[p + 1];
-    ++column[q + 1];
-  });
+/// and from these by rows: their numbers alone, which takes the least memory. row, column: how many
+/// lie in each, at [1 ..]. By setFromTriplets the transformation would take half as much again.
+void fill(Matrix& M, const Entries& entries, std::vector<Index> row, std::vector<Index> column) {
+  const Index n = static_cast<Index>(row.size()) - 1;
   add_up(row);
   add_up(column);
   const std::unique_ptr<Index[]> number(new Index[row[n]]);
@@ -152,6 +170,7 @@ void fill(Matrix& M, Index n, const Entries& entries) {
   Real* a = M.valuePtr();
   for (Index q = 0; q < n; ++q)
     for (Index k = column[q]; k < column[q + 1]; ++k) {
+      entries.fetch(number[std::min(k + ahead, row[n] - 1)]);
       const Index p = entries.row(number[k]);
       Index& at = end[p];
       if (at > row[p] && col[at - 1] == q) {
@@ -174,7 +193,7 @@ void transform(const Triplets& A, const Basis& basis, Matrix& A_local, Matrix& K
   check_size(A, others.local);
   K.resize(w, basis.T.cols() - w);
   K.setFromTriplets(others.couplings.begin(), others.couplings.end());
-  fill(A_local, w, Entries(A, images, others.local));
+  fill(A_local, Entries(A, images, others.local), others.rows, others.columns);
 }
 
 /// A cursor a row meets the mirror image of each lower entry in order.
