@@ -4,20 +4,32 @@ namespace frictioncg {
 
 namespace {
 
+/// In which order blocks are read: that of memory, or the reverse.
+enum class Order { up, down };
+
+/// visit(block, where its row of a vector begins) for the lower blocks of row i
+template <Order order, int B, class Visit>
+inline void for_each_lower(const SymmetricBlocks<B>& A, std::size_t i, const Visit& visit) {
+  const auto at = [&](Index k) { visit(A.at(k), std::size_t(A.col[k]) * stride<B>); };
+  if constexpr (order == Order::up)
+    for (Index k = A.row[i]; k < A.row[i + 1]; ++k) at(k);
+  else
+    for (Index k = A.row[i + 1]; k-- > A.row[i];) at(k);
+}
+
 /// The sum of the lower blocks of row i with z
-template <int B>
+template <Order order, int B>
 inline BlockSum<B, B> lower_product(const SymmetricBlocks<B>& A, std::size_t i, const float* z) {
   BlockSum<B, B> sum;
-  for (Index k = A.row[i]; k < A.row[i + 1]; ++k)
-    sum.add(A.at(k), z + std::size_t(A.col[k]) * stride<B>);
+  for_each_lower<order>(A, i, [&](const float* a, std::size_t j) { sum.add(a, z + j); });
   return sum;
 }
 
 /// z_i = D^{-1} (r_i - L z); returns -z_i in minus.
-template <int B>
+template <Order order, int B>
 inline void relax(const SymmetricBlocks<B>& A, std::size_t i, const float* r, float* z,
                   float* minus) {
-  const BlockSum<B, B> lower = lower_product(A, i, z);
+  const BlockSum<B, B> lower = lower_product<order>(A, i, z);
   float rest[stride<B>] = {};
   for (int e = 0; e < B; ++e) rest[e] = r[i * stride<B> + e] - lower[e];
   BlockSum<B, B> z_i;
@@ -30,10 +42,11 @@ inline void relax(const SymmetricBlocks<B>& A, std::size_t i, const float* r, fl
 }
 
 /// y -= L' z_i
-template <int B>
+template <Order order, int B>
 inline void scatter(const SymmetricBlocks<B>& A, std::size_t i, const float* minus, float* y) {
-  for (Index k = A.row[i]; k < A.row[i + 1]; ++k)
-    add_transposed_product<B, B>(A.at(k), minus, y + std::size_t(A.col[k]) * stride<B>);
+  for_each_lower<order>(A, i, [&](const float* a, std::size_t j) {
+    add_transposed_product<B, B>(a, minus, y + j);
+  });
 }
 
 }  // namespace
@@ -42,9 +55,9 @@ template <int B>
 void sweep_forward(const SymmetricBlocks<B>& A, float* residual, float* z) {
   float minus[B];
   for (std::size_t i = 0; i < std::size_t(A.rows()); ++i) {
-    relax(A, i, residual, z, minus);
+    relax<Order::up>(A, i, residual, z, minus);
     std::fill_n(residual + i * stride<B>, stride<B>, 0.0f);
-    scatter(A, i, minus, residual);
+    scatter<Order::up>(A, i, minus, residual);
   }
 }
 
@@ -52,8 +65,8 @@ template <int B>
 void sweep_backward(const SymmetricBlocks<B>& A, float* r, float* z) {
   float minus[B];
   for (std::size_t i = A.rows(); i-- > 0;) {
-    relax(A, i, r, z, minus);
-    scatter(A, i, minus, r);
+    relax<Order::down>(A, i, r, z, minus);
+    scatter<Order::down>(A, i, minus, r);
   }
 }
 
@@ -62,14 +75,14 @@ void subtract_product(const SymmetricBlocks<B>& A, const float* r, const float* 
                       float* residual) {
   for (std::size_t i = 0; i < std::size_t(A.rows()); ++i) {
     const std::size_t first = i * stride<B>;
-    BlockSum<B, B> sum = lower_product(A, i, z);
+    BlockSum<B, B> sum = lower_product<Order::up>(A, i, z);
     sum.add(A.diagonal_at(i), z + first);
     float minus[B];
     for (int e = 0; e < B; ++e) {
       residual[first + e] = r[first + e] - sum[e];
       minus[e] = -z[first + e];
     }
-    scatter(A, i, minus, residual);
+    scatter<Order::up>(A, i, minus, residual);
   }
 }
 
