@@ -53,7 +53,7 @@ class Arguments {
   /// Of a call on a contactproblem, whose geometry stands.
   static Arguments of_increment(const basicAC_F0& args) {
     const Arguments a(args);
-    for (Parameter p : {p_normal, p_mu2, p_direction, p_maxgap, p_smooth, p_weight, p_domain,
+    for (Parameter p : {p_at, p_normal, p_mu2, p_direction, p_maxgap, p_smooth, p_weight, p_domain,
                         p_obstacle, p_obstaclenormal, p_pivot, p_obstacles, p_motionfree})
       if (a.has(p)) refuse(p, "belongs to the contactproblem; give it there");
     return a;

@@ -24,8 +24,10 @@ struct AdjacentFacet {
 /// A node of the mesh on the contact boundary.
 struct SharedNode {
   std::array<Index, 3> dof{{-1, -1, -1}};  ///< of each component of the displacement
-  Fem2D::R3 x;
-  std::vector<AdjacentFacet> facets;  ///< in the order in which the labels were given
+  Fem2D::R3 x;                             ///< on its straight facets
+  Fem2D::R3 moved;                         ///< by the displacement at which the geometry is
+  Fem2D::R3 aside;                         ///< by so much a P2 mid-edge lies beside x
+  std::vector<AdjacentFacet> facets;       ///< in the order in which the labels were given
 };
 
 /// A facet of the contact boundary by its nodes, as places among those of the boundary: the
@@ -52,6 +54,8 @@ struct BoundaryNode {
   int element = 0, facet = 0;
   int space = 0;          ///< of two spaces, whose elements these are: 0 or 1
   Fem2D::R3 hat;          ///< its place in the element
+  Fem2D::R3 moved;        ///< already, against what it touches: the laws bound it with what follows
+  Fem2D::R3 aside;        ///< as SharedNode's
   Fem2D::R3 mean;         ///< mean outward normal of all facets at the node; 0 where they cancel
   double turn = 0;        ///< angle to its facets, of a curved surface; 0 where that is flat
   bool averaged = false;  ///< it stands for more normals than the node can obey

@@ -78,10 +78,18 @@ inline PointLaws read_point_laws(Stack stack, const Arguments& args, bool everyw
   return laws;
 }
 
+/// Where the geometry of a call is; null where it is that of the mesh.
+inline Displacement read_at(Stack stack, const Arguments& args) {
+  if (!args.has(p_at)) return nullptr;
+  return std::make_shared<const Vector>(copy_of(args.value<KN_<double>>(stack, p_at)));
+}
+
 /// Reads the problem: geometry, laws, and the matrix in local frames.
 inline std::shared_ptr<Scene> read_scene(Stack stack, const Arguments& args, const Expression A,
                                          const Site& site, bool everywhere, PointLaws& laws) {
-  std::shared_ptr<Scene> scene = site.scene(stack, args.obstacle(stack));
+  const Displacement at = read_at(stack, args);
+  std::shared_ptr<Scene> scene = site.scene(stack, args.obstacle(stack), at);
+  scene->at = at;
   set_weights(stack, args, *scene);
   set_normals(stack, args, *scene);
   if (!scene->pairing) scene->moving = read_obstacles(stack, args, *scene);

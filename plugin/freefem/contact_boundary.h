@@ -9,7 +9,7 @@
 
 #include "../core/assembly/mortar/surface.h"
 #include "boundary_node.h"
-#include "dimension.h"
+#include "placement.h"
 #include "surface_normals.h"
 
 namespace frictioncg {
@@ -28,7 +28,7 @@ struct UnfitSpace : IllegalInput {
 /// A space under its name in messages, and what one of its labels inside a body is told.
 template <class FESpaceType>
 struct NamedSpace {
-  const FESpaceType& Vh;
+  const Placement<FESpaceType>& Vh;
   const char* name;
   const char* mesh;
   const char* inside;
@@ -100,22 +100,23 @@ void check_trace(const FacetNodes& facet) {
 }
 
 template <class FESpaceType>
-FacetNodes facet_nodes(const typename Dimension<FESpaceType>::Element& K, int facet) {
+FacetNodes facet_nodes(const Placement<FESpaceType>& Vh, int k, int facet) {
   using D = Dimension<FESpaceType>;
+  const typename D::Element K(Vh.space()[k]);
   Interpolation ip;
   D::interpolate(K, ip);
   std::map<int, int> uses;  // dof -> interpolation points it is made from
   for (int i : ip.dof) ++uses[i];
   FacetNodes found;
-  for (std::size_t k = 0; k < ip.dof.size(); ++k) {
-    const int i = ip.dof[k];
+  for (std::size_t e = 0; e < ip.dof.size(); ++e) {
+    const int i = ip.dof[e];
     if (!D::on_facet(facet, K.DFOnWhat(i))) continue;
-    if (uses[i] != 1 || ip.coefficient[k] != 1)
+    if (uses[i] != 1 || ip.coefficient[e] != 1)
       refuse_space("has degrees of freedom that are not nodal values");
-    const Fem2D::R3& hat = ip.hat[ip.point[k]];
+    const Fem2D::R3& hat = ip.hat[ip.point[e]];
     FacetNodes::Node& n = found.at(hat);
-    n.x = D::position(K, hat);
-    n.dof[ip.component[k]] = K(i);
+    n.x = Vh(k, hat);
+    n.dof[ip.component[e]] = K(i);
     n.corner = D::is_corner(K.DFOnWhat(i));
   }
   check_trace<FESpaceType>(found);
@@ -149,9 +150,9 @@ std::vector<LabelledNode> labelled_nodes(const Space& Vh) {
 
 /// The node at a vertex of an element.
 template <class FESpaceType>
-SharedNode node_at_vertex(const FESpaceType& Vh, int element, int vertex) {
+SharedNode node_at_vertex(const Placement<FESpaceType>& Vh, int element, int vertex) {
   using D = Dimension<FESpaceType>;
-  const typename D::Element K(Vh[element]);
+  const typename D::Element K(Vh.space()[element]);
   Interpolation ip;
   D::interpolate(K, ip);
   SharedNode node;
@@ -159,8 +160,9 @@ SharedNode node_at_vertex(const FESpaceType& Vh, int element, int vertex) {
     const Fem2D::R3& hat = ip.hat[ip.point[k]];
     if (corner_at(hat, D::d) != vertex || ip.coefficient[k] != 1) continue;
     node.dof[ip.component[k]] = K(ip.dof[k]);
-    node.x = D::position(K, hat);
+    node.x = Vh(element, hat);
   }
+  node.moved = Vh.moved(node.dof);
   return node;
 }
 
@@ -171,7 +173,7 @@ class BoundaryNodes {
 
  public:
   BoundaryNodes(const NamedSpace<FESpaceType>& space, const std::vector<long>& labels)
-      : space_(space), Vh_(space.Vh) {
+      : space_(space), place_(space.Vh), Vh_(place_.space()) {
     try {
       check_components();
       for (long label : labels) add(label);
@@ -180,6 +182,7 @@ class BoundaryNodes {
     }
   }
 
+  const Placement<FESpaceType>& placement() const { return place_; }
   const FESpaceType& space() const { return Vh_; }
   const std::vector<SharedNode>& nodes() const { return nodes_; }
   const std::vector<BoundaryFacet>& facets() const { return facets_; }
@@ -206,14 +209,15 @@ class BoundaryNodes {
   }
 
   void add(long label, int k, int facet) {
-    const typename D::Element K(Vh_[k]);
-    const Fem2D::R3 normal = D::normal(K, facet);
-    const FacetNodes nodes = facet_nodes<FESpaceType>(K, facet);
+    const Fem2D::R3 normal = D::normal(place_.vertices(k), facet);
+    const FacetNodes nodes = facet_nodes(place_, k, facet);
     if (!D::outer(Vh_.Th, k, facet)) refuse_inside(label, nodes.node.front().x);
+    if (place_.is_inverted(k)) refuse_inverted(label, k, nodes);
     std::vector<std::size_t> place;
     for (const FacetNodes::Node& n : nodes.node) {
       const auto [entry, is_new] = node_of_dof_.emplace(n.dof[0], nodes_.size());
-      if (is_new) nodes_.push_back({n.dof, n.x, {}});
+      const Fem2D::R3 aside = place_.is_moved() ? place_.node(k, n.hat, n.dof) - n.x : Fem2D::R3();
+      if (is_new) nodes_.push_back({n.dof, n.x, place_.moved(n.dof), aside, {}});
       const double share = Norme2(normal) * D::share(nodes.node.size(), n.corner);
       nodes_[entry->second].facets.push_back(
           {label, k, facet, n.hat, normal, share, facets_.size(), D::own(nodes.node.size())});
@@ -236,7 +240,19 @@ class BoundaryNodes {
                        D::facet_name + "s; " + space_.inside);
   }
 
+  /// By the middle of its facet, on the mesh.
+  [[noreturn]] void refuse_inverted(long label, int k, const FacetNodes& facet) const {
+    Fem2D::R3 middle;
+    for (const FacetNodes::Node& n : facet.node)
+      if (n.corner) middle += D::position(Vh_.Th, k, n.hat) / D::d;
+    throw IllegalInput("at turns the element behind the " + std::string(D::facet_name) + " at " +
+                       coordinates(middle, D::d) + " on label " + std::to_string(label) +
+                       " inside out, or makes it flat; take a smaller increment of the load, or a "
+                       "part of the step");
+  }
+
   const NamedSpace<FESpaceType> space_;
+  const Placement<FESpaceType>& place_;
   const FESpaceType& Vh_;
   std::set<long> labels_;
   std::map<int, std::size_t> node_of_dof_;  // first dof of a node -> its place in nodes_
@@ -246,7 +262,7 @@ class BoundaryNodes {
 
 /// A space whose boundary an obstacle touches.
 template <class FESpaceType>
-NamedSpace<FESpaceType> before_obstacle(const FESpaceType& Vh, const char* name = "Vh",
+NamedSpace<FESpaceType> before_obstacle(const Placement<FESpaceType>& Vh, const char* name = "Vh",
                                         const char* mesh = "the mesh") {
   return {Vh, name, mesh, obstacle_inside};
 }
@@ -258,7 +274,7 @@ Boundary boundary_of(const NamedSpace<FESpaceType>& space, const std::vector<lon
   return {all.nodes(), all.facets()};
 }
 template <class FESpaceType>
-Boundary boundary_of(const FESpaceType& Vh, const std::vector<long>& labels) {
+Boundary boundary_of(const Placement<FESpaceType>& Vh, const std::vector<long>& labels) {
   return boundary_of(before_obstacle(Vh), labels);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 #include "freefem.h"
 
+#include <array>
 #include <vector>
 
 namespace frictioncg {
@@ -32,6 +33,9 @@ struct Interpolation {
   }
 };
 
+/// The vertices of an element, 3 in 2D.
+using Vertices = std::array<Fem2D::R3, 4>;
+
 /// The vertex at a place of the reference simplex, or -1.
 inline int corner_at(const Fem2D::R3& hat, int d) {
   const double lambda[4] = {1 - hat.x - hat.y - hat.z, hat.x, hat.y, hat.z};
@@ -52,11 +56,13 @@ struct Dimension<Fem2D::FESpace> {
   /// False where there are elements on both sides.
   static bool outer(const Mesh& Th, int k, int facet) { return Th.nTonEdge(k, facet) == 1; }
   static bool on_facet(int facet, int what) { return Fem2D::onWhatIsEdge[facet][what] != 0; }
-  /// outward, of the length of the edge
-  static Fem2D::R3 normal(const Element& K, int facet) {
-    const Fem2D::R2 E = K.T.Edge(facet);
+  /// outward, of the length of the edge; x: the vertices of an element
+  static Fem2D::R3 normal(const Vertices& x, int facet) {
+    const Fem2D::R3 E = x[(facet + 2) % 3] - x[(facet + 1) % 3];
     return Fem2D::R3(E.y, -E.x, 0);
   }
+  /// twice the area, > 0 where the vertices run counter-clockwise
+  static double content(const Vertices& x) { return ((x[1] - x[0]) ^ (x[2] - x[0])).z; }
   static bool is_corner(int what) { return what < 3; }
   static bool known_trace(std::size_t nodes) { return nodes == 2 || nodes == 3; }
   /// integrals of the traces of P1 or P2 over a unit edge
@@ -78,16 +84,15 @@ struct Dimension<Fem2D::FESpace> {
     for (int k = 0; k < ipj.N(); ++k) ip.add(ipj[k].i, ipj[k].j, ipj[k].p, alpha[k]);
     for (int p = 0; p < P.N(); ++p) ip.hat.push_back(Fem2D::R3(P[p].x, P[p].y, 0));
   }
-  static Fem2D::R3 position(const Element& K, const Fem2D::R3& hat) {
-    const Fem2D::R2 P = K.T(Fem2D::R2(hat.x, hat.y));
+  static Fem2D::R3 position(const Mesh& Th, int k, const Fem2D::R3& hat) {
+    const Fem2D::R2 P = Th[k](Fem2D::R2(hat.x, hat.y));
     return Fem2D::R3(P.x, P.y, 0);
   }
   template <class Node>
-  static void set_point(MeshPoint* mp, const Fem2D::FESpace& Vh, const Node& node) {
-    const Mesh& Th = Vh.Th;
-    const Fem2D::R2 hat(node.hat.x, node.hat.y);
-    mp->set(Th, Th[node.element](hat), hat, Th[node.element], static_cast<int>(node.label),
-            Fem2D::R2(node.point.normal[0], node.point.normal[1]), node.facet);
+  static void set_point(MeshPoint* mp, const Mesh& Th, const Node& node, const Fem2D::R3& x) {
+    mp->set(Th, Fem2D::R2(x.x, x.y), Fem2D::R2(node.hat.x, node.hat.y), Th[node.element],
+            static_cast<int>(node.label), Fem2D::R2(node.point.normal[0], node.point.normal[1]),
+            node.facet);
   }
 };
 
@@ -103,12 +108,13 @@ struct Dimension<Fem2D::FESpace3> {
   static bool outer(const Mesh& Th, int k, int facet) { return Th.ElementAdj(k, facet) < 0; }
   static bool on_facet(int facet, int what) { return Fem2D::Tet::onWhatBorder[facet][what] != 0; }
   /// outward, of the area of the face
-  static Fem2D::R3 normal(const Element& K, int facet) {
+  static Fem2D::R3 normal(const Vertices& x, int facet) {
     const int(&v)[3] = Fem2D::Tet::nvface[facet];
-    const Fem2D::R3 A = K.T[v[0]], B = K.T[v[1]], C = K.T[v[2]], G = K.T(Fem2D::R3(.25, .25, .25));
-    Fem2D::R3 N = ((B - A) ^ (C - A)) / 2;
-    return (N, A - G) > 0 ? N : -N;
+    const Fem2D::R3 N = ((x[v[1]] - x[v[0]]) ^ (x[v[2]] - x[v[0]])) / 2;
+    return (N, x[v[0]] - x[facet]) > 0 ? N : -N;
   }
+  /// six times the volume, with the sign of the element's orientation
+  static double content(const Vertices& x) { return ((x[1] - x[0]) ^ (x[2] - x[0]), x[3] - x[0]); }
   static bool is_corner(int what) { return what < 4; }
   static bool known_trace(std::size_t nodes) { return nodes == 3 || nodes == 6; }
   /// integrals of the traces of P1 or P2 over a unit triangle
@@ -125,13 +131,12 @@ struct Dimension<Fem2D::FESpace3> {
     for (int k = 0; k < all.ncoef; ++k) ip.add(all.dofe[k], all.comp[k], all.p[k], all.coef[k]);
     for (int p = 0; p < all.P.N(); ++p) ip.hat.push_back(all.P[p]);
   }
-  static Fem2D::R3 position(const Element& K, const Fem2D::R3& hat) { return K.T(hat); }
+  static Fem2D::R3 position(const Mesh& Th, int k, const Fem2D::R3& hat) { return Th[k](hat); }
   template <class Node>
-  static void set_point(MeshPoint* mp, const Fem2D::FESpace3& Vh, const Node& node) {
-    const Mesh& Th = Vh.Th;
-    mp->set(
-        Th, Th[node.element](node.hat), node.hat, Th[node.element], static_cast<int>(node.label),
-        Fem2D::R3(node.point.normal[0], node.point.normal[1], node.point.normal[2]), node.facet);
+  static void set_point(MeshPoint* mp, const Mesh& Th, const Node& node, const Fem2D::R3& x) {
+    mp->set(Th, x, node.hat, Th[node.element], static_cast<int>(node.label),
+            Fem2D::R3(node.point.normal[0], node.point.normal[1], node.point.normal[2]),
+            node.facet);
   }
 };
 

@@ -154,13 +154,13 @@ inline void refuse_tiny_data(const Scene& scene, const Vector& b, const Vector& 
 }
 
 /// Refuses data that A and b cannot have been assembled with alike. Returns the largest entry of b
-/// that counts as none, or 0.
+/// that counts as none, or 0. With `at` the load is A U + r, whose rows have such entries always.
 inline Real check_data(const Scene& scene, const Vector& b, const Vector& u0) {
   const Scales s = scales_of(scene, b);
   refuse_data_without_row(scene, b, s);
   refuse_huge_data(scene, b, u0, s);
   const long i = largest_data(scene, b, u0);
-  if (i < 0 || !is_tiny(std::abs(u0[i]), s)) return 0;
+  if (i < 0 || scene.at || !is_tiny(std::abs(u0[i]), s)) return 0;
   Real most = 0;
   for (const auto& [body, left] : leftovers(scene, b)) {
     refuse_tiny_data(scene, b, u0, i, s, left);

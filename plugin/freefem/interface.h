@@ -29,6 +29,7 @@ std::vector<Index> body_of_element(const Mesh& Th, int d) {
 /// Slaves and masters as their meshes have them, in one numbering of nodes: those of slaves first.
 struct Interface {
   std::vector<mortar::Vec3> X;
+  std::vector<mortar::Vec3> moved;  ///< of each node: the displacement that X has already
   mortar::NodeDofs dof;
   std::vector<mortar::Pair> pairs;
   std::vector<SharedNode> slave;                     ///< the slaves' nodes
@@ -102,6 +103,7 @@ class InterfaceBuilder {
     const auto [entry, is_new] = number_.emplace(dof[0], static_cast<Index>(all_.X.size()));
     if (is_new) {
       all_.X.emplace_back(n.x.x, n.x.y, n.x.z);
+      all_.moved.emplace_back(n.moved.x, n.moved.y, n.moved.z);
       all_.dof.push_back(dof);
     }
     return entry->second;
@@ -148,7 +150,7 @@ class InterfaceBuilder {
         if (!std::count(pair.master.labels.begin(), pair.master.labels.end(), f.label)) continue;
         mortar::Facet& facet = pair.master.facets[next++];
         if (of_part_ || of_slave.count(body[f.element]))
-          facet.behind = node(node_at_vertex(master.space(), f.element, f.facet), d, 0);
+          facet.behind = node(node_at_vertex(master.placement(), f.element, f.facet), d, 0);
       }
     }
   }

@@ -65,10 +65,11 @@ std::string runaway(const std::vector<NodePlace>& nodes, int d, const Vector& u,
   return "";
 }
 
-/// The same of a converged field. The whole displacement counts, not the increment: the laws are
-/// those of the mesh as it is given.
-inline std::string runaway(const Scene& scene, const Solution& s, const Vector& field) {
-  if (s.status != Status::converged || field.size() == 0) return "";
+/// The same of a converged field u. What counts is the whole displacement from where the geometry
+/// is, the laws being those of that, not the increment.
+inline std::string runaway(const Scene& scene, const Solution& s, const Vector& u) {
+  if (s.status != Status::converged || u.size() == 0) return "";
+  const Vector field = scene.at ? Vector(u - *scene.at) : u;
   const Real most = std::sqrt(scene.d) * field.lpNorm<Eigen::Infinity>();
   if (!(most > small_turn * scene.least_gyration())) return "";
   const std::vector<NodePlace> places = scene.places();

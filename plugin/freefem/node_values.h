@@ -60,19 +60,30 @@ inline Vector read_gap_of_pairs(Stack stack, const Arguments& args, const Scene&
   return scene.pairing->gap(at_nodes(stack, args, p_gap, scene, scene.pairing->slave_nodes()));
 }
 
-/// The gap at each contact point. before: that of the contactproblem, or empty; what the call does
-/// not name has it.
+/// n.w of the displacement at which the geometry is, at each contact point: gaps are those that are
+/// left there, and laws bound the whole displacement.
+inline Vector moved_along_normals(const Scene& scene) {
+  Vector moved(scene.nodes.size());
+  for (Index k = 0; k < moved.size(); ++k)
+    moved[k] = (scene.nodes[k].moved, as_R3(scene.nodes[k].point.normal));
+  return moved;
+}
+
+/// The bound on n.w at each contact point: the gap, with what has been moved already. before: that
+/// of the contactproblem, or empty; what the call does not name has it.
 inline Vector read_gap(Stack stack, const Arguments& args, const Scene& scene,
                        const Vector& before = {}) {
-  if (!scene.pairing) return at_nodes(stack, args, p_gap, scene);
-  const Index paired = static_cast<Index>(scene.paired());
-  Vector gap(scene.nodes.size());
-  gap.head(paired) = args.has(p_gap) || before.size() == 0 ? read_gap_of_pairs(stack, args, scene)
-                                                           : Vector(before.head(paired));
+  const Vector moved = moved_along_normals(scene);
+  if (!scene.pairing) return at_nodes(stack, args, p_gap, scene) + moved;
+  const Index paired = static_cast<Index>(scene.paired()), beside = moved.size() - paired;
+  Vector gap = before;
+  gap.conservativeResize(moved.size());
+  if (args.has(p_gap) || before.size() == 0)
+    gap.head(paired) = read_gap_of_pairs(stack, args, scene) + moved.head(paired);
   const std::vector<BoundaryNode> on_obstacle(scene.nodes.begin() + paired, scene.nodes.end());
-  gap.tail(gap.size() - paired) = args.has(p_obstaclegap) || before.size() == 0
-                                      ? at_nodes(stack, args, p_obstaclegap, scene, on_obstacle)
-                                      : Vector(before.tail(gap.size() - paired));
+  if (args.has(p_obstaclegap) || before.size() == 0)
+    gap.tail(beside) =
+        at_nodes(stack, args, p_obstaclegap, scene, on_obstacle) + moved.tail(beside);
   return gap;
 }
 

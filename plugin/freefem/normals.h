@@ -83,7 +83,9 @@ void add_points(const SharedNode& node, int d, std::vector<BoundaryNode>& points
       p.point.normal = {found.normal[0], found.normal[1], found.normal[2]};
       p.turn = found.turn;
     }
-    p.x = node.x;
+    p.x = node.x + node.aside;
+    p.moved = node.moved;
+    p.aside = node.aside;
     p.label = first.label;
     p.element = first.element;
     p.facet = first.facet;

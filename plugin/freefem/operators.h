@@ -43,10 +43,11 @@ class Construct : public E_F0mps {
       : arguments_(args, site->dimension(), site->two_bodies()),
         A_(to<Matrice_Creuse<double>*>(args[0])),
         site_(std::move(site)) {
-    arguments_.allow_only({p_mu, p_mu2, p_direction, p_gap, p_normal, p_cohesion, p_shearmax,
-                           p_slidinglimit, p_bilateral, p_maxgap, p_smooth, p_weight, p_domain,
-                           p_obstacle, p_obstaclegap, p_obstaclenormal, p_pivot, p_obstacles,
-                           p_motionfree});
+    arguments_.allow_only({p_mu,        p_mu2,       p_direction,   p_gap,
+                           p_normal,    p_cohesion,  p_shearmax,    p_slidinglimit,
+                           p_bilateral, p_maxgap,    p_smooth,      p_weight,
+                           p_domain,    p_obstacle,  p_obstaclegap, p_obstaclenormal,
+                           p_pivot,     p_obstacles, p_motionfree,  p_at});
   }
   static std::vector<aType> before_site() { return {atype<Matrice_Creuse<double>*>()}; }
   AnyType operator()(Stack stack) const override {

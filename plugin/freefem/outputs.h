@@ -3,6 +3,7 @@
 
 #include "arguments.h"
 #include "dirichlet.h"
+#include "node_values.h"
 #include "progress.h"
 
 namespace frictioncg {
@@ -142,11 +143,12 @@ inline void write_normals(const Scene& scene, const Vector& r, KN<double>* out) 
 inline void write_distance(const Scene& scene, const PointLaws& laws, KN<double>* out) {
   out->resize(scene.ndof());
   *out = 0.;
+  const Vector gap = laws.gap - moved_along_normals(scene);
   for (Index k = 0; k < scene.system->nodes(); ++k) {
     const Index point = scene.system->node(k).point;
     for (int c = 0; c < scene.d; ++c)
       (*out)[scene.contact_point(k).point.dof[c]] =
-          scene.on_obstacle(k) ? laws.gap[point] : scene.pairing->distance(point);
+          scene.on_obstacle(k) ? gap[point] : scene.pairing->distance(point);
   }
   for (const mortar::MidEdge& e : scene.pairing->edges())
     for (int c = 0; c < scene.d; ++c) (*out)[scene.pairing->between().dof[e.node][c]] = e.distance;

@@ -71,6 +71,7 @@ class Pairing {
       contact.push_back(contact_node(m.node, m));
       faced.add(m);
     }
+    add_moved(*mortar_, between_.moved, contact);
     for (const mortar::MidEdge& e : mortar_->edges()) add_edge(e, faced);
     for (std::size_t p = 0; p < between_.pairs.size(); ++p)
       faced.add(between_.pairs[p], mortar_->statistics(static_cast<Index>(p)), d, between_.X);
@@ -78,6 +79,14 @@ class Pairing {
     return contact;
   }
   void set(FacedPart faced) { faced_ = std::move(faced); }
+
+  /// G U at each contact node.
+  static void add_moved(const mortar::Mortar& mortar, const std::vector<mortar::Vec3>& U,
+                        std::vector<BoundaryNode>& contact) {
+    for (std::size_t k = 0; k < contact.size(); ++k)
+      for (Matrix::InnerIterator G(mortar.relative(), static_cast<Index>(k)); G; ++G)
+        for (int c = 0; c < 3; ++c) contact[k].moved[c] += G.value() * U[G.col()][c];
+  }
 
   /// Node i of the slave with what a mortar makes of it.
   BoundaryNode contact_node(Index i, const mortar::ContactNode& m) const {

@@ -33,6 +33,7 @@ enum Parameter {
   p_motionold,
   p_motionforce,
   p_uold,
+  p_at,
   p_init,
   p_start,
   p_method,
@@ -85,6 +86,7 @@ inline basicAC_F0::name_and_type parameters[] = {
     {"motionold", &typeid(KN_<double>)},    // of uold
     {"motionforce", &typeid(KN<double>*)},  // out, of an obstacle on the body
     {"uold", &typeid(KN_<double>)},         // [length]
+    {"at", &typeid(KN_<double>)},           // of the geometry [length]
     {"init", &typeid(KN_<double>)},         // [length]
     {"start", &typeid(KN_<double>)},        // the same, where macro_ddm.idp takes the name init
     {"method", &typeid(string*)},           //

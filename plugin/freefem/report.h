@@ -148,6 +148,7 @@ inline void warn_of_displacements(Real most, const char* of_what, Real size) {
 /// undeformed geometry, and what balances such a load there hardly holds it.
 inline void warn_of_large_displacements(const Scene& scene, const Vector& u) {
   const bool one_body = !scene.pairing;  // then the contact is no larger than it
+  if (scene.at) return;                  // the geometry follows
   if (u.size() == 0 || (one_body && u.cwiseAbs().maxCoeff() <= contact_extent(scene))) return;
   for (const auto& [number, body] : by_body(scene.places())) {
     const Real size = 2 * nearest_rigid_motion(body, scene.d, u).extent;

@@ -43,6 +43,7 @@ struct Scene {
   std::unique_ptr<MovingObstacles> moving;  ///< null where all obstacles stand still
   std::unique_ptr<LocalSystem> system;
   std::unique_ptr<Solver> solver;
+  Displacement at;  ///< of the geometry (ndof)
   double copy_seconds = 0;
   std::vector<char> held;  ///< per dof: by a Dirichlet condition
 
@@ -138,8 +139,9 @@ std::vector<Index> mesh_nodes(const Space& Vh) {
 /// The nodes that carry values of every component of the displacement. Elements with nothing new
 /// are passed over: most of them, in 3D.
 template <class Space>
-std::vector<NodePlace> node_places(const Space& Vh) {
+std::vector<NodePlace> node_places(const Placement<Space>& placement) {
   using D = Dimension<Space>;
+  const Space& Vh = placement.space();
   const std::vector<Index> body = body_of_element(Vh.Th, D::d);
   std::vector<NodePlace> places, at_point;
   std::vector<char> seen(Vh.NbOfDF, 0);
@@ -158,7 +160,7 @@ std::vector<NodePlace> node_places(const Space& Vh) {
       bool whole = true;
       for (int c = 0; c < D::d; ++c) whole &= n.dof[c] >= 0;
       if (!whole || seen[n.dof[0]]) continue;
-      const Fem2D::R3 x = D::position(K, ip.hat[p]);
+      const Fem2D::R3 x = placement.node(k, ip.hat[p], n.dof);
       n.x = {x.x, x.y, x.z};
       n.body = body[k];
       places.push_back(n);
@@ -169,25 +171,24 @@ std::vector<NodePlace> node_places(const Space& Vh) {
   return places;
 }
 
+/// Makes a node the point at which expressions are evaluated: where it has been moved to, and in
+/// its element, by which functions on the mesh are read.
+template <class FESpaceType>
+void go_to(MeshPoint* mp, const Placement<FESpaceType>& Vh, const BoundaryNode& node) {
+  Dimension<FESpaceType>::set_point(mp, Vh.mesh(), node, Vh(node.element, node.hat) + node.aside);
+}
+
 /// How to evaluate expressions at the nodes of a space, and where they are.
 template <class FESpaceType>
-void observe(const FESpaceType& Vh, Scene& scene) {
-  scene.mesh_node = mesh_nodes(Vh);
-  const CountPointer<FESpaceType> keep(const_cast<FESpaceType*>(&Vh));
-  scene.go_to = [keep](MeshPoint* mp, const BoundaryNode& node) {
-    const FESpaceType* space = keep;
-    Dimension<FESpaceType>::set_point(mp, *space, node);
-  };
+void observe(const Placement<FESpaceType>& Vh, Scene& scene) {
+  scene.mesh_node = mesh_nodes(Vh.space());
+  scene.go_to = [Vh](MeshPoint* mp, const BoundaryNode& node) { frictioncg::go_to(mp, Vh, node); };
   const auto places = std::make_shared<std::vector<NodePlace>>();  // found when first asked for
-  scene.places = [keep, places] {
-    const FESpaceType* space = keep;
-    if (places->empty()) *places = node_places(*space);
+  scene.places = [Vh, places] {
+    if (places->empty()) *places = node_places(Vh);
     return *places;
   };
-  scene.labelled = [keep] {
-    const FESpaceType* space = keep;
-    return labelled_nodes(*space);
-  };
+  scene.labelled = [Vh] { return labelled_nodes(Vh.space()); };
 }
 
 /// Normals that motions of a body leave tangential, as far as the mesh can tell, do so exactly.
@@ -203,10 +204,11 @@ void follow_motions(const FESpaceType& Vh, std::vector<BoundaryNode>& points) {
 
 /// One body and an obstacle, at the contact points.
 template <class FESpaceType>
-std::shared_ptr<Scene> obstacle_scene(const FESpaceType& Vh, std::vector<BoundaryNode> points) {
+std::shared_ptr<Scene> obstacle_scene(const Placement<FESpaceType>& Vh,
+                                      std::vector<BoundaryNode> points) {
   auto scene = std::make_shared<Scene>();
   scene->d = Dimension<FESpaceType>::d;
-  scene->dofs = dofs_of(Vh.NbOfDF);
+  scene->dofs = dofs_of(Vh.space().NbOfDF);
   scene->nodes = std::move(points);
   observe(Vh, *scene);
   return scene;
@@ -220,11 +222,12 @@ std::vector<BoundaryNode> obstacle_points(const NamedSpace<FESpaceType>& space,
   const Boundary boundary = boundary_of(space, labels);
   std::vector<BoundaryNode> points =
       contact_points(Dimension<FESpaceType>::d, boundary, boundary.nodes.size());
-  follow_motions(space.Vh, points);
+  follow_motions(space.Vh.space(), points);
   return points;
 }
 template <class FESpaceType>
-std::shared_ptr<Scene> obstacle_scene(const FESpaceType& Vh, const std::vector<long>& labels) {
+std::shared_ptr<Scene> obstacle_scene(const Placement<FESpaceType>& Vh,
+                                      const std::vector<long>& labels) {
   return obstacle_scene(Vh, obstacle_points(before_obstacle(Vh), labels));
 }
 
@@ -253,11 +256,11 @@ inline void refuse_second_role(const std::vector<long>& obstacle, const std::vec
 /// Two bodies in one space: two parts of a mesh, or the faces of a crack; obstacle: labels beside
 /// them.
 template <class FESpaceType>
-std::shared_ptr<Scene> pair_scene(const FESpaceType& Vh, const PairLabels& labels,
+std::shared_ptr<Scene> pair_scene(const Placement<FESpaceType>& Vh, const PairLabels& labels,
                                   const std::vector<long>& obstacle = {}) {
   auto scene = std::make_shared<Scene>();
   scene->d = Dimension<FESpaceType>::d;
-  scene->dofs = dofs_of(Vh.NbOfDF);
+  scene->dofs = dofs_of(Vh.space().NbOfDF);
   refuse_second_role(obstacle, labels.slave, "slave");
   refuse_second_role(obstacle, labels.master, "master");
   scene->nodes = obstacle_points(before_obstacle(Vh), obstacle);
@@ -292,16 +295,17 @@ std::array<std::vector<long>, 2> by_mesh(const FESpaceType& V1, const FESpaceTyp
 
 /// The contact points of an obstacle beside two bodies in spaces of their own.
 template <class FESpaceType>
-std::vector<BoundaryNode> obstacle_points(const FESpaceType& V1, const FESpaceType& V2,
+std::vector<BoundaryNode> obstacle_points(const Placement<FESpaceType>& V1,
+                                          const Placement<FESpaceType>& V2,
                                           const PairLabels& labels,
                                           const std::vector<long>& obstacle) {
-  const auto [first, second] = by_mesh(V1, V2, obstacle);
+  const auto [first, second] = by_mesh(V1.space(), V2.space(), obstacle);
   refuse_second_role(first, labels.slave, "slave");
   refuse_second_role(second, labels.master, "master");
   std::vector<BoundaryNode> points =
       obstacle_points(before_obstacle(V1, "V1", "the mesh of V1"), first);
   for (BoundaryNode& p : obstacle_points(before_obstacle(V2, "V2", "the mesh of V2"), second)) {
-    for (int c = 0; c < Dimension<FESpaceType>::d; ++c) p.point.dof[c] += V1.NbOfDF;
+    for (int c = 0; c < Dimension<FESpaceType>::d; ++c) p.point.dof[c] += V1.space().NbOfDF;
     p.space = 1;
     points.push_back(std::move(p));
   }
@@ -310,13 +314,13 @@ std::vector<BoundaryNode> obstacle_points(const FESpaceType& V1, const FESpaceTy
 
 /// Two bodies in spaces of their own: the dofs of V2 follow those of V1.
 template <class FESpaceType>
-std::shared_ptr<Scene> pair_scene(const FESpaceType& V1, const FESpaceType& V2,
-                                  const PairLabels& labels,
+std::shared_ptr<Scene> pair_scene(const Placement<FESpaceType>& V1,
+                                  const Placement<FESpaceType>& V2, const PairLabels& labels,
                                   const std::vector<long>& obstacle = {}) {
   auto scene = std::make_shared<Scene>();
   scene->d = Dimension<FESpaceType>::d;
-  scene->dofs = dofs_of(V1.NbOfDF, V2.NbOfDF);
-  const Index offset = V1.NbOfDF;
+  const Index offset = V1.space().NbOfDF;
+  scene->dofs = dofs_of(offset, V2.space().NbOfDF);
   scene->nodes = obstacle_points(V1, V2, labels, obstacle);
   InterfaceBuilder faces(labels.pairs, labels.of_part);
   faces.add_slave(
@@ -325,19 +329,15 @@ std::shared_ptr<Scene> pair_scene(const FESpaceType& V1, const FESpaceType& V2,
       BoundaryNodes<FESpaceType>({V2, "V2", "the mesh of V2", pair_inside}, labels.master), offset);
   scene->pairing = std::make_unique<Pairing>(faces.take());
   observe(V1, *scene);
-  for (Index node : mesh_nodes(V2)) scene->mesh_node.push_back(V1.NbOfNodes + node);
-  const CountPointer<FESpaceType> keep(const_cast<FESpaceType*>(&V2));
-  scene->go_to = [in_first = scene->go_to, keep](MeshPoint* mp, const BoundaryNode& node) {
-    if (node.space == 0) return in_first(mp, node);
-    const FESpaceType* space = keep;
-    Dimension<FESpaceType>::set_point(mp, *space, node);
+  for (Index node : mesh_nodes(V2.space())) scene->mesh_node.push_back(V1.space().NbOfNodes + node);
+  scene->go_to = [V1, V2](MeshPoint* mp, const BoundaryNode& node) {
+    go_to(mp, node.space == 0 ? V1 : V2, node);
   };
-  scene->places = [of_first = scene->places, keep, offset, d = scene->d] {
+  scene->places = [of_first = scene->places, V2, offset, d = scene->d] {
     std::vector<NodePlace> places = of_first();
-    const FESpaceType* space = keep;
     Index bodies = 0;
     for (const NodePlace& n : places) bodies = std::max(bodies, n.body + 1);
-    for (NodePlace n : node_places(*space)) {
+    for (NodePlace n : node_places(V2)) {
       n.body += bodies;
       for (int c = 0; c < d; ++c) n.dof[c] += offset;
       places.push_back(n);

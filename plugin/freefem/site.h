@@ -16,9 +16,15 @@ class Site {
   virtual int dimension() const = 0;
   virtual bool two_bodies() const { return false; }
   virtual bool is_on_part(Stack stack) const = 0;  ///< of a distributed mesh
-  /// The geometry as it is now; obstacle: labels beside pairs of bodies.
-  virtual std::shared_ptr<Scene> scene(Stack stack, const std::vector<long>& obstacle) const = 0;
+  /// The geometry as it is now, moved by `at` where that is not null; obstacle: labels beside pairs
+  /// of bodies.
+  virtual std::shared_ptr<Scene> scene(Stack stack, const std::vector<long>& obstacle,
+                                       const Displacement& at) const = 0;
 };
+
+inline void check_at(const Displacement& at, const DofCount& dofs) {
+  if (at) check_vector(*at, "at", dofs);
+}
 
 /// The space that an expression of the script stands for, made anew where its mesh has changed.
 template <class V>
@@ -59,10 +65,12 @@ class ObstacleSite final : public Site {
   bool is_on_part(Stack stack) const override {
     return is_on_part_of_mesh(space_of<V>(stack, Vh_, "Vh"));
   }
-  std::shared_ptr<Scene> scene(Stack stack, const std::vector<long>&) const override {
+  std::shared_ptr<Scene> scene(Stack stack, const std::vector<long>&,
+                               const Displacement& at) const override {
     const auto& Vh = space_of<V>(stack, Vh_, "Vh");
     refuse_part_of_mesh(Vh);
-    return obstacle_scene(Vh, labels_(stack, "labels"));
+    check_at(at, dofs_of(Vh.NbOfDF));
+    return obstacle_scene(Placement(Vh, at), labels_(stack, "labels"));
   }
 
  private:
@@ -83,10 +91,13 @@ class OneSpaceSite final : public Site {
   bool is_on_part(Stack stack) const override {
     return is_on_part_of_mesh(space_of<V>(stack, Vh_, "Vh"));
   }
-  std::shared_ptr<Scene> scene(Stack stack, const std::vector<long>& obstacle) const override {
+  std::shared_ptr<Scene> scene(Stack stack, const std::vector<long>& obstacle,
+                               const Displacement& at) const override {
     const auto& Vh = space_of<V>(stack, Vh_, "Vh");
     refuse_part_of_mesh(Vh);
-    return pair_scene(Vh, PairLabels(slave_(stack, "slave"), master_(stack, "master")), obstacle);
+    check_at(at, dofs_of(Vh.NbOfDF));
+    return pair_scene(Placement(Vh, at),
+                      PairLabels(slave_(stack, "slave"), master_(stack, "master")), obstacle);
   }
 
  private:
@@ -109,12 +120,14 @@ class TwoSpaceSite final : public Site {
     return is_on_part_of_mesh(space_of<V>(stack, V1_, "V1")) ||
            is_on_part_of_mesh(space_of<V>(stack, V2_, "V2"));
   }
-  std::shared_ptr<Scene> scene(Stack stack, const std::vector<long>& obstacle) const override {
+  std::shared_ptr<Scene> scene(Stack stack, const std::vector<long>& obstacle,
+                               const Displacement& at) const override {
     const auto &V1 = space_of<V>(stack, V1_, "V1"), &V2 = space_of<V>(stack, V2_, "V2");
     refuse_part_of_mesh(V1);
     refuse_part_of_mesh(V2);
-    return pair_scene(V1, V2, PairLabels(slave_(stack, "slave"), master_(stack, "master")),
-                      obstacle);
+    check_at(at, dofs_of(V1.NbOfDF, V2.NbOfDF));
+    return pair_scene(Placement(V1, at), Placement(V2, at, V1.NbOfDF),
+                      PairLabels(slave_(stack, "slave"), master_(stack, "master")), obstacle);
   }
 
  private:

@@ -35,7 +35,8 @@ class SharedPairSite : public SharedSite {
       labels.slave = slave;
       labels.master = master;
       labels.of_part = true;
-      scene = V2 ? pair_scene(V1, *V2, labels) : pair_scene(V1, labels);
+      scene = V2 ? pair_scene(Placement(V1), Placement(*V2), labels)
+                 : pair_scene(Placement(V1), labels);
       places = scene->places();
     });
     refuse_other_domain(domain, places);

@@ -68,14 +68,15 @@ class SharedObstacleSite final : public SharedSite {
     Boundary surface;
     std::vector<NodePlace> places;
     domain.agree([&] {
-      surface = boundary_of(*Vh, present);
-      places = node_places(*Vh);
+      surface = boundary_of(Placement(*Vh), present);
+      places = node_places(Placement(*Vh));
     });
     refuse_other_domain(domain, places);
     const std::size_t own = surface.nodes.size();
     add_facets_of_others(domain, dimension(), surface);
     std::shared_ptr<Scene> scene;
-    domain.agree([&] { scene = obstacle_scene(*Vh, contact_points(dimension(), surface, own)); });
+    domain.agree(
+        [&] { scene = obstacle_scene(Placement(*Vh), contact_points(dimension(), surface, own)); });
     keep_own_points(domain, *scene);
     follow_motions_of_all(domain, name_bodies(domain, std::move(places), *scene), *scene);
     return scene;

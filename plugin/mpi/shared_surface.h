@@ -139,7 +139,7 @@ inline void add_facets_of_others(const Domain& domain, int d, Boundary& boundary
     BoundaryFacet facet{sent->label(), sent->normal(), {}};
     for (int v = 0; v < d; ++v) {
       const auto [entry, is_new] = node_of.emplace(sent->number(v), boundary.nodes.size());
-      if (is_new) boundary.nodes.push_back({{{-1, -1, -1}}, sent->x(v), {}});
+      if (is_new) boundary.nodes.emplace_back().x = sent->x(v);
       AdjacentFacet at;
       at.label = facet.label;
       at.normal = facet.normal;
