@@ -62,7 +62,12 @@ inline void face_bodies(Stack stack, const Arguments& args, const Expression A, 
   options.weight = slave_weights(stack, args, scene);
   const Triplets matrix = read_matrix(stack, A, scene);
   refuse_exchanged_blocks(scene, matrix);
-  scene.face(matrix, options);
+  Vector u_old;  // where the increment of a geometry that moves began
+  if (scene.at && args.has(p_uold)) {
+    u_old = copy_of(args.value<KN_<double>>(stack, p_uold));
+    check_vector(u_old, "uold", scene.dofs);
+  }
+  scene.face(matrix, options, u_old);
 }
 
 /// The laws that the arguments name at the contact points, which get their tangents: a node has

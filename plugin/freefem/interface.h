@@ -30,12 +30,23 @@ std::vector<Index> body_of_element(const Mesh& Th, int d) {
 struct Interface {
   std::vector<mortar::Vec3> X;
   std::vector<mortar::Vec3> moved;  ///< of each node: the displacement that X has already
+  bool is_moved = false;
   mortar::NodeDofs dof;
   std::vector<mortar::Pair> pairs;
   std::vector<SharedNode> slave;                     ///< the slaves' nodes
   std::function<std::vector<Index>()> slave_bodies;  ///< the body of each of them
   std::map<Index, Index> body_count;  ///< facet-connected groups of elements at nodes of both sides
 };
+
+/// The nodes where they would be by another displacement, by all dofs; empty: none.
+inline std::vector<mortar::Vec3> displaced(const Interface& faces, int d, const Vector& u = {}) {
+  std::vector<mortar::Vec3> Y;
+  for (std::size_t i = 0; i < faces.X.size(); ++i) {
+    Y.push_back(faces.X[i] - faces.moved[i]);
+    for (int c = 0; c < d && u.size() > 0; ++c) Y[i][c] += u[faces.dof[i][c]];
+  }
+  return Y;
+}
 
 /// Fills an Interface from the two sides, which have the labels of all pairs.
 class InterfaceBuilder {
@@ -80,6 +91,7 @@ class InterfaceBuilder {
   void add(const BoundaryNodes<FESpaceType>& side, Index dof_offset,
            mortar::Surface mortar::Pair::*which) {
     constexpr int d = Dimension<FESpaceType>::d;
+    all_.is_moved = side.placement().is_moved();
     std::vector<Index> number;
     for (const SharedNode& n : side.nodes()) number.push_back(node(n, d, dof_offset));
     for (const BoundaryFacet& f : side.facets()) {

@@ -43,9 +43,10 @@ class Pairing {
   explicit Pairing(Interface between) : between_(std::move(between)) {}
 
   /// The contact nodes: those of the slave that face the master and are not on an obstacle, whose
-  /// points are given.
+  /// points are given. u_old, by all dofs or empty: where the increment began, of nodes that have
+  /// been moved.
   std::vector<BoundaryNode> face(const Triplets& A, int d, mortar::Options options,
-                                 const std::vector<BoundaryNode>& on_obstacle,
+                                 const Vector& u_old, const std::vector<BoundaryNode>& on_obstacle,
                                  const std::function<std::vector<NodePlace>()>& places) {
     options.element_groups = [this](Index i) {
       const auto found = between_.body_count.find(i);
@@ -62,8 +63,10 @@ class Pairing {
       return bodies.freedom();
     };
     take(obstacle);
-    const mortar::Nodes nodes{d, between_.X, mortar::held_components(d, between_.dof, *dirichlet_),
-                              taken_};
+    mortar::Nodes nodes{d, between_.X, mortar::held_components(d, between_.dof, *dirichlet_),
+                        taken_};
+    if (between_.is_moved) nodes.reference = displaced(between_, d);
+    if (u_old.size() > 0) nodes.before = displaced(between_, d, u_old);
     mortar_ = std::make_unique<mortar::Mortar>(nodes, between_.pairs, options);
     std::vector<BoundaryNode> contact;
     FacedPart faced;

@@ -65,7 +65,7 @@ struct Scene {
   }
 
   /// Finds the contact nodes of two bodies, beside those on an obstacle.
-  void face(const Triplets& A, const mortar::Options& options);
+  void face(const Triplets& A, const mortar::Options& options, const Vector& u_old);
   /// Copies A into the local frames; the nodes carry their normals and whether they have friction.
   void assemble(const Triplets& A);
   /// The load of a call, and its laws, in local dofs.
@@ -95,10 +95,10 @@ inline std::vector<char> held_dofs(const Basis& basis) {
   return held;
 }
 
-inline void Scene::face(const Triplets& A, const mortar::Options& options) {
+inline void Scene::face(const Triplets& A, const mortar::Options& options, const Vector& u_old) {
   const double start = cpu_seconds();
   const std::vector<BoundaryNode> of_obstacle = std::move(nodes);
-  nodes = pairing->face(A, d, options, of_obstacle, places);
+  nodes = pairing->face(A, d, options, u_old, of_obstacle, places);
   nodes.insert(nodes.end(), of_obstacle.begin(), of_obstacle.end());
   beside_pairs = of_obstacle.size();
   copy_seconds = cpu_seconds() - start;

@@ -32,20 +32,32 @@ struct Candidate {
   Real left, right; /* of the part, along xi_1 */
 };
 
+/// Where it was decided what faces what.
+struct Earlier {
+  const Side &slave, &master;
+  const std::vector<Vec3>& X;
+  Cover cover;
+  Real moved;  ///< by so much a node has moved since, at most [length]
+};
+
 class Covering {
  public:
-  Covering(const Side& slave, const Side& master, const std::vector<Vec3>& X, Real maxgap)
+  /// earlier: null where it is decided now.
+  Covering(const Side& slave, const Side& master, const std::vector<Vec3>& X, Real maxgap,
+           const Earlier* earlier = nullptr)
       : slave_(slave),
         master_(master),
         X_(X),
         maxgap_(maxgap),
         d_(slave.d),
+        earlier_(earlier),
         tree_(d_, master.surface.facets, master.planes, X) {}
 
   Cover run();
 
  private:
   void find(Index f, Real maxgap);
+  Affine deciding_distance(Index f, Index master, const Affine& now) const;
   void separate();
   void cut_behind(std::size_t k, const std::vector<std::size_t>& before, std::vector<Cell>& cells);
   bool overlap_refused(Index f, const Cell& cell);
@@ -56,6 +68,7 @@ class Covering {
   const std::vector<Vec3>& X_;
   Real maxgap_;
   int d_;
+  const Earlier* earlier_;
   FacetTree tree_;
   std::vector<Index> found_;
   std::vector<Candidate> candidates_;
@@ -63,10 +76,20 @@ class Covering {
   std::size_t pairs_ = 0;
 };
 
+/// The distance of a master's plane from a slave facet by which it is decided whether it faces it.
+Affine Covering::deciding_distance(Index f, Index master, const Affine& now) const {
+  if (!earlier_) return now;
+  const Projection p =
+      project(d_, earlier_->slave.planes[f], earlier_->master.facet(master), earlier_->X);
+  const Real along = earlier_->master.planes[master].normal.dot(earlier_->slave.planes[f].normal);
+  return p.inverts && along < facing ? p.distance : now;
+}
+
 /// Fills candidates_.
 void Covering::find(Index f, Real maxgap) {
   const Plane& base = slave_.planes[f];
-  tree_.find({base, -maxgap, maxgap, true}, found_);
+  const Real reach = maxgap + (earlier_ ? 2 * earlier_->moved : 0);
+  tree_.find({base, -reach, reach, true}, found_);
   candidates_.clear();
   for (Index m : found_) {
     ++pairs_;
@@ -78,8 +101,9 @@ void Covering::find(Index f, Real maxgap) {
     if (c.part.empty()) continue;
     c.extent = extent(c.part);
     if (c.extent <= nothing) continue;
-    c.distance = c.projection.distance(centroid(c.part));
-    if (std::abs(c.distance) > maxgap) continue;
+    const Vec2 middle = centroid(c.part);
+    c.distance = c.projection.distance(middle);
+    if (std::abs(deciding_distance(f, m, c.projection.distance)(middle)) > maxgap) continue;
     c.left = infinite, c.right = -infinite;
     for (const Vec2& xi : c.part)
       c.left = std::min(c.left, xi[0]), c.right = std::max(c.right, xi[0]);
@@ -187,13 +211,23 @@ Cover Covering::run() {
     for (std::size_t k = 0; k < candidates_.size(); ++k) cut_behind(k, nearer_[k], cells);
     const auto refused = [&](const Cell& cell) { return overlap_refused(f, cell); };
     cells.erase(std::remove_if(cells.begin(), cells.end(), refused), cells.end());
-    keep_nearest_sheet(slave_, f, master_, X_, cells);
+    const auto distance = [&](const Cell& cell) {
+      const Facet& facet = master_.facet(cell.master);
+      const Affine now = project(d_, slave_.planes[f], facet, X_).distance;
+      return deciding_distance(f, cell.master, now);
+    };
+    keep_nearest_sheet(master_, slave_.planes[f].size, distance, cells);
   }
-  result.beyond_steps = uncover_beyond_steps(slave_, master_, X_, result.cells);
+  result.beyond_steps =
+      earlier_ ? earlier_->cover.beyond_steps : beyond_steps(slave_, master_, X_, result.cells);
+  for (Index f : result.beyond_steps) result.cells[f].clear();
   for (Index f = 0; f < slave_.facets(); ++f) {
     for (const Cell& cell : result.cells[f]) result.fraction[f] += extent(cell.part) / whole;
     total += result.fraction[f];
   }
+  for (Index f = 0; f < slave_.facets(); ++f)
+    result.measure.push_back(earlier_ ? earlier_->cover.measure[f]
+                                      : result.fraction[f] * slave_.planes[f].measure);
   result.visited = tree_.visited() + pairs_;
   if (total == 0) result.nearest = nearest_facing();
   return result;
@@ -201,8 +235,17 @@ Cover Covering::run() {
 
 }  // namespace
 
-Cover cover(const Side& slave, const Side& master, const std::vector<Vec3>& X, Real maxgap) {
-  return Covering(slave, master, X, maxgap).run();
+Cover cover(const Side& slave, const Side& master, const std::vector<Vec3>& X,
+            const std::vector<Vec3>& before, Real maxgap) {
+  if (before.empty()) return Covering(slave, master, X, maxgap).run();
+  const Side slave_before(slave, X, before), master_before(master, X, before);
+  Earlier earlier{slave_before, master_before, before, {}, 0};
+  earlier.cover = Covering(slave_before, master_before, before, maxgap).run();
+  for (const Side* side : {&slave, &master})
+    for (const Facet& facet : side->surface.facets)
+      for (int v = 0; v < side->d; ++v)
+        earlier.moved = std::max(earlier.moved, (X[facet.node[v]] - before[facet.node[v]]).norm());
+  return Covering(slave, master, X, maxgap, &earlier).run();
 }
 
 }  // namespace frictioncg::mortar

@@ -16,12 +16,17 @@ struct Cell {
 struct Cover {
   std::vector<std::vector<Cell>> cells;  ///< per slave facet
   std::vector<Real> fraction;            ///< covered share of each slave facet, 0 .. 1
-  Index beyond_steps = 0;   ///< facets left out, since they face a farther surface than beside them
+  std::vector<Real> measure;  ///< what is covered of each where it is decided what faces what
+  /// Facets left out, since they face a farther surface than beside them.
+  std::vector<Index> beyond_steps;
   std::size_t visited = 0;  ///< nodes of the tree and pairs of facets looked at
   Real nearest = 0;  ///< distance of the nearest facing facet, where nothing is covered [length]
 };
 
-/// Throws IllegalInput where the bodies overlap by more than a facet.
-Cover cover(const Side& slave, const Side& master, const std::vector<Vec3>& X, Real maxgap);
+/// before: empty, or where the nodes were when it was decided what faces what: what maxgap and
+/// steps leave out there is left out, so that the cells of X move on with X. Throws IllegalInput
+/// where the bodies overlap by more than a facet.
+Cover cover(const Side& slave, const Side& master, const std::vector<Vec3>& X,
+            const std::vector<Vec3>& before, Real maxgap);
 
 }  // namespace frictioncg::mortar

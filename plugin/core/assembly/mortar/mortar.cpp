@@ -82,7 +82,7 @@ void Assembly::add_pair(Index p, const Side& slave, const Side& master, const Co
   const Integration integration(slave, master, nodes_.X, options_);
   Statistics& s = statistics_.emplace_back();
   s.visited = cover.visited;
-  s.beyond_steps = cover.beyond_steps;
+  s.beyond_steps = static_cast<Index>(cover.beyond_steps.size());
   for (Index f = 0; f < slave.facets(); ++f) {
     const std::vector<Cell>& cells = cover.cells[f];
     if (cells.empty()) continue;
@@ -242,9 +242,9 @@ Mortar::Mortar(const Nodes& nodes, const std::vector<Pair>& pairs, const Options
   std::vector<Side> slaves, masters;
   std::vector<Cover> covers;
   for (const Pair& pair : pairs) {
-    slaves.emplace_back(nodes.dimension, pair.slave, nodes.X);
-    masters.emplace_back(nodes.dimension, pair.master, nodes.X);
-    covers.push_back(cover(slaves.back(), masters.back(), nodes.X, options.maxgap));
+    slaves.emplace_back(nodes.dimension, pair.slave, nodes.X, nodes.reference);
+    masters.emplace_back(nodes.dimension, pair.master, nodes.X, nodes.reference);
+    covers.push_back(cover(slaves.back(), masters.back(), nodes.X, nodes.before, options.maxgap));
   }
   const Ownership ownership(nodes, slaves, masters, covers, options);
   validate_cover(nodes, slaves, masters, covers, ownership, options);

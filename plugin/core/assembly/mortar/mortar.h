@@ -18,6 +18,10 @@ struct Nodes {
   std::vector<Vec3> X;              ///< position [length]
   std::vector<unsigned char> held;  ///< bit c: component c has a Dirichlet condition; empty: none
   std::vector<char> taken = {};     ///< obeys an obstacle, and no law of a pair; empty: none
+  /// Where the bodies are not deformed, which tells edges from smooth surfaces; empty: X.
+  std::vector<Vec3> reference = {};
+  /// Where the increment began, which tells what faces what (cover.h); empty: X.
+  std::vector<Vec3> before = {};
 };
 
 /// The rigid motions of bodies that nothing but contact resists.

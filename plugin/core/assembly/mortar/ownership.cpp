@@ -76,7 +76,7 @@ void Ownership::rank_patches(const std::vector<Side>& slaves, const std::vector<
       patch.pair = static_cast<Index>(p);
       patch.root = groups[p].of(f);
       patch.label = std::min(patch.label, label_position(slave.surface, slave.facet(f).label));
-      patch.uncovered -= covers[p].fraction[f] * slave.planes[f].measure;
+      patch.uncovered -= covers[p].measure[f];
     }
     for (const auto& entry : of_root) patches.push_back(entry.second);
   }

@@ -80,8 +80,9 @@ std::vector<bool> beyond_a_step(const std::vector<Faced>& around, const Side& sl
 
 }  // namespace
 
-void keep_nearest_sheet(const Side& slave, Index facet, const Side& master,
-                        const std::vector<Vec3>& X, std::vector<Cell>& cells) {
+void keep_nearest_sheet(const Side& master, Real size,
+                        const std::function<Affine(const Cell&)>& distance,
+                        std::vector<Cell>& cells) {
   const Index n = static_cast<Index>(cells.size());
   if (n < 2) return;
   std::vector<Index> masters;
@@ -90,13 +91,11 @@ void keep_nearest_sheet(const Side& slave, Index facet, const Side& master,
   bool one = true;
   for (Index p = 1; p < n; ++p) one = one && sheets.of(p) == sheets.of(0);
   if (one) return;
-  const Plane& base = slave.planes[facet];
   std::vector<Seen> seen;
-  for (const Cell& c : cells)
-    seen.push_back({project(slave.d, base, master.facet(c.master), X).distance, centroid(c.part)});
+  for (const Cell& c : cells) seen.push_back({distance(c), centroid(c.part)});
   for (Index p = 0; p < n; ++p)
     for (Index q = 0; q < p; ++q)
-      if (step_between(seen[p], seen[q]) <= step * base.size) sheets.join(p, q);
+      if (step_between(seen[p], seen[q]) <= step * size) sheets.join(p, q);
   const auto nearer = [](const Seen& a, const Seen& b) { return a.size() < b.size(); };
   const Index nearest =
       static_cast<Index>(std::min_element(seen.begin(), seen.end(), nearer) - seen.begin());
@@ -106,20 +105,19 @@ void keep_nearest_sheet(const Side& slave, Index facet, const Side& master,
   cells = std::move(kept);
 }
 
-Index uncover_beyond_steps(const Side& slave, const Side& master, const std::vector<Vec3>& X,
-                           std::vector<std::vector<Cell>>& cells) {
+std::vector<Index> beyond_steps(const Side& slave, const Side& master, const std::vector<Vec3>& X,
+                                const std::vector<std::vector<Cell>>& cells) {
   std::map<Index, std::vector<Faced>> at;  // per vertex of the slave
   for (Index f = 0; f < slave.facets(); ++f)
     for (int v = 0; v < slave.d && !cells[f].empty(); ++v)
       at[slave.facet(f).node[v]].push_back(faced_at(v, slave, f, master, X, cells[f]));
-  std::set<Index> uncovered;
+  std::set<Index> beyond;
   for (const auto& [vertex, around] : at) {
-    const std::vector<bool> beyond = beyond_a_step(around, slave, master);
+    const std::vector<bool> is_beyond = beyond_a_step(around, slave, master);
     for (std::size_t k = 0; k < around.size(); ++k)
-      if (beyond[k]) uncovered.insert(around[k].facet);
+      if (is_beyond[k]) beyond.insert(around[k].facet);
   }
-  for (Index f : uncovered) cells[f].clear();
-  return static_cast<Index>(uncovered.size());
+  return {beyond.begin(), beyond.end()};
 }
 
 }  // namespace frictioncg::mortar

@@ -29,17 +29,34 @@ std::vector<Ridge> sorted_ridges(int d, const std::vector<Facet>& facets) {
 
 }  // namespace
 
-Side::Side(int dimension, const Surface& surface_, const std::vector<Vec3>& X)
+Side::Side(int dimension, const Surface& surface_, const std::vector<Vec3>& X,
+           const std::vector<Vec3>& reference)
     : d(dimension), surface(surface_) {
   planes.reserve(surface.facets.size());
   for (const Facet& f : surface.facets) planes.push_back(plane_of(d, f, X));
+  find_joints(reference.empty() ? planes : Side(*this, X, reference).planes);
+}
+
+Side::Side(const Side& side, const std::vector<Vec3>& X, const std::vector<Vec3>& Y)
+    : d(side.d), surface(side.surface) {
+  for (Index f = 0; f < side.facets(); ++f) {
+    Facet turning = facet(f);  // its outward vector is that of X
+    turning.outward.setZero();
+    const bool flipped = plane_of(d, turning, X).normal.dot(side.planes[f].normal) < 0;
+    planes.push_back(plane_of(d, turning, Y));
+    if (flipped) planes.back().normal *= -1;
+  }
+  find_joints(planes);
+}
+
+void Side::find_joints(const std::vector<Plane>& at) {
   const std::vector<Ridge> ridges = sorted_ridges(d, surface.facets);
   for (std::size_t k = 0, next; k < ridges.size(); k = next) {
     for (next = k + 1; next < ridges.size() && ridges[next].vertex == ridges[k].vertex;) ++next;
     if (next == k + 1) rim.push_back(ridges[k].vertex);
     for (std::size_t q = k + 1; q < next; ++q) {
       const Index f = ridges[q - 1].facet, g = ridges[q].facet;
-      const Real cosine = next == k + 2 ? planes[f].normal.dot(planes[g].normal) : -1;
+      const Real cosine = next == k + 2 ? at[f].normal.dot(at[g].normal) : -1;
       joints.push_back({{f, g}, ridges[k].vertex, cosine});
     }
   }

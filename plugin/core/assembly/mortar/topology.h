@@ -12,7 +12,12 @@ struct Joint {
 
 /// A surface with what is derived from it.
 struct Side {
-  Side(int dimension, const Surface& surface_, const std::vector<Vec3>& X);
+  /// reference: where the nodes are when the angles between facets tell the edges of the body from
+  /// what is smooth; empty: X.
+  Side(int dimension, const Surface& surface_, const std::vector<Vec3>& X,
+       const std::vector<Vec3>& reference = {});
+  /// The same surface with its nodes at Y in place of X: outside stays outside.
+  Side(const Side& side, const std::vector<Vec3>& X, const std::vector<Vec3>& Y);
   int d;
   const Surface& surface;
   std::vector<Plane> planes;  ///< one per facet
@@ -20,6 +25,9 @@ struct Side {
   std::vector<std::array<Index, 2>> rim;  ///< ridges of one facet only, by their ends
   Index facets() const { return static_cast<Index>(planes.size()); }
   const Facet& facet(Index f) const { return surface.facets[f]; }
+
+ private:
+  void find_joints(const std::vector<Plane>& at);
 };
 
 /// How many groups of elements around a node hang together by their facets: two where meshes were
