@@ -133,17 +133,17 @@ struct LabelledNode {
 
 /// The nodes of all facets that have labels.
 template <class Space>
-std::vector<LabelledNode> labelled_nodes(const Space& Vh) {
+std::vector<LabelledNode> labelled_nodes(const Placement<Space>& Vh) {
   using D = Dimension<Space>;
+  const typename D::Mesh& Th = Vh.mesh();
   std::vector<LabelledNode> all;
-  for (int ib = 0; ib < D::facets(Vh.Th); ++ib) {
+  for (int ib = 0; ib < D::facets(Th); ++ib) {
     int facet;
-    const typename D::Element K(Vh[Vh.Th.BoundaryElement(ib, facet)]);
-    const Real measure = Norme2(D::normal(K, facet));
-    const FacetNodes nodes = facet_nodes<Space>(K, facet);
+    const int k = Th.BoundaryElement(ib, facet);
+    const Real measure = Norme2(D::normal(Vh.vertices(k), facet));
+    const FacetNodes nodes = facet_nodes(Vh, k, facet);
     for (const FacetNodes::Node& n : nodes.node)
-      all.push_back(
-          {D::label(Vh.Th, ib), n.dof, measure * D::share(nodes.node.size(), n.corner), 0});
+      all.push_back({D::label(Th, ib), n.dof, measure * D::share(nodes.node.size(), n.corner), 0});
   }
   return all;
 }

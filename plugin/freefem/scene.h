@@ -188,7 +188,7 @@ void observe(const Placement<FESpaceType>& Vh, Scene& scene) {
     if (places->empty()) *places = node_places(Vh);
     return *places;
   };
-  scene.labelled = [Vh] { return labelled_nodes(Vh.space()); };
+  scene.labelled = [Vh] { return labelled_nodes(Vh); };
 }
 
 /// Normals that motions of a body leave tangential, as far as the mesh can tell, do so exactly.
@@ -344,10 +344,9 @@ std::shared_ptr<Scene> pair_scene(const Placement<FESpaceType>& V1,
     }
     return places;
   };
-  scene->labelled = [of_first = scene->labelled, keep, offset, d = scene->d] {
+  scene->labelled = [of_first = scene->labelled, V2, offset, d = scene->d] {
     std::vector<LabelledNode> all = of_first();
-    const FESpaceType* space = keep;
-    for (LabelledNode n : labelled_nodes(*space)) {
+    for (LabelledNode n : labelled_nodes(V2)) {
       n.space = 1;
       for (int c = 0; c < d; ++c) n.dof[c] += offset;
       all.push_back(n);
