@@ -56,6 +56,7 @@ struct BoundaryNode {
   Fem2D::R3 hat;          ///< its place in the element
   Fem2D::R3 moved;        ///< already, against what it touches: the laws bound it with what follows
   Fem2D::R3 aside;        ///< as SharedNode's
+  Fem2D::R3 slid;         ///< mortar/slip.h: what its motion since uold lacks of its slip
   Fem2D::R3 mean;         ///< mean outward normal of all facets at the node; 0 where they cancel
   double turn = 0;        ///< angle to its facets, of a curved surface; 0 where that is flat
   bool averaged = false;  ///< it stands for more normals than the node can obey

@@ -145,7 +145,8 @@ struct Vectors {
 inline LocalIncrement increment(const Call& call, const Vectors& vectors, const Scene& scene,
                                 PointLaws laws) {
   if (scene.system->nodes() == 0) laws.law = Law::frictionless;  // supports hold every normal
-  LocalIncrement now = scene.increment(scene.system->load(vectors.b, vectors.u_old), laws);
+  const LocalLoad load = scene.system->load_from(vectors.b, scene.slip_from(vectors.u_old));
+  LocalIncrement now = scene.increment(load, laws);
   report_leftover(check_data(scene, call.b, now.u0), call.verb);
   return now;
 }

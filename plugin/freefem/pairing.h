@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "../core/assembly/mortar/slip.h"
 #include "../core/assembly/mortar/validation.h"
 #include "freedom.h"
 #include "interface.h"
@@ -75,6 +76,7 @@ class Pairing {
       faced.add(m);
     }
     add_moved(*mortar_, between_.moved, contact);
+    if (u_old.size() > 0 && options.normals.empty()) add_slip(nodes, options, contact);
     for (const mortar::MidEdge& e : mortar_->edges()) add_edge(e, faced);
     for (std::size_t p = 0; p < between_.pairs.size(); ++p)
       faced.add(between_.pairs[p], mortar_->statistics(static_cast<Index>(p)), d, between_.X);
@@ -155,6 +157,18 @@ class Pairing {
     if (taken(e.a)) e.a = e.b;
     if (taken(e.b)) e.b = e.a;
     faced.edges.push_back(e);
+  }
+  /// Given normals are those of now: the mortar of before cannot have them.
+  void add_slip(const mortar::Nodes& now, const mortar::Options& options,
+                std::vector<BoundaryNode>& contact) const {
+    mortar::Nodes before = now;
+    before.X = now.before;
+    before.before.clear();
+    const int d = now.dimension;
+    const mortar::Mortar old(before, mortar::carried(d, between_.pairs, now.X, before.X), options);
+    const auto c = mortar::slip_beside(*mortar_, now.X, old, before.X);
+    for (std::size_t k = 0; k < c.size(); ++k)
+      contact[k].slid = Fem2D::R3(c[k][0], c[k][1], c[k][2]);
   }
   /// A node of the slave as one of its facets sees it, of the label if there is one.
   BoundaryNode slave_node(Index i, long label) const {

@@ -68,6 +68,8 @@ struct Scene {
   void face(const Triplets& A, const mortar::Options& options, const Vector& u_old);
   /// Copies A into the local frames; the nodes carry their normals and whether they have friction.
   void assemble(const Triplets& A);
+  /// Where friction counts slip from, in local dofs: uold, or empty.
+  Vector slip_from(const Vector& u_old) const;
   /// The load of a call, and its laws, in local dofs.
   LocalIncrement increment(const LocalLoad& load, const PointLaws& laws) const;
 
@@ -121,6 +123,19 @@ inline void Scene::assemble(const Triplets& A) {
   solver = std::make_unique<Solver>(system->system());
   held = held_dofs(system->basis());
   copy_seconds += cpu_seconds() - start;
+}
+
+inline Vector Scene::slip_from(const Vector& u_old) const {
+  if (u_old.size() == 0) return {};
+  Vector w = system->to_local(u_old);
+  const std::vector<Index>& first = system->system()->first;
+  for (Index k = 0; k < system->nodes(); ++k)
+    for (Index i = first[k] + 1; i < first[k + 1]; ++i) {
+      const BoundaryNode& node = contact_point(k);
+      for (int c = 0; c < d; ++c)
+        if (node.slid[c] != 0) w[i] -= system->basis().W.coeff(i, node.point.dof[c]) * node.slid[c];
+    }
+  return w;
 }
 
 inline LocalIncrement Scene::increment(const LocalLoad& load, const PointLaws& laws) const {
