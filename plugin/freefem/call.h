@@ -166,6 +166,7 @@ inline KN_<double> solve(Stack stack, const Call& call, Scene& scene, const Poin
     report_large_friction(largest_friction(problem));
     note_weight(scene);
     note_one_value(scene, call.b);
+    note_contrast(*scene.system->system());
   }
   Progress progress(problem, call.verb, out.history);
   Vector x0;

@@ -157,6 +157,21 @@ inline void warn_of_large_displacements(const Scene& scene, const Vector& u) {
   }
 }
 
+/// A note where the rounding of A is felt, which the certificate does not see: rigid motions of a
+/// stiff part cost the energy that its entries are rounded to, beside what a soft part resists.
+inline void note_contrast(const System& system) {
+  constexpr Real felt = 1e10;    // from which on a thousandth and more is lost
+  constexpr Real error = 1e-13;  // of the answer, over the contrast, where parts are the largest
+  const Real times = contrast(system);
+  if (times < felt) return;
+  std::ostringstream m;
+  m.precision(1);
+  m << "note: A is " << times
+    << " times as stiff at one node as at another; its rounding may change "
+    << "the answer by " << std::min<Real>(1, error * times) << " of it. 1e6 is as good as rigid";
+  line() << m.str() << std::endl;
+}
+
 /// What b has beside the data of tgv = 1e30, 0 being nothing.
 inline void report_leftover(Real most, long verb) {
   if (verb <= 0 || most == 0) return;

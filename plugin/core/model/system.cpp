@@ -121,25 +121,51 @@ std::vector<char> supported(const System& system, const std::vector<Index>& stif
   return beside;
 }
 
+/// One stiffness per mesh node, spread over its dofs.
+Vector node_stiffness(const System& system) {
+  Vector stiffness = system.D;
+  for (Index i = 0; i < system.nodes(); ++i) {
+    const Index T = system.first[i] + 1, t = system.tangents(i);
+    if (t > 0) stiffness.segment(T, t).setConstant(system.D.segment(T, t).mean());
+  }
+  if (!system.mesh_node.empty()) take_means(system, stiffness);
+  return stiffness;
+}
+
+/// The dofs that penalties hold, and the stiffness from which on they do.
+struct Penalties {
+  std::vector<Index> dofs;
+  Real most = 0;
+};
+Penalties penalties(const System& system, const Vector& stiffness) {
+  Penalties found;
+  if (stiffness.size() == 0 || stiffness.maxCoeff() <= penalty * stiffness.minCoeff()) return found;
+  found.most = penalty * std::max(median(stiffness), median(stiffness.tail(system.contact_dofs())));
+  std::vector<Index> stiff;
+  for (Index k = 0; k < system.dofs(); ++k)
+    if (stiffness[k] > found.most) stiff.push_back(k);
+  if (stiff.empty()) return found;
+  const std::vector<char> held = supported(system, stiff);
+  for (Index k : stiff)
+    if (held[k]) found.dofs.push_back(k);
+  return found;
+}
+
 }  // namespace
 
 Vector node_weights(const System& system) {
-  Vector weight = system.D;
-  for (Index i = 0; i < system.nodes(); ++i) {
-    const Index T = system.first[i] + 1, t = system.tangents(i);
-    if (t > 0) weight.segment(T, t).setConstant(system.D.segment(T, t).mean());
-  }
-  if (!system.mesh_node.empty()) take_means(system, weight);
-  if (weight.size() == 0 || weight.maxCoeff() <= penalty * weight.minCoeff()) return weight;
-  const Real most = penalty * std::max(median(weight), median(weight.tail(system.contact_dofs())));
-  std::vector<Index> stiff;
-  for (Index k = 0; k < system.dofs(); ++k)
-    if (weight[k] > most) stiff.push_back(k);
-  if (stiff.empty()) return weight;
-  const std::vector<char> held = supported(system, stiff);
-  for (Index k : stiff)
-    if (held[k]) weight[k] = std::min(weight[k] * (weight[k] / most), largest);
+  Vector weight = node_stiffness(system);
+  const Penalties held = penalties(system, weight);
+  for (Index k : held.dofs) weight[k] = std::min(weight[k] * (weight[k] / held.most), largest);
   return weight;
+}
+
+Real contrast(const System& system) {
+  Vector stiffness = node_stiffness(system);
+  if (stiffness.size() == 0) return 1;
+  const Real least = stiffness.minCoeff();
+  for (Index k : penalties(system, stiffness).dofs) stiffness[k] = least;
+  return stiffness.maxCoeff() / least;
 }
 
 }  // namespace frictioncg

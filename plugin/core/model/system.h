@@ -109,6 +109,9 @@ Vector magnitude(const Matrix& A, const Vector& x);
 /// all others.
 Vector node_weights(const System& system);
 
+/// How many times as stiff A is at one node as at another, nodes aside that penalties hold.
+Real contrast(const System& system);
+
 /// Filled where it lies (Eigen 3.4 copies a sparse matrix that is moved), then shared as const.
 using SystemPtr = std::shared_ptr<const System>;
 

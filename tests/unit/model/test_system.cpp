@@ -95,6 +95,16 @@ TEST(System, AStiffInclusionIsNoPenaltyNorWhatIsBesideOne) {
   }
 }
 
+TEST(System, ContrastIsThatOfPartsAndNotOfPenalties) {
+  Vector k = Vector::Ones(10);
+  k.segment(3, 2).setConstant(1e13);
+  for (const Real support : {0., 1., 1e20}) {
+    EXPECT_NEAR(contrast(chain(k, support)), 2e13, 1e3) << support;
+    EXPECT_EQ(contrast(chain(Vector::Ones(10), support)), 2) << support;
+  }
+  EXPECT_EQ(contrast(System()), 1);
+}
+
 TEST(System, WithoutRigidMotionsNoPenaltyIsTold) {
   AssembledSystem s = chain(Vector::Ones(6), 1e20);
   s.rigid_modes = {};
