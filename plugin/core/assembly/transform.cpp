@@ -19,9 +19,9 @@ constexpr Index ahead = 24;
 
 using Entry = Eigen::Triplet<Real, Index>;
 
-/// What one pass over the triplets tells: those that touch a dof that is held or whose factor is not
-/// 1, in the local dofs, those of A_local and those of K; and how many entries lie in each row and
-/// column of A_local, at [1 ..].
+/// What one pass over the triplets tells: those that touch a dof that is held or whose factor is
+/// not 1, in the local dofs, those of A_local and those of K; and how many entries lie in each row
+/// and column of A_local, at [1 ..].
 struct Others {
   std::vector<Entry> local, couplings;
   std::vector<Index> rows, columns;

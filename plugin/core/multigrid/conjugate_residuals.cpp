@@ -36,7 +36,7 @@ bool ConjugateResiduals::step(Hierarchy& hierarchy, const Faces& faces, const Ve
   if (kept_.size() < most_directions && next_ == kept_.size()) kept_.emplace_back();
   Direction& now = kept_[next_];
   hierarchy.apply(s_, now.z);
-  system_.multiply(now.z, now.Jz);
+  if (!hierarchy.multiply(now.z, now.Jz)) system_.multiply(now.z, now.Jz);
   const Real work = now.z.dot(now.Jz), size = now.z.dot(system_.D.cwiseProduct(now.z));
   now.Az_C = now.Jz.tail(springs.size()) + springs.cwiseProduct(now.z.tail(springs.size()));
   faces.jacobian(now.z, now.Az_C, now.Jz.tail(system_.contact_dofs()));

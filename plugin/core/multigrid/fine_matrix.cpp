@@ -5,13 +5,17 @@
 namespace frictioncg {
 
 template <int D>
-SymmetricBlocks<D> make_fine_matrix(const Matrix& A, const NodeBlocks& blocks, Real factor) {
+SymmetricBlocks<D> make_fine_matrix(const Matrix& A, const NodeBlocks& blocks, Real factor,
+                                    ExactMatrix<D>& exact) {
   const Index* begin = A.outerIndexPtr();
   const Index* col = A.innerIndexPtr();
   const Real* a = A.valuePtr();
   SymmetricBlocks<D> M;
   M.diagonal.assign(std::size_t(blocks.blocks) * D * D, 0);
   M.inverse.assign(std::size_t(blocks.blocks) * D * D, 0);
+  exact.diagonal.assign(std::size_t(blocks.blocks) * D * D, 0);
+  const std::size_t couplings = std::size_t(A.nonZeros()) / (2 * D * D);  // a little more, or less
+  exact.lower.reserve(couplings * D * D);
   M.row.reserve(blocks.blocks + 1);
   std::vector<Index> block_of(blocks.slot.size()), place(blocks.blocks, -1);
   for (std::size_t p = 0; p < block_of.size(); ++p) block_of[p] = blocks.slot[p] / D;
@@ -34,19 +38,25 @@ SymmetricBlocks<D> make_fine_matrix(const Matrix& A, const NodeBlocks& blocks, R
     std::sort(M.col.begin() + std::ptrdiff_t(first), M.col.end());
     for (std::size_t k = first; k < M.col.size(); ++k) place[M.col[k]] = static_cast<Index>(k);
     M.row.push_back(to_block_index(M.col.size()));
-    M.value.resize(M.col.size() * D * D, 0);
+    exact.lower.resize(M.col.size() * D * D, 0);
     for_each_entry(i, [&](Index r, Index e) {
       const Index j = block_of[col[e]], c = blocks.slot[col[e]] - j * D;
       if (j < i)
-        M.at(place[j])[r * D + c] = static_cast<float>(factor * a[e]);
+        exact.lower[std::size_t(place[j]) * D * D + r * D + c] = a[e];
       else if (j == i)
-        M.diagonal_at(i)[r * D + c] = static_cast<float>(factor * a[e]);
+        exact.diagonal[(std::size_t(i) * D + r) * D + c] = a[e];
     });
   }
+  const auto scaled = [factor](Real entry) { return static_cast<float>(factor * entry); };
+  M.value.resize(exact.lower.size());
+  std::transform(exact.lower.begin(), exact.lower.end(), M.value.begin(), scaled);
+  std::transform(exact.diagonal.begin(), exact.diagonal.end(), M.diagonal.begin(), scaled);
   return M;
 }
 
-template SymmetricBlocks<2> make_fine_matrix(const Matrix&, const NodeBlocks&, Real);
-template SymmetricBlocks<3> make_fine_matrix(const Matrix&, const NodeBlocks&, Real);
+template SymmetricBlocks<2> make_fine_matrix(const Matrix&, const NodeBlocks&, Real,
+                                             ExactMatrix<2>&);
+template SymmetricBlocks<3> make_fine_matrix(const Matrix&, const NodeBlocks&, Real,
+                                             ExactMatrix<3>&);
 
 }  // namespace frictioncg

@@ -40,6 +40,9 @@ class HierarchyOf final : public LevelHierarchy {
                 const Vector& springs) override;
   void join(const Border& border) override;
   void apply(const Vector& r, Vector& z) override;
+  bool multiply(const Vector& x, Vector& Ax) override {
+    return exact_.multiply(fine_.A, blocks_.slot, x, Ax);
+  }
   Index levels() const override { return static_cast<Index>(1 + coarse_.size()); }
   Real operator_complexity() const override;
   double bytes() const override;
@@ -60,6 +63,7 @@ class HierarchyOf final : public LevelHierarchy {
 
   NodeBlocks blocks_;
   HierarchyOptions options_;
+  ExactMatrix<D> exact_;
   Real scale_;  ///< brings A near 1
   Fine fine_;
   std::vector<Coarse> coarse_;
@@ -76,7 +80,8 @@ HierarchyOf<D, K>::HierarchyOf(const Matrix& A, const NodeBlocks& blocks,
                                const Eigen::MatrixXd& modes, const HierarchyOptions& options)
     : blocks_(blocks), options_(options) {
   scale_ = 1 / A.diagonal().mean();
-  fine_.A = make_fine_matrix<D>(A, blocks, scale_);
+  fine_.A = make_fine_matrix<D>(A, blocks, scale_, exact_);
+  exact_.keep_if_symmetric(A, fine_.A, blocks.slot);
   for (Index i = 0; i < blocks.blocks; ++i) invert_diagonal(fine_.A, i);
   Modes<K> B = Modes<K>::Zero(blocks.slots(), K);
   for (std::size_t p = 0; p < blocks.slot.size(); ++p) B.row(blocks.slot[p]) = modes.row(p);
@@ -314,7 +319,8 @@ Real HierarchyOf<D, K>::operator_complexity() const {
 
 template <int D, int K>
 double HierarchyOf<D, K>::bytes() const {
-  double sum = fine_.bytes() + sizeof(Index) * double(blocks_.slot.size() + blocks_.dof.size());
+  double sum = fine_.bytes() + exact_.bytes() +
+               sizeof(Index) * double(blocks_.slot.size() + blocks_.dof.size());
   for (const Coarse& level : coarse_) sum += level.bytes();
   return sum + coarsest_.bytes();
 }

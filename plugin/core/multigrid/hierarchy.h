@@ -37,6 +37,13 @@ class Hierarchy {
   /// Allocates nothing.
   virtual void apply(const Vector& r, Vector& z) = 0;
 
+  /// Ax = A x, neither truncated nor rounded; false where the hierarchy does not keep A: with a
+  /// border, in several processes, and where A is not symmetric to rounding.
+  virtual bool multiply(const Vector& x, Vector& Ax) {
+    static_cast<void>(x), static_cast<void>(Ax);
+    return false;
+  }
+
   virtual Index levels() const = 0;
   virtual Real operator_complexity() const = 0;  ///< entries of all levels over those of the fine
   virtual double bytes() const = 0;              ///< kept in memory

@@ -14,6 +14,16 @@ inline Four load(const float* p) {
 }
 inline void store(float* p, Four v) { std::memcpy(p, &v, sizeof v); }
 
+// Two doubles likewise.
+using Pair = double __attribute__((vector_size(16)));
+
+inline Pair load_pair(const double* p) {
+  Pair v;
+  std::memcpy(&v, p, sizeof v);
+  return v;
+}
+inline void store_pair(double* p, Pair v) { std::memcpy(p, &v, sizeof v); }
+
 /// Six floats: the first four, and the last four.
 struct Six {
   Four head, tail;

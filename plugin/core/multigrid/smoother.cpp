@@ -44,9 +44,8 @@ inline void relax(const SymmetricBlocks<B>& A, std::size_t i, const float* r, fl
 /// y -= L' z_i
 template <Order order, int B>
 inline void scatter(const SymmetricBlocks<B>& A, std::size_t i, const float* minus, float* y) {
-  for_each_lower<order>(A, i, [&](const float* a, std::size_t j) {
-    add_transposed_product<B, B>(a, minus, y + j);
-  });
+  for_each_lower<order>(
+      A, i, [&](const float* a, std::size_t j) { add_transposed_product<B, B>(a, minus, y + j); });
 }
 
 }  // namespace
