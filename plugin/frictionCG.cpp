@@ -23,6 +23,7 @@ void load() {
   for_each_site<v_fes>(add_site);
   for_each_site<v_fes3>(add_site);
   Global.Add(operator_name, "(", new OneOperatorCode<SolveIncrement>());
+  Global.Add(operator_name, "(", new OneOperatorCode<Renew>());
   add_usage();
   add_version();
 }

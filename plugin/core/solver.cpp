@@ -174,6 +174,22 @@ Solver::Solver(SystemPtr system) : system_(std::move(system)), floating_(system_
 }
 Solver::~Solver() = default;
 
+void Solver::renew(SystemPtr system) {
+  validate(*system);
+  const bool dofs = same_dofs(*system_, *system), pattern = dofs && same_pattern(*system_, *system);
+  system_ = std::move(system);
+  floating_ = FloatingMotions(system_);
+  poor_ = dofs && (poor_ || (multigrid_ && (factored_ || sparse_)));
+  factored_ = factor_reported_ = indefinite_ = false;
+  memory_needed_ = 0;
+  if (!pattern) sparse_.reset();
+  if (sparse_) sparse_->renew(system_);
+  if (!dofs) condensed_.reset();
+  if (condensed_) condensed_->renew(system_, pattern);
+  if (!dofs || poor_) multigrid_.reset();
+  if (multigrid_) multigrid_->renew(system_);
+}
+
 Solution Solver::solve(const Increment& increment, const Settings& settings, const Vector& x0,
                        Observer* observer) {
   validate(settings);
@@ -197,7 +213,7 @@ Solution Solver::by_route(const ContactProblem& problem, const Settings& setting
         return by_multigrid(problem, settings, x0, plan.costs, observer);
       return by_condensation(problem, settings, x0, observer);
     case Route::multigrid:
-      if ((factored_ || sparse_) && may_replace_a_factor(settings))  // the hierarchy was poor
+      if ((poor_ || factored_ || sparse_) && may_replace_a_factor(settings))  // poor hierarchies
         return (this->*after_multigrid(plan.costs))(problem, settings, x0, observer);
       return by_multigrid(problem, settings, x0, plan.costs, observer);
     case Route::sparse:
@@ -235,9 +251,12 @@ Solution Solver::by_multigrid(const ContactProblem& problem, const Settings& set
                               const Vector& x0, const Costs& costs, Observer* observer) {
   Settings rest = settings;
   rest.method = Method::automatic;
-  if (!multigrid_) {
+  if (!multigrid_ || !multigrid_->is_set_up()) {
     if (observer) observer->begin(Work::hierarchy, seconds_of_hierarchy(*system_));
-    multigrid_ = std::make_unique<MultigridSolver>(system_);
+    if (multigrid_)
+      multigrid_->set_up();
+    else
+      multigrid_ = std::make_unique<MultigridSolver>(system_);
   }
   if (!multigrid_->has_hierarchy()) return by_condensation(problem, rest, x0, observer);
   return or_by(after_multigrid(costs),
@@ -301,7 +320,7 @@ bool Solver::condense(const Settings& settings, Observer* observer) {
   const bool fits = settings.memory >= memory_needed_;
   if (fits && !factored_ && !indefinite_) {
     if (observer) observer->begin(Work::factorization, seconds_of_factor(*system_));
-    condensed_ = std::make_unique<CondensedSolver>(system_);
+    if (!condensed_) condensed_ = std::make_unique<CondensedSolver>(system_);
     const Elimination::Outcome outcome = condensed_->factor(settings.memory);
     memory_needed_ = condensed_->elimination().memory_needed();
     factored_ = outcome == Elimination::Outcome::done;

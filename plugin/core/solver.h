@@ -38,6 +38,11 @@ class Solver {
   explicit Solver(SystemPtr system);
   ~Solver();
 
+  /// Another matrix in the place of A. On the same dofs the faces of the last answer stay; over the
+  /// same pattern ordering and layout of the factors, too, as far as there are any. Throws
+  /// IllegalInput for what validate refuses, and leaves all as it was then.
+  void renew(SystemPtr system);
+
   /// Solves by the method of the settings, and certifies the answer. x0 (n), or empty to start from
   /// the scene. Where the method does not arrive another one may answer: see Solution::layer.
   /// Throws IllegalInput for what validate refuses, and where the condensed route is demanded and
@@ -75,6 +80,7 @@ class Solver {
   bool factored_ = false;
   bool factor_reported_ = false;  ///< a solution has told what the factorization took
   bool indefinite_ = false;       ///< A has no factor, whatever the memory
+  bool poor_ = false;             ///< the hierarchy of the matrix before was
   std::unique_ptr<MultigridSolver> multigrid_;
   std::unique_ptr<SparseSolver> sparse_;
 };

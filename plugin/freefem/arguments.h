@@ -52,10 +52,20 @@ class Arguments {
 
   /// Of a call on a contactproblem, whose geometry stands.
   static Arguments of_increment(const basicAC_F0& args) {
-    const Arguments a(args);
-    for (Parameter p : {p_at, p_normal, p_mu2, p_direction, p_maxgap, p_smooth, p_weight, p_domain,
-                        p_obstacle, p_obstaclenormal, p_pivot, p_obstacles, p_motionfree})
-      if (a.has(p)) refuse(p, "belongs to the contactproblem; give it there");
+    const Arguments a = of_contactproblem(args);
+    for (Parameter p : of_geometry)
+      if (a.has(p))
+        refuse(p,
+               "belongs to the contactproblem; give it there, or with a new matrix, as in "
+               "frictionalContactCG(C, A, b, ...)");
+    return a;
+  }
+  /// The same with a new matrix, which may bring new normals along.
+  static Arguments of_renewal(const basicAC_F0& args) {
+    Arguments a = of_contactproblem(args);
+    for (Parameter p : {p_normal, p_obstaclenormal})
+      if (const auto* list = dynamic_cast<const E_Array*>(a.named_[p]))
+        a.components(p, list->size() == 2 ? 2 : 3, "[nx, ny, nz]", "[nx, ny]", a.vectors_[p]);
     return a;
   }
 
@@ -101,6 +111,13 @@ class Arguments {
   }
 
  private:
+  static Arguments of_contactproblem(const basicAC_F0& args) {
+    const Arguments a(args);
+    for (Parameter p :
+         {p_at, p_mu2, p_direction, p_domain, p_obstacle, p_pivot, p_obstacles, p_motionfree})
+      if (a.has(p)) refuse(p, "belongs to the contactproblem; give it there");
+    return a;
+  }
   explicit Arguments(const basicAC_F0& args) {
     refuse_domain(args);
     refuse_older_names(args);

@@ -55,11 +55,11 @@ inline Triplets read_matrix(Stack stack, const Expression A, const Scene& scene)
 /// Finds the contact nodes of two bodies, beside those on an obstacle. A shows what Dirichlet
 /// conditions hold of them.
 inline void face_bodies(Stack stack, const Arguments& args, const Expression A, Scene& scene) {
-  mortar::Options options;
+  mortar::Options& options = scene.facing;
   options.maxgap = args.value(stack, p_maxgap, options.maxgap);
   options.smooth = args.value(stack, p_smooth, options.smooth);
   if (args.has(p_normal)) options.normals = slave_normals(stack, args, scene);
-  options.weight = slave_weights(stack, args, scene);
+  if (args.has(p_weight)) options.weight = slave_weights(stack, args, scene);
   const Triplets matrix = read_matrix(stack, A, scene);
   refuse_exchanged_blocks(scene, matrix);
   Vector u_old;  // where the increment of a geometry that moves began
@@ -89,20 +89,22 @@ inline Displacement read_at(Stack stack, const Arguments& args) {
   return std::make_shared<const Vector>(copy_of(args.value<KN_<double>>(stack, p_at)));
 }
 
-/// Reads the problem: geometry, laws, and the matrix in local frames.
+/// Reads the problem: geometry, laws, and the matrix in local frames. lasts: for further calls,
+/// which may name other laws, and other matrices.
 inline std::shared_ptr<Scene> read_scene(Stack stack, const Arguments& args, const Expression A,
-                                         const Site& site, bool everywhere, PointLaws& laws) {
+                                         const Site& site, bool lasts, PointLaws& laws) {
   const Displacement at = read_at(stack, args);
   std::shared_ptr<Scene> scene = site.scene(stack, args.obstacle(stack), at);
   scene->at = at;
   set_weights(stack, args, *scene);
+  if (lasts) scene->on_mesh = scene->nodes;
   set_normals(stack, args, *scene);
   if (!scene->pairing) scene->moving = read_obstacles(stack, args, *scene);
   if (scene->nodes.empty() && !scene->averted.empty()) refuse_inward(*scene);
   if (scene->pairing) face_bodies(stack, args, A, *scene);
-  laws = read_point_laws(stack, args, everywhere, *scene, begun_laws(stack, args));
+  laws = read_point_laws(stack, args, lasts, *scene, begun_laws(stack, args));
   const Triplets matrix = read_matrix(stack, A, *scene);
-  with_components_in_words(*scene, [&] { scene->assemble(matrix); });
+  with_components_in_words(*scene, [&] { scene->assemble(matrix, lasts); });
   scene->unnamed_radius = unnamed_radius(args, *scene, matrix);
   if (!scene->tangents) laws.law = Law::frictionless;
   return scene;

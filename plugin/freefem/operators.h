@@ -4,6 +4,7 @@
 #include "call.h"
 #include "contactproblem.h"
 #include "errors.h"
+#include "renewal.h"
 
 namespace frictioncg {
 
@@ -67,6 +68,18 @@ class Construct : public E_F0mps {
   std::shared_ptr<const Site> site_;
 };
 
+/// What a call names that the scene of its contactproblem does not have.
+inline void refuse_what_C_lacks(const Arguments& args, const Scene& scene) {
+  refuse_friction_of_none("C", args, scene);
+  if (!scene.pairing && args.has(p_distance))
+    throw IllegalInput("distance is that of two bodies; C has one, and an obstacle");
+  refuse_motions(args, scene);
+  for (Parameter p : {p_obstaclegap, p_obstaclenormal, p_obstacleforce})
+    if (scene.beside_pairs == 0 && args.has(p))
+      throw IllegalInput(std::string(parameters[p].name) +
+                         " is that of an obstacle beside pairs; C was made without obstacle=");
+}
+
 /// u[] = frictionalContactCG(C, b, ...)
 class SolveIncrement : public E_F0mps {
  public:
@@ -82,15 +95,8 @@ class SolveIncrement : public E_F0mps {
   AnyType operator()(Stack stack) const override {
     return translated(operator_name, [&] {
       const PosedProblem posed = GetAny<ContactProblemVariable*>((*C_)(stack))->get();
-      refuse_friction_of_none("C", arguments_, *posed.scene);
-      if (!posed.scene->pairing && arguments_.has(p_distance))
-        throw IllegalInput("distance is that of two bodies; C has one, and an obstacle");
-      refuse_motions(arguments_, *posed.scene);
+      refuse_what_C_lacks(arguments_, *posed.scene);
       const Call call(stack, arguments_, b_);
-      for (Parameter p : {p_obstaclegap, p_obstacleforce})
-        if (posed.scene->beside_pairs == 0 && arguments_.has(p))
-          throw IllegalInput(std::string(parameters[p].name) +
-                             " is that of an obstacle beside pairs; C was made without obstacle=");
       const PointLaws laws = read_laws(stack, arguments_, *posed.scene,
                                        begun_laws(stack, arguments_, posed.laws), posed.laws.gap);
       return SetAny<KN_<double>>(solve(stack, call, *posed.scene, laws));
@@ -100,6 +106,56 @@ class SolveIncrement : public E_F0mps {
  private:
   Arguments arguments_;
   Expression C_, b_;
+};
+
+/// u[] = frictionalContactCG(C, A, b, ...): C has the matrix A from here on.
+class Renew : public E_F0mps {
+ public:
+  using Result = KN_<double>;
+  explicit Renew(const basicAC_F0& args)
+      : arguments_(Arguments::of_renewal(args)),
+        C_(to<ContactProblemVariable*>(args[0])),
+        A_(to<Matrice_Creuse<double>*>(args[1])),
+        b_(to<KN_<double>>(args[2])) {}
+  static ArrayOfaType typeargs() {
+    return ArrayOfaType(atype<ContactProblemVariable*>(), atype<Matrice_Creuse<double>*>(),
+                        atype<KN_<double>>());
+  }
+  static E_F0* f(const basicAC_F0& args) { return new Renew(args); }
+  AnyType operator()(Stack stack) const override {
+    return translated(operator_name, [&] {
+      ContactProblemVariable* const C = GetAny<ContactProblemVariable*>((*C_)(stack));
+      PosedProblem posed = C->get();
+      refuse_shared(posed);
+      refuse_what_C_lacks(arguments_, *posed.scene);
+      check_normals(posed.scene->d);
+      const Call call(stack, arguments_, b_);
+      check_vectors(call, posed.scene->dofs);
+      validate(call.settings);
+      PointLaws laws;
+      constexpr long own = 2;  // that of C, and the present one
+      posed = renewed(stack, arguments_, A_, posed, posed.scene.use_count() == own, laws);
+      C->set(posed);
+      return SetAny<KN_<double>>(solve(stack, call, *posed.scene, laws));
+    });
+  }
+
+ private:
+  static void refuse_shared(const PosedProblem& posed) {
+    if (posed.shared)
+      throw IllegalInput(
+          "the contactproblem belongs to several processes, where a matrix is not renewed; make it "
+          "anew, with contactProblem(A, Vh, labels, ..., domain=C)");
+  }
+  /// FreeFEM's compiler does not know the dimension of C.
+  void check_normals(int d) const {
+    for (Parameter p : {p_normal, p_obstaclenormal})
+      if (arguments_.has(p) && (arguments_.vector(p)[2] != nullptr) != (d == 3))
+        throw IllegalInput(std::string(parameters[p].name) + " has " + (d == 3 ? "2" : "3") +
+                           " components, and C is of dimension " + std::to_string(d));
+  }
+  Arguments arguments_;
+  Expression C_, A_, b_;
 };
 
 /// One form of the arguments of an operator: FreeFEM chooses among them by their types.

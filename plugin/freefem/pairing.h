@@ -56,19 +56,20 @@ class Pairing {
     options.bodies = between_.slave_bodies;
     std::vector<ContactPoint> obstacle;
     for (const BoundaryNode& n : on_obstacle) obstacle.push_back(n.point);
-    dirichlet_ = std::make_unique<Dirichlet>(A, obstacle);
+    dirichlet_ = std::make_shared<const Dirichlet>(A, obstacle);
     options.freedom = [&] {
       const std::vector<NodePlace> all = places();
       FreedomOfBodies bodies(d, between_.X, body_of_nodes(all, A.n));
       bodies.add(A, *dirichlet_, all);
       return bodies.freedom();
     };
+    taken_.clear();
     take(obstacle);
     mortar::Nodes nodes{d, between_.X, mortar::held_components(d, between_.dof, *dirichlet_),
                         taken_};
     if (between_.is_moved) nodes.reference = displaced(between_, d);
     if (u_old.size() > 0) nodes.before = displaced(between_, d, u_old);
-    mortar_ = std::make_unique<mortar::Mortar>(nodes, between_.pairs, options);
+    mortar_ = std::make_shared<const mortar::Mortar>(nodes, between_.pairs, options);
     std::vector<BoundaryNode> contact;
     FacedPart faced;
     for (const mortar::ContactNode& m : mortar_->nodes()) {
@@ -104,10 +105,10 @@ class Pairing {
 
   std::unique_ptr<LocalSystem> system(const Triplets& A, int d, std::vector<ContactPoint> points,
                                       const std::vector<Index>& mesh_node, const RigidModes& modes,
-                                      const RigidModes& body_modes) const {
+                                      const RigidModes& body_modes, Renewal renewal) const {
     const Coupling coupling = mortar::couple(*mortar_, d, between_.dof, *dirichlet_, A.n, taken_);
     return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, *dirichlet_, coupling,
-                                         modes, body_modes);
+                                         modes, body_modes, renewal);
   }
 
   /// The slave's nodes, where a gap is evaluated.
@@ -192,9 +193,10 @@ class Pairing {
   }
 
   Interface between_;
-  std::unique_ptr<Dirichlet> dirichlet_;
-  std::vector<char> taken_;                 ///< as mortar::Nodes has it
-  std::unique_ptr<mortar::Mortar> mortar_;  ///< null where several processes have a common one
+  std::shared_ptr<const Dirichlet> dirichlet_;
+  std::vector<char> taken_;  ///< as mortar::Nodes has it
+  std::shared_ptr<const mortar::Mortar>
+      mortar_;  ///< null where several processes have a common one
   FacedPart faced_;
 };
 

@@ -126,6 +126,8 @@ constexpr Parameter tractions[] = {p_cohesion, p_shearmax, p_slidinglimit};
 /// What an obstacle beside pairs of bodies has.
 constexpr Parameter of_obstacle_beside_pairs[] = {p_obstacle, p_obstaclegap, p_obstaclenormal,
                                                   p_obstacleforce};
+/// What a new matrix of a contactproblem may bring along.
+constexpr Parameter of_geometry[] = {p_normal, p_obstaclenormal, p_maxgap, p_smooth, p_weight};
 /// What lets an obstacle move.
 constexpr Parameter of_moving_obstacle[] = {p_pivot,      p_obstacles, p_motionfree, p_motion,
                                             p_motionload, p_motionold, p_motionforce};

@@ -28,6 +28,7 @@ struct Scene {
   int d = 2;
   DofCount dofs;
   std::vector<BoundaryNode> nodes;    ///< contact points, one per normal of a node
+  std::vector<BoundaryNode> on_mesh;  ///< those on an obstacle, with the mesh's own normals
   std::size_t beside_pairs = 0;       ///< the last of them: on an obstacle beside pairs of bodies
   std::vector<BoundaryNode> averted;  ///< left out: they face away from the normal given
   bool given_normals = false;         ///< by the script, in place of the mesh's
@@ -40,6 +41,7 @@ struct Scene {
   std::function<std::vector<NodePlace>()> places;
   std::function<std::vector<LabelledNode>()> labelled;  ///< facet by facet
   std::unique_ptr<Pairing> pairing;  ///< of two bodies; null where there is an obstacle alone
+  mortar::Options facing;            ///< of the two bodies, as the script has chosen them
   std::unique_ptr<MovingObstacles> moving;  ///< null where all obstacles stand still
   std::unique_ptr<LocalSystem> system;
   std::unique_ptr<Solver> solver;
@@ -67,13 +69,21 @@ struct Scene {
   /// Finds the contact nodes of two bodies, beside those on an obstacle.
   void face(const Triplets& A, const mortar::Options& options, const Vector& u_old);
   /// Copies A into the local frames; the nodes carry their normals and whether they have friction.
-  void assemble(const Triplets& A);
+  /// renewable: as another matrix may follow.
+  void assemble(const Triplets& A, bool renewable = false);
+  /// The same after `before`, of which all that still holds is kept. alone: nobody else has it, and
+  /// its solver goes over.
+  void assemble_after(Scene& before, const Triplets& A, bool alone);
+  /// The same geometry, without system and solver.
+  std::shared_ptr<Scene> posed_anew() const;
   /// Where friction counts slip from, in local dofs: uold, or empty.
   Vector slip_from(const Vector& u_old) const;
   /// The load of a call, and its laws, in local dofs.
   LocalIncrement increment(const LocalLoad& load, const PointLaws& laws) const;
 
  private:
+  void make_system(const Triplets& A, Renewal renewal);
+
   mutable std::optional<Real> gyration_;
 
   /// make(), whose refusals of a contact point get the place of its node.
@@ -97,6 +107,28 @@ inline std::vector<char> held_dofs(const Basis& basis) {
   return held;
 }
 
+inline std::shared_ptr<Scene> Scene::posed_anew() const {
+  auto scene = std::make_shared<Scene>();
+  scene->d = d;
+  scene->dofs = dofs;
+  scene->nodes = nodes;
+  scene->on_mesh = on_mesh;
+  scene->beside_pairs = beside_pairs;
+  scene->averted = averted;
+  scene->given_normals = given_normals;
+  scene->tangents = tangents;
+  scene->mesh_node = mesh_node;
+  scene->go_to = go_to;
+  scene->places = places;
+  scene->labelled = labelled;
+  scene->at = at;
+  scene->facing = facing;
+  if (pairing) scene->pairing = std::make_unique<Pairing>(*pairing);
+  if (moving) scene->moving = std::make_unique<MovingObstacles>(*moving);
+  scene->gyration_ = gyration_;
+  return scene;
+}
+
 inline void Scene::face(const Triplets& A, const mortar::Options& options, const Vector& u_old) {
   const double start = cpu_seconds();
   const std::vector<BoundaryNode> of_obstacle = std::move(nodes);
@@ -106,23 +138,39 @@ inline void Scene::face(const Triplets& A, const mortar::Options& options, const
   copy_seconds = cpu_seconds() - start;
 }
 
-inline void Scene::assemble(const Triplets& A) {
+inline void Scene::assemble(const Triplets& A, bool renewable) {
   const double start = cpu_seconds();
+  make_system(A, {renewable, nullptr});
+  solver = std::make_unique<Solver>(system->system());
+  copy_seconds += cpu_seconds() - start;
+}
+
+inline void Scene::assemble_after(Scene& before, const Triplets& A, bool alone) {
+  const double start = cpu_seconds();
+  make_system(A, {true, before.system.get()});
+  if (alone) {
+    before.solver->renew(system->system());
+    solver = std::move(before.solver);
+  } else {
+    solver = std::make_unique<Solver>(system->system());
+  }
+  copy_seconds += cpu_seconds() - start;
+}
+
+inline void Scene::make_system(const Triplets& A, Renewal renewal) {
   std::vector<ContactPoint> points;
   for (const BoundaryNode& n : nodes) points.push_back(n.point);
   const Index n = static_cast<Index>(ndof());
   const auto modes = [places = places, d = d, n] { return rigid_modes(places(), d, n); };
   const auto each = [places = places, d = d, n] { return body_modes(places(), d, n); };
   system = placed([&] {
-    if (pairing) return pairing->system(A, d, std::move(points), mesh_node, modes, each);
+    if (pairing) return pairing->system(A, d, std::move(points), mesh_node, modes, each, renewal);
     if (moving)
       return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, moving->rigid, modes,
-                                           each);
-    return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, modes);
+                                           each, renewal);
+    return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, modes, renewal);
   });
-  solver = std::make_unique<Solver>(system->system());
   held = held_dofs(system->basis());
-  copy_seconds += cpu_seconds() - start;
 }
 
 inline Vector Scene::slip_from(const Vector& u_old) const {

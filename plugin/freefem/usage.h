@@ -97,7 +97,8 @@ inline std::string usage(bool constructs) {
          (constructs ? ""
                      : "\n  " + name +
                            "(C, b, ...)                           C = contactProblem(A, Vh, "
-                           "labels, ...)") +
+                           "labels, ...)\n  " +
+                           name + "(C, A, b, ...)                        C, with another matrix") +
          "\n  A: a matrix" + (constructs ? "" : "; b: a real[int]") +
          "; Vh: a fespace such as [P1,P1], [P2,P2] on a mesh, [P1,P1,P1] on a mesh3"
          "\n  labels, slave, master: 1, [1, 2] or an int[int]; all else by name, as in mu=0.3";

@@ -84,6 +84,7 @@ void load() {
   add_sites<v_fes>();
   add_sites<v_fes3>();
   Global.Add(operator_name, "(", new OneOperatorCode<SharedSolveIncrement>());
+  Global.Add(operator_name, "(", new OneOperatorCode<Renew>());
   add_usage();
   add_version();
 }

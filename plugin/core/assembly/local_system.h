@@ -2,6 +2,7 @@
 #include "assembly/dirichlet.h"
 #include "assembly/frames.h"
 #include "assembly/obstacles.h"
+#include "assembly/transform.h"
 #include "model/contact_problem.h"
 
 namespace frictioncg {
@@ -42,6 +43,13 @@ struct LocalIncrement {
   Vector u0;
 };
 
+/// Whether A may come again with other values, and the system that it was in before, or null: its
+/// pattern is kept where it holds all of A.
+struct Renewal {
+  bool renewable = false;
+  const class LocalSystem* before = nullptr;
+};
+
 /// From the assembled system to the contact problem in local dofs, and back: Dirichlet conditions
 /// eliminated, u = T [w; u_D] in the frames of the contact points. Where the frames lie along the
 /// axes nothing is rotated.
@@ -52,18 +60,19 @@ class LocalSystem {
   /// the rigid motions in dofs of the script (n x k). Throws IllegalInput for what is not finite,
   /// not symmetric, or has a diagonal <= 0.
   LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
-              const std::vector<Index>& mesh_node = {}, RigidModes modes = {});
+              const std::vector<Index>& mesh_node = {}, RigidModes modes = {},
+              Renewal renewal = {});
   /// With obstacles that move: n counts their dofs, too, of which b has the load where they are
   /// free, and the motion where it is given. body_modes: rigid motions of each body alone, of the
   /// dofs of the script. Throws as with_obstacles, too.
   LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
               const std::vector<Index>& mesh_node, const RigidObstacles& obstacles,
-              RigidModes modes = {}, RigidModes body_modes = {});
+              RigidModes modes = {}, RigidModes body_modes = {}, Renewal renewal = {});
   /// With two bodies: frames and laws act on the relative displacements of the coupling, that knows
   /// what `dirichlet` holds of A. body_modes: rigid motions of each body alone.
   LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
               const std::vector<Index>& mesh_node, Dirichlet dirichlet, const Coupling& coupling,
-              RigidModes modes = {}, RigidModes body_modes = {});
+              RigidModes modes = {}, RigidModes body_modes = {}, Renewal renewal = {});
   LocalSystem(const LocalSystem&) = delete;
   LocalSystem& operator=(const LocalSystem&) = delete;
 
@@ -97,7 +106,8 @@ class LocalSystem {
  private:
   void make_basis(const Triplets& A, int dimension);
   void assemble(const Triplets& A, int dimension, const std::vector<Index>& mesh_node,
-                RigidModes modes, RigidModes body_modes);
+                RigidModes modes, RigidModes body_modes, Renewal renewal);
+  void transform_to(const Triplets& A, Renewal renewal, Matrix& A_local);
   Matrix border(Index n) const;
   RigidModes in_local_dofs(RigidModes modes) const;
   void check_stiffness(const Triplets& A, const System& system) const;
@@ -108,7 +118,8 @@ class LocalSystem {
   Dirichlet dirichlet_;
   std::vector<ContactNode> nodes_;
   std::shared_ptr<const Basis> basis_;
-  Matrix K_;  ///< n_w x n_D, forces of prescribed displacements
+  Matrix K_;       ///< n_w x n_D, forces of prescribed displacements
+  Places places_;  ///< of a matrix that may come again; else empty
   SystemPtr system_;
 };
 

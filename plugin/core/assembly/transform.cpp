@@ -88,8 +88,10 @@ void check_size(const Triplets& A, const std::vector<Entry>& products) {
 /// half-stored ones their mirror images, then what Others has made of the others.
 class Entries {
  public:
-  Entries(const Triplets& A, const Images& images, const std::vector<Entry>& others)
-      : A_(A), plain_(images.plain.data()), others_(others) {}
+  /// zeros: those of A are entries, too
+  Entries(const Triplets& A, const Images& images, const std::vector<Entry>& others,
+          bool zeros = false)
+      : A_(A), plain_(images.plain.data()), others_(others), zeros_(zeros) {}
 
   /// visit(number, row, column) in the order of the numbers
   template <class Visit>
@@ -97,13 +99,14 @@ class Entries {
     const Index size = static_cast<Index>(A_.size);
     for (Index k = 0; k < size; ++k) {
       const Index p = plain_[A_.row(k)], q = plain_[A_.col(k)];
-      if (p < 0 || q < 0 || A_.a[k] == 0) continue;
+      if (p < 0 || q < 0 || (A_.a[k] == 0 && !zeros_)) continue;
       visit(k, p, q);
       if (A_.half && p != q) visit(size + k, q, p);
     }
     for (Index k = 0; k < static_cast<Index>(others_.size()); ++k)
       visit(first_other() + k, others_[k].row(), others_[k].col());
   }
+  Index numbers() const { return first_other() + static_cast<Index>(others_.size()); }
   Index row(Index number) const {
     const Index size = static_cast<Index>(A_.size);
     if (number < size) return plain_[A_.row(number)];
@@ -128,6 +131,7 @@ class Entries {
   const Triplets& A_;
   const Index* plain_;
   const std::vector<Entry>& others_;
+  const bool zeros_;
 };
 
 /// Where each bucket starts, and where the last one ends, from their sizes in start[1..].
@@ -156,13 +160,16 @@ void close_up(const std::vector<Index>& row, const std::vector<Index>& end, Matr
 /// M (n x n) of entries in any order; those of one place add. Sorted into buckets twice, by columns
 /// and from these by rows: their numbers alone, which takes the least memory. row, column: how many
 /// lie in each, at [1 ..]. By setFromTriplets the transformation would take half as much again.
-void fill(Matrix& M, const Entries& entries, std::vector<Index> row, std::vector<Index> column) {
+/// places, or null: where the entries went, by their numbers.
+void fill(Matrix& M, const Entries& entries, std::vector<Index> row, std::vector<Index> column,
+          Places* places = nullptr) {
   const Index n = static_cast<Index>(row.size()) - 1;
   add_up(row);
   add_up(column);
   const std::unique_ptr<Index[]> number(new Index[row[n]]);
   std::vector<Index> end(column.begin(), column.end() - 1);
   entries.for_each([&](Index k, Index, Index q) { number[end[q]++] = k; });
+  if (places) places->assign(entries.numbers(), -1);
   M.resize(n, n);
   M.resizeNonZeros(row[n]);
   std::copy(row.begin(), row.end() - 1, end.begin());
@@ -179,13 +186,47 @@ void fill(Matrix& M, const Entries& entries, std::vector<Index> row, std::vector
         col[at] = q;
         a[at++] = entries.value(number[k]);
       }
+      if (places) (*places)[number[k]] = at - 1;
     }
   close_up(row, end, M);
+  if (!places) return;
+  for (Index k = 0; k < row[n]; ++k) {
+    const Index p = entries.row(number[k]);
+    (*places)[number[k]] -= row[p] - M.outerIndexPtr()[p];
+  }
 }
 
-}  // namespace
+/// The same, with the zeros that A stores.
+void fill_with_zeros(Matrix& M, Index n, const Entries& entries, Places& places) {
+  std::vector<Index> row(n + 1, 0), column(row);
+  entries.for_each([&](Index, Index p, Index q) {
+    ++row[p + 1];
+    ++column[q + 1];
+  });
+  fill(M, entries, row, column, &places);
+}
 
-void transform(const Triplets& A, const Basis& basis, Matrix& A_local, Matrix& K) {
+/// The values of M anew. False where an entry lies outside its pattern.
+bool refill(Matrix& M, const Places& places, const Entries& entries) {
+  const Index* row = M.outerIndexPtr();
+  const Index* col = M.innerIndexPtr();
+  std::fill_n(M.valuePtr(), M.nonZeros(), 0.0);
+  bool inside = true;
+  entries.for_each([&](Index number, Index p, Index q) {
+    Index at = number < static_cast<Index>(places.size()) ? places[number] : -1;
+    const bool there = at >= row[p] && at < row[p + 1] && col[at] == q;
+    if (!there) at = static_cast<Index>(std::lower_bound(col + row[p], col + row[p + 1], q) - col);
+    if (at < row[p + 1] && col[at] == q)
+      M.valuePtr()[at] += entries.value(number);
+    else
+      inside = false;
+  });
+  return inside;
+}
+
+/// What both forms of the transformation share: make(images, others) makes A_local, n_w x n_w.
+template <class Make>
+void transform(const Triplets& A, const Basis& basis, Matrix& K, const Make& make) {
   const Index w = basis.local_dofs();
   if (w == 0) throw IllegalInput("Dirichlet conditions hold every degree of freedom of A");
   const Images images(basis);
@@ -193,7 +234,27 @@ void transform(const Triplets& A, const Basis& basis, Matrix& A_local, Matrix& K
   check_size(A, others.local);
   K.resize(w, basis.T.cols() - w);
   K.setFromTriplets(others.couplings.begin(), others.couplings.end());
-  fill(A_local, Entries(A, images, others.local), others.rows, others.columns);
+  make(images, others);
+}
+
+}  // namespace
+
+void transform(const Triplets& A, const Basis& basis, Matrix& A_local, Matrix& K) {
+  transform(A, basis, K, [&](const Images& images, const Others& others) {
+    fill(A_local, Entries(A, images, others.local), others.rows, others.columns);
+  });
+}
+
+void transform_again(const Triplets& A, const Basis& basis, Places& places, Matrix& A_local,
+                     Matrix& K) {
+  const Index w = basis.local_dofs();
+  transform(A, basis, K, [&](const Images& images, const Others& others) {
+    const Entries entries(A, images, others.local);
+    if (A_local.rows() != w)
+      fill(A_local, entries, others.rows, others.columns, &places);
+    else if (!refill(A_local, places, entries))
+      fill_with_zeros(A_local, w, Entries(A, images, others.local, true), places);
+  });
 }
 
 /// A cursor a row meets the mirror image of each lower entry in order.

@@ -95,8 +95,10 @@ void CholmodElimination::release() {
   cholmod_free_dense(&E_, &common_);
 }
 
-CholmodElimination::Outcome CholmodElimination::factor(const System& system, double memory_bound) {
-  release();
+CholmodElimination::Outcome CholmodElimination::factor(const System& system, double memory_bound,
+                                                       bool again) {
+  const bool laid_out = again && L_;
+  if (!laid_out) release();
   times_ = {};
   n_ = system.dofs();
   interior_ = system.interior();
@@ -105,8 +107,9 @@ CholmodElimination::Outcome CholmodElimination::factor(const System& system, dou
   if (memory_needed_ > memory_bound) return Outcome::too_large;
 
   double start = cpu_seconds();
-  UpperTriangle A(system);
-  if (!analyze(system, A)) return Outcome::too_large;
+  if (!laid_out) roots_.clear();
+  UpperTriangle A(system, roots_);
+  if (!laid_out && !analyze(system, A)) return Outcome::too_large;
   memory_needed_ += sizeof(Real) * double(L_->xsize);
   times_.order = cpu_seconds() - start;
   if (memory_needed_ > memory_bound) return Outcome::too_large;
@@ -142,7 +145,8 @@ bool CholmodElimination::analyze(const System& system, UpperTriangle& A) {
   if (!fits()) return false;
   if (contact_is_last()) return true;
   // Several bodies: a postordering may end one body, its contact included, before the next.
-  A = UpperTriangle(system, last_of_each_part(system, order));
+  roots_ = last_of_each_part(system, order);
+  A = UpperTriangle(system, roots_);
   cholmod_free_factor(&L_, &common_);
   if (!fits()) return false;
   if (!contact_is_last())

@@ -24,7 +24,7 @@ class CholmodElimination final : public Elimination {
   CholmodElimination(const CholmodElimination&) = delete;
   CholmodElimination& operator=(const CholmodElimination&) = delete;
 
-  Outcome factor(const System& system, double memory_bound) override;
+  Outcome factor(const System& system, double memory_bound, bool again = false) override;
   double memory_needed() const override { return memory_needed_; }
   const DenseMatrix& S() const override { return S_; }
   Vector condense(const Vector& F) override;
@@ -52,6 +52,7 @@ class CholmodElimination final : public Elimination {
   cholmod_dense *X_ = nullptr, *Y_ = nullptr, *E_ = nullptr;  ///< kept by cholmod_solve2
   const Ordering ordering_;
   Index n_ = 0, interior_ = 0;
+  std::vector<Index> roots_;    ///< of UpperTriangle
   std::vector<Index> springs_;  ///< dofs of the interior that stand in for supports
   double memory_needed_ = 0;
   DenseMatrix S_, floating_;

@@ -2,6 +2,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "condensed/attempt.h"
 #include "condensed/elimination.h"
@@ -20,7 +21,12 @@ class CondensedSolver {
   explicit CondensedSolver(SystemPtr system);
 
   Elimination::Outcome factor(double memory_bound) {
-    return elimination_->factor(*system_, memory_bound);
+    return elimination_->factor(*system_, memory_bound, std::exchange(same_pattern_, false));
+  }
+  /// Another matrix on the same dofs, to be factored; same_pattern: over the layout of the last.
+  void renew(SystemPtr system, bool same_pattern) {
+    system_ = std::move(system);
+    same_pattern_ = same_pattern;
   }
 
   /// settings.newton: semismooth Newton on the unregularized laws, and where it does not arrive an
@@ -47,6 +53,7 @@ class CondensedSolver {
   bool may_be_idle(const Run& run) const;
 
   SystemPtr system_;
+  bool same_pattern_ = false;  ///< as the matrix that was factored last
   std::unique_ptr<Elimination> elimination_;
   Branches last_;  ///< of the last answer: where an increment starts
 };

@@ -20,8 +20,9 @@ class Elimination {
 
   virtual ~Elimination() = default;
 
-  /// Once; memory_bound [bytes] is for the factor and the dense matrices on the contact dofs.
-  virtual Outcome factor(const System& system, double memory_bound) = 0;
+  /// memory_bound [bytes] is for the factor and the dense matrices on the contact dofs. again: the
+  /// system has the pattern of the last one, whose ordering and layout stay.
+  virtual Outcome factor(const System& system, double memory_bound, bool again = false) = 0;
 
   /// What factor needs at least, as far as it is known before anything is factored [bytes].
   virtual double memory_needed() const = 0;

@@ -15,6 +15,18 @@ bool costs_no_energy(const System& system, const Vector& w) {
   return costs_no_energy(in[0], in[1]);
 }
 
+bool same_dofs(const System& one, const System& other) {
+  return one.dimension == other.dimension && one.first == other.first &&
+         one.mesh_node == other.mesh_node && one.border.cols() == other.border.cols();
+}
+
+bool same_pattern(const System& one, const System& other) {
+  const Matrix &A = one.entries(), &B = other.entries();
+  return same_dofs(one, other) && A.nonZeros() == B.nonZeros() &&
+         std::equal(A.outerIndexPtr(), A.outerIndexPtr() + A.rows() + 1, B.outerIndexPtr()) &&
+         std::equal(A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros(), B.innerIndexPtr());
+}
+
 Vector AssembledSystem::multiply_sized(const Vector& x_in, Vector& Ax) const {
   Ax.resize(A.rows());
   Vector size(A.rows());

@@ -82,6 +82,11 @@ struct AssembledSystem final : System {
   const Matrix& entries() const override { return A; }
 };
 
+/// Whether two systems have their contact dofs and their mesh nodes in the same places.
+bool same_dofs(const System& one, const System& other);
+/// The same, and the entries of A: what is laid out by the one then serves the other.
+bool same_pattern(const System& one, const System& other);
+
 /// Whether a motion w costs no energy, by <Aw,w> and <Dw,w>. The entries of A, each rounded to
 /// 1e-16, leave up to 1e-15 of <Dw,w> of a rigid motion; a support of a trillionth of the body's
 /// stiffness leaves some 1e-14, and is one. times: how often the rounding of a product with A

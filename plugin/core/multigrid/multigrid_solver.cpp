@@ -19,18 +19,31 @@ constexpr Real usual_iterations = 50;
 
 }  // namespace
 
-MultigridSolver::MultigridSolver(SystemPtr system) : system_(std::move(system)) {
-  const double start = cpu_seconds();
-  hierarchy_ = make_hierarchy(*system_);
-  if (!hierarchy_) return;
-  motions_ = floating_motions(*system_);
-  setup_ = cpu_seconds() - start;
-}
+MultigridSolver::MultigridSolver(SystemPtr system) : system_(std::move(system)) { set_up(); }
 
 MultigridSolver::MultigridSolver(SystemPtr system, std::unique_ptr<Hierarchy> hierarchy)
     : system_(std::move(system)),
       hierarchy_(std::move(hierarchy)),
       motions_(floating_motions(*system_)) {}
+
+void MultigridSolver::renew(SystemPtr system) {
+  hierarchy_.reset();  // it may know the system
+  system_ = std::move(system);
+  set_up_ = false;
+}
+
+void MultigridSolver::set_up() {
+  const double start = cpu_seconds();
+  hierarchy_ = make_hierarchy(*system_);
+  if (hierarchy_) motions_ = floating_motions(*system_);
+  set_up_ = true;
+  setup_ = cpu_seconds() - start;
+}
+
+void MultigridSolver::take(SystemPtr system) {
+  system_ = std::move(system);
+  motions_ = floating_motions(*system_);
+}
 
 Solution MultigridSolver::solve(const ContactProblem& problem, const Settings& settings,
                                 const Vector& x0, Observer* observer, double allowance) {

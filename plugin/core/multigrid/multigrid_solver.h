@@ -18,6 +18,14 @@ class MultigridSolver {
   /// With a hierarchy that is made already.
   MultigridSolver(SystemPtr system, std::unique_ptr<Hierarchy> hierarchy);
 
+  /// Another matrix on the same dofs, whose hierarchy is set up by set_up(); the faces of the last
+  /// answer stay.
+  void renew(SystemPtr system);
+  bool is_set_up() const { return set_up_; }
+  void set_up();
+  /// Another matrix, which the hierarchy has already.
+  void take(SystemPtr system);
+
   bool has_hierarchy() const { return hierarchy_ != nullptr; }
 
   /// Wants a hierarchy. x0: n, or empty to start from the last answer. allowance: where it is
@@ -36,7 +44,8 @@ class MultigridSolver {
   std::unique_ptr<Hierarchy> hierarchy_;
   Eigen::MatrixXd motions_;  ///< n x k: rigid motions that A leaves free
   Branches last_;            ///< of the last answer: where an increment starts
-  double setup_ = 0;         ///< CPU seconds, until they are reported
+  bool set_up_ = true;
+  double setup_ = 0;  ///< CPU seconds, until they are reported
 };
 
 }  // namespace frictioncg

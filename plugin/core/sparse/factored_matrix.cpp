@@ -24,6 +24,15 @@ FactoredMatrix::FactoredMatrix(SystemPtr system) : system_(std::move(system)) {
   if (common_.status != CHOLMOD_TOO_LARGE) check(L_ != nullptr, common_);
 }
 
+void FactoredMatrix::renew(SystemPtr system) {
+  system_ = std::move(system);
+  for (std::vector<Index>* v : {&column_, &row_}) v->clear();
+  value_.clear();
+  copy_upper_triangle();
+  now_ = value_;
+  view_ = symmetric_view(system_->dofs(), column_, row_, now_.data());
+}
+
 FactoredMatrix::~FactoredMatrix() {
   cholmod_free_factor(&L_, &common_);
   for (cholmod_dense** workspace : {&X_, &Y_, &E_}) cholmod_free_dense(workspace, &common_);

@@ -15,6 +15,8 @@ class FactoredMatrix final : public Hierarchy {
   FactoredMatrix(const FactoredMatrix&) = delete;
   FactoredMatrix& operator=(const FactoredMatrix&) = delete;
 
+  /// Another matrix of the same pattern, over the same layout.
+  void renew(SystemPtr system);
   bool laid_out() const { return L_ != nullptr; }  ///< else too large for CHOLMOD
   double flops() const { return common_.fl; }      ///< of one factorization
 
@@ -31,7 +33,7 @@ class FactoredMatrix final : public Hierarchy {
   void copy_upper_triangle();
   Real& diagonal(Index j) { return now_[column_[j + 1] - 1]; }
 
-  const SystemPtr system_;
+  SystemPtr system_;
   cholmod_common common_;
   cholmod_factor* L_ = nullptr;
   cholmod_dense *X_ = nullptr, *Y_ = nullptr, *E_ = nullptr;  ///< kept by cholmod_solve2

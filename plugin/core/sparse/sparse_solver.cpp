@@ -22,6 +22,11 @@ SparseSolver::SparseSolver(SystemPtr system)
 SparseSolver::SparseSolver(SystemPtr system, std::unique_ptr<FactoredMatrix> factor)
     : factor_(*factor), newton_(std::move(system), std::move(factor)) {}
 
+void SparseSolver::renew(const SystemPtr& system) {
+  factor_.renew(system);
+  newton_.take(system);
+}
+
 Solution SparseSolver::solve(const ContactProblem& problem, const Settings& settings,
                              const Vector& x0, Observer* observer) {
   Solution s = newton_.solve(problem, settings, x0, observer,

@@ -11,6 +11,8 @@ class SparseSolver {
  public:
   explicit SparseSolver(SystemPtr system);
 
+  /// Another matrix of the same pattern.
+  void renew(const SystemPtr& system);
   double bytes() const { return factor_.bytes(); }
   double flops() const { return factor_.flops(); }
   bool laid_out() const { return factor_.laid_out(); }

@@ -20,7 +20,7 @@ class FloatingMotions {
   }
 
  private:
-  const SystemPtr system_;
+  SystemPtr system_;
   std::optional<DenseMatrix> motions_;
 };
 

@@ -1,0 +1,103 @@
+#pragma once
+#include "freefem.h"
+
+#include "call.h"
+#include "contactproblem.h"
+
+namespace frictioncg {
+
+/// Whether contact points are at the same nodes.
+inline bool same_points(const std::vector<BoundaryNode>& one,
+                        const std::vector<BoundaryNode>& other) {
+  return std::equal(
+      one.begin(), one.end(), other.begin(), other.end(),
+      [](const BoundaryNode& p, const BoundaryNode& q) { return p.point.dof == q.point.dof; });
+}
+
+/// The points on an obstacle with the normals and weights of the call, or as they were.
+inline void place_obstacle(Stack stack, const Arguments& args, Scene& scene) {
+  const Parameter normal = scene.pairing ? p_obstaclenormal : p_normal;
+  if (!args.has(normal) && (!args.has(p_weight) || scene.on_mesh.empty())) {
+    scene.nodes.erase(scene.nodes.begin(), scene.nodes.begin() + static_cast<long>(scene.paired()));
+    return;
+  }
+  if (!args.has(normal) && scene.given_normals)
+    throw IllegalInput(std::string("weight is given with the new matrix, and ") +
+                       parameters[normal].name + ", which C was made with, is not; give both");
+  scene.nodes = scene.on_mesh;
+  scene.averted.clear();
+  set_weights(stack, args, scene);
+  set_normals(stack, args, scene);
+  if (scene.nodes.empty() && !scene.averted.empty()) refuse_inward(scene);
+}
+
+/// Points that have been found anew take from those before what no such call names.
+inline void take_over(const Scene& before, Scene& scene) {
+  const bool same = same_points(before.nodes, scene.nodes);
+  for (std::size_t k = 0; k < scene.nodes.size(); ++k) {
+    ContactPoint& p = scene.nodes[k].point;
+    p.friction = scene.tangents;
+    if (!same) continue;
+    p.friction = before.nodes[k].point.friction;
+    p.direction = before.nodes[k].point.direction;
+    p.mu_ratio = before.nodes[k].point.mu_ratio;
+  }
+  const auto orthotropic = [](const BoundaryNode& n) { return n.point.mu_ratio != 1; };
+  if (!same && std::any_of(before.nodes.begin(), before.nodes.end(), orthotropic))
+    throw IllegalInput(
+        "other nodes than those of C are to touch, and its mu2 and direction hold for the latter; "
+        "make C anew, with contactProblem(...)");
+}
+
+/// Whether the call names all that bounds friction in these laws.
+inline bool names_friction(const Arguments& args, const PointLaws& laws) {
+  if (laws.law == Law::frictionless || args.has(p_slidinglimit)) return true;
+  if (laws.law == Law::tresca) return args.has_any(frictions);
+  const auto named = [&](Parameter p, const Vector& v) {
+    return v.size() == 0 || v.isZero(0) || args.has(p);
+  };
+  return named(p_mu, laws.mu) && named(p_cohesion, laws.cohesion) && named(p_shearmax, laws.cap);
+}
+
+/// The laws of C at the points of its scene as it is posed anew: where these are others, the call
+/// has to name what C had.
+inline PointLaws laws_at(const Arguments& args, const Scene& before, const Scene& scene,
+                         PointLaws laws) {
+  const Index paired = static_cast<Index>(before.paired());
+  const bool of_meshes = scene.pairing && laws.gap.head(paired) == before.pairing->gap();
+  if (same_points(before.nodes, scene.nodes)) {
+    if (of_meshes) laws.gap.head(paired) = scene.pairing->gap();
+    return laws;
+  }
+  const bool gap = args.has(p_gap) || of_meshes || laws.gap.head(paired).isZero(0);
+  const Vector rest = laws.gap.tail(laws.gap.size() - paired);
+  const Parameter gap_of_rest = scene.pairing ? p_obstaclegap : p_gap;
+  if (!gap || !names_friction(args, laws) || !(rest.isZero(0) || args.has(gap_of_rest)))
+    throw IllegalInput(
+        "other nodes than those of C are to touch, by the normal or by the supports of the new "
+        "matrix, and C has gap and friction at the latter alone; name them in this call, too");
+  for (Vector* v : {&laws.gap, &laws.mu, &laws.g, &laws.cohesion, &laws.cap}) v->resize(0);
+  return laws;
+}
+
+/// C with the script's matrix as it is now, and with what the call names of its geometry. alone:
+/// nobody else has the scene of C, which then gives its solver away. laws: those of the call.
+/// Whatever is refused, C stays as it was.
+inline PosedProblem renewed(Stack stack, const Arguments& args, const Expression A,
+                            const PosedProblem& C, bool alone, PointLaws& laws) {
+  Scene& before = *C.scene;
+  PosedProblem posed{before.posed_anew(), {}};
+  Scene& scene = *posed.scene;
+  place_obstacle(stack, args, scene);
+  if (scene.pairing) face_bodies(stack, args, A, scene);
+  take_over(before, scene);
+  posed.laws = laws_at(args, before, scene, C.laws);
+  laws = read_laws(stack, args, scene, begun_laws(stack, args, posed.laws), posed.laws.gap);
+  if (posed.laws.gap.size() == 0) posed.laws = laws;
+  const Triplets matrix = read_matrix(stack, A, scene);
+  with_components_in_words(scene, [&] { scene.assemble_after(before, matrix, alone); });
+  scene.unnamed_radius = before.unnamed_radius;
+  return posed;
+}
+
+}  // namespace frictioncg
