@@ -147,9 +147,11 @@ Plan make_plan(const ContactProblem& problem, const Settings& settings) {
   plan.route = condenses(settings)                    ? Route::condensed
                : settings.method == Method::multigrid ? Route::multigrid
                                                       : Route::iterative;
-  if (may_replace_a_factor(settings)) {
-    plan.costs = estimate_costs(*problem.system);
-    if (plan.costs.multigrid < plan.costs.condensed) plan.route = Route::multigrid;
+  const bool chooses = may_replace_a_factor(settings);
+  if (chooses || settings.method == Method::multigrid) plan.costs = estimate_costs(*problem.system);
+  if (chooses) {
+    const double worth = worth_of_factor(*problem.system);
+    if (worth * plan.costs.multigrid < plan.costs.condensed) plan.route = Route::multigrid;
     if (plan.costs.sparse < plan.costs.multigrid) plan.route = Route::sparse;
   }
   plan.dofs = problem.dofs();

@@ -67,7 +67,8 @@ inline void face_bodies(Stack stack, const Arguments& args, const Expression A, 
     u_old = copy_of(args.value<KN_<double>>(stack, p_uold));
     check_vector(u_old, "uold", scene.dofs);
   }
-  scene.face(matrix, options, u_old);
+  constexpr Parameter chosen[] = {p_maxgap, p_smooth, p_normal, p_weight};
+  scene.face(matrix, options, u_old, !args.has_any(chosen));
 }
 
 /// The laws that the arguments name at the contact points, which get their tangents: a node has

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "../core/assembly/mortar/slip.h"
 #include "../core/assembly/mortar/validation.h"
@@ -45,10 +46,12 @@ class Pairing {
 
   /// The contact nodes: those of the slave that face the master and are not on an obstacle, whose
   /// points are given. u_old, by all dofs or empty: where the increment began, of nodes that have
-  /// been moved.
+  /// been moved. again: the options are those of the last time, whose mortar stays where the same
+  /// nodes are held and taken, and no motion that A leaves free was asked for.
   std::vector<BoundaryNode> face(const Triplets& A, int d, mortar::Options options,
                                  const Vector& u_old, const std::vector<BoundaryNode>& on_obstacle,
-                                 const std::function<std::vector<NodePlace>()>& places) {
+                                 const std::function<std::vector<NodePlace>()>& places,
+                                 bool again = false) {
     options.element_groups = [this](Index i) {
       const auto found = between_.body_count.find(i);
       return found == between_.body_count.end() ? 1 : found->second;
@@ -57,19 +60,25 @@ class Pairing {
     std::vector<ContactPoint> obstacle;
     for (const BoundaryNode& n : on_obstacle) obstacle.push_back(n.point);
     dirichlet_ = std::make_shared<const Dirichlet>(A, obstacle);
+    bool asked = false;
     options.freedom = [&] {
+      asked = true;
       const std::vector<NodePlace> all = places();
       FreedomOfBodies bodies(d, between_.X, body_of_nodes(all, A.n));
       bodies.add(A, *dirichlet_, all);
       return bodies.freedom();
     };
-    taken_.clear();
+    const std::vector<char> taken_before = std::exchange(taken_, {});
     take(obstacle);
     mortar::Nodes nodes{d, between_.X, mortar::held_components(d, between_.dof, *dirichlet_),
                         taken_};
     if (between_.is_moved) nodes.reference = displaced(between_, d);
     if (u_old.size() > 0) nodes.before = displaced(between_, d, u_old);
-    mortar_ = std::make_shared<const mortar::Mortar>(nodes, between_.pairs, options);
+    if (!again || asked_ || u_old.size() > 0 || nodes.held != held_ || taken_ != taken_before) {
+      mortar_ = std::make_shared<const mortar::Mortar>(nodes, between_.pairs, options);
+      asked_ = asked;
+      held_ = nodes.held;
+    }
     std::vector<BoundaryNode> contact;
     FacedPart faced;
     for (const mortar::ContactNode& m : mortar_->nodes()) {
@@ -194,7 +203,9 @@ class Pairing {
 
   Interface between_;
   std::shared_ptr<const Dirichlet> dirichlet_;
-  std::vector<char> taken_;  ///< as mortar::Nodes has it
+  std::vector<unsigned char> held_;  ///< of the nodes, as mortar::Nodes has it
+  bool asked_ = false;               ///< what A leaves free, by the mortar
+  std::vector<char> taken_;          ///< as mortar::Nodes has it
   std::shared_ptr<const mortar::Mortar>
       mortar_;  ///< null where several processes have a common one
   FacedPart faced_;

@@ -123,6 +123,22 @@ inline void report_pairs(const Scene& scene, long verb) {
   std::cout << "; verb=3 has each" << std::endl;
 }
 
+/// The route, and what was weighed.
+inline void report_choice(const Plan& plan) {
+  if (plan.route == Route::iterative) return;
+  std::cout << (plan.route == Route::multigrid ? " by multigrid"
+                : plan.route == Route::sparse  ? " by sparse factors"
+                                               : " by a factorization");
+  if (!std::isfinite(plan.costs.multigrid)) return;
+  const std::streamsize digits = std::cout.precision(1);
+  std::cout << " (weighed: a factorization at about " << plan.costs.condensed << " s, multigrid at "
+            << plan.costs.multigrid << " s";
+  if (std::isfinite(plan.costs.sparse))
+    std::cout << ", sparse factors of slender bodies at " << plan.costs.sparse << " s";
+  std::cout << ")";
+  std::cout.precision(digits);
+}
+
 /// What the scene needs, and what it does not.
 inline void report_plan(const Arguments& args, const Scene& scene, const ContactProblem& problem,
                         const Settings& s, long verb) {
@@ -138,11 +154,7 @@ inline void report_plan(const Arguments& args, const Scene& scene, const Contact
   if (plan.nodes == 0)
     std::cout << "; Dirichlet conditions hold every normal displacement: a plain linear solve";
   std::cout << "; " << name_of(s.method, methods);
-  if (s.method == Method::automatic && plan.route == Route::multigrid)
-    std::cout << " by multigrid: about 1/"
-              << std::round(plan.costs.condensed / plan.costs.multigrid) << " of a factorization";
-  if (s.method == Method::automatic && plan.route == Route::sparse)
-    std::cout << " by sparse factors, the bodies being slender";
+  if (s.method == Method::automatic) report_choice(plan);
   if (plan.regularization) std::cout << ", " << name_of(s.reg, regularizations);
   report_left_out(args, scene, plan);
   std::cout << "; version " << version << std::endl;

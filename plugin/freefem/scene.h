@@ -67,7 +67,8 @@ struct Scene {
   }
 
   /// Finds the contact nodes of two bodies, beside those on an obstacle.
-  void face(const Triplets& A, const mortar::Options& options, const Vector& u_old);
+  void face(const Triplets& A, const mortar::Options& options, const Vector& u_old,
+            bool again = false);
   /// Copies A into the local frames; the nodes carry their normals and whether they have friction.
   /// renewable: as another matrix may follow.
   void assemble(const Triplets& A, bool renewable = false);
@@ -129,10 +130,11 @@ inline std::shared_ptr<Scene> Scene::posed_anew() const {
   return scene;
 }
 
-inline void Scene::face(const Triplets& A, const mortar::Options& options, const Vector& u_old) {
+inline void Scene::face(const Triplets& A, const mortar::Options& options, const Vector& u_old,
+                        bool again) {
   const double start = cpu_seconds();
   const std::vector<BoundaryNode> of_obstacle = std::move(nodes);
-  nodes = pairing->face(A, d, options, u_old, of_obstacle, places);
+  nodes = pairing->face(A, d, options, u_old, of_obstacle, places, again);
   nodes.insert(nodes.end(), of_obstacle.begin(), of_obstacle.end());
   beside_pairs = of_obstacle.size();
   copy_seconds = cpu_seconds() - start;
@@ -396,7 +398,9 @@ std::shared_ptr<Scene> pair_scene(const Placement<FESpaceType>& V1,
   scene->go_to = [V1, V2](MeshPoint* mp, const BoundaryNode& node) {
     go_to(mp, node.space == 0 ? V1 : V2, node);
   };
-  scene->places = [of_first = scene->places, V2, offset, d = scene->d] {
+  const auto known = std::make_shared<std::vector<NodePlace>>();
+  scene->places = [of_first = scene->places, V2, known, offset, d = scene->d] {
+    if (!known->empty()) return *known;
     std::vector<NodePlace> places = of_first();
     Index bodies = 0;
     for (const NodePlace& n : places) bodies = std::max(bodies, n.body + 1);
@@ -405,6 +409,7 @@ std::shared_ptr<Scene> pair_scene(const Placement<FESpaceType>& V1,
       for (int c = 0; c < d; ++c) n.dof[c] += offset;
       places.push_back(n);
     }
+    *known = places;
     return places;
   };
   scene->labelled = [of_first = scene->labelled, V2, offset, d = scene->d] {

@@ -15,15 +15,15 @@ class InexactNewton {
  public:
   InexactNewton(const ContactProblem& problem, Hierarchy& hierarchy, Observer* observer = nullptr);
 
-  /// From the branches of x0 (n), or where it is empty from the given ones, or where these are,
-  /// too, from stick. Friction is to follow the slip to about tol, too, where rounding allows it.
+  /// From x0 (n), or where it is empty from 0; on the given branches, or where these are empty on
+  /// those of x0, or where that is, too, on those that nothing but the gaps tells. Friction is to follow the slip to about tol, too, where rounding allows it.
   /// converged: by the certificate; max_iterations; stagnated: neither further updates of the faces
   /// nor springs reduce the violation.
   Status solve(Real tol, Index max_iterations, const Vector& x0, const Branches& start = {});
 
   /// For a caller who has another method, which costs as much as so many cycles. Ends, stagnated,
-  /// as soon as the rate of a linear system promises more than that, or what the faces violate
-  /// grows, as it does in slender bodies.
+  /// as soon as the rate of a linear system promises more than that, or than a share of it where
+  /// what the faces violate grows, as it does in slender bodies.
   void give_up_beyond(Real cycles) { affordable_ = cycles; }
 
   const Vector& x() const { return x_; }
@@ -61,7 +61,7 @@ class InexactNewton {
   Vector accepted_;             ///< n, the last x that the certificate lets pass; or empty
   Real goal_ = 0;               ///< of residual and violation [norm_D]
   Real affordable_ = infinity;  ///< cycles
-  bool gave_up_ = false;
+  bool gave_up_ = false, ran_away_ = false;
   /// Violations (norm_D) since the springs were set: after the first update, the least one, and the
   /// updates since then.
   Real first_violation_ = infinity, least_violation_ = infinity;

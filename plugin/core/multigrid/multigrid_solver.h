@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "multigrid/faces.h"
+#include "multigrid/past.h"
 #include "solution.h"
 
 namespace frictioncg {
@@ -28,15 +29,20 @@ class MultigridSolver {
 
   bool has_hierarchy() const { return hierarchy_ != nullptr; }
 
-  /// Wants a hierarchy. x0: n, or empty to start from the last answer. allowance: where it is
+  /// Wants a hierarchy. Starts from x0 (n, or empty), from where the answers before lead to, or
+  /// from rest, whichever is nearest to the laws. The faces are those of the last answer, or, where
+  /// there is none, or two of them led to the start, those of the start. allowance: where it is
   /// finite there is another route, at so many times what multigrid costs as a rule; this one then
   /// ends, stagnated, as soon as it costs more.
   Solution solve(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                  Observer* observer, double allowance = std::numeric_limits<double>::infinity());
 
   const Eigen::MatrixXd& floating() const { return motions_; }
+  /// The answers before count no more.
+  void forget();
 
  private:
+  Vector best_of(const ContactProblem& problem, const Vector& x0, const Vector& going_on) const;
   void iterate(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                Observer* observer, double allowance, Solution& s);
 
@@ -44,6 +50,7 @@ class MultigridSolver {
   std::unique_ptr<Hierarchy> hierarchy_;
   Eigen::MatrixXd motions_;  ///< n x k: rigid motions that A leaves free
   Branches last_;            ///< of the last answer: where an increment starts
+  Past past_;
   bool set_up_ = true;
   double setup_ = 0;  ///< CPU seconds, until they are reported
 };

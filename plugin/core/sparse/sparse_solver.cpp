@@ -9,9 +9,9 @@ namespace frictioncg {
 
 namespace {
 
-/// Of the cycles that multigrid takes as a rule, which are 50: from stick Newton's method settles
+/// Of the cycles that multigrid takes as a rule, which are 30: from stick Newton's method settles
 /// in three steps or, in slender bodies, not at all; from the last answer it may take more.
-constexpr Real from_stick = 0.1, from_last = 0.4;
+constexpr Real from_stick = 0.17, from_last = 0.67;
 constexpr Index from_path = 40;  ///< steps, from the end of the central path: it takes 2 to 10
 
 }  // namespace
@@ -51,8 +51,10 @@ Solution SparseSolver::follow_path(const ContactProblem& problem, const Settings
   const Index steps = path.follow(max_steps);
   Settings rest = settings;
   rest.nbiter = std::clamp<Index>(max_steps - steps, 1, from_path);
+  newton_.forget();  // the end of the path has the faces
+  answered_ = false;
   Solution s = newton_.solve(problem, rest, steps > 0 ? path.x() : Vector(), observer);
-  answered_ = answered_ || s.status == Status::converged;
+  answered_ = s.status == Status::converged;
   s.iterations += steps;
   s.route = Route::sparse;
   s.layer = Layer::sparse_interior_point;
