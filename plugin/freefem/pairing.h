@@ -74,7 +74,7 @@ class Pairing {
                         taken_};
     if (between_.is_moved) nodes.reference = displaced(between_, d);
     if (u_old.size() > 0) nodes.before = displaced(between_, d, u_old);
-    if (!again || asked_ || u_old.size() > 0 || nodes.held != held_ || taken_ != taken_before) {
+    if (!mortar_ || !again || asked_ || u_old.size() > 0 || nodes.held != held_ || taken_ != taken_before) {
       mortar_ = std::make_shared<const mortar::Mortar>(nodes, between_.pairs, options);
       asked_ = asked;
       held_ = nodes.held;

@@ -22,7 +22,7 @@ class InexactNewton {
   Status solve(Real tol, Index max_iterations, const Vector& x0, const Branches& start = {});
 
   /// For a caller who has another method, which costs as much as so many cycles. Ends, stagnated,
-  /// as soon as the rate of a linear system promises more than that, or than a share of it where
+  /// as soon as the rate of a linear system promises more than that, or some cycles after
   /// what the faces violate grows, as it does in slender bodies.
   void give_up_beyond(Real cycles) { affordable_ = cycles; }
 
