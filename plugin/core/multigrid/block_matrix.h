@@ -24,7 +24,8 @@ class BlockSum {
   void add(const float* a, const float* x) {
     if constexpr (C == 6) {
       const Four head = load(x), tail{0, 0, x[4], x[5]};
-      for (int r = 0; r < R; ++r) sum_[r] += load(a + r * 6) * head + load(a + r * 6 + 2) * tail;
+      for (int r = 0; r < R; ++r)
+        sum_[r] += load(row_of<6>(a, r)) * head + load(row_of<6>(a, r) + 2) * tail;
     } else if constexpr (in_lanes<R, C>) {
       const Four v = load(x);
       for (int r = 0; r < R; ++r) sum_[r] += row_of_three(a, r) * v;
@@ -50,7 +51,7 @@ template <int R, int C>
 inline void add_transposed_product(const float* a, const float* x, float* y) {
   if constexpr (C == 6) {
     Six sum = Six::load(y);
-    for (int r = 0; r < R; ++r) sum.add(x[r], Six::load(a + r * 6));
+    for (int r = 0; r < R; ++r) sum.add(x[r], Six::load(row_of<6>(a, r)));
     sum.store(y);
   } else if constexpr (in_lanes<R, C>) {
     Four sum = load(y);
@@ -67,11 +68,11 @@ template <int R, int K, int C>
 inline void add_rows(float factor, const float* a, int row, int column, const float* b, float* c) {
   if constexpr (C == 6) {
     Six rows[K];
-    for (int k = 0; k < K; ++k) rows[k] = Six::load(b + k * 6);
+    for (int k = 0; k < K; ++k) rows[k] = Six::load(row_of<6>(b, k));
     for (int r = 0; r < R; ++r) {
-      Six sum = Six::load(c + r * 6);
+      Six sum = Six::load(row_of<6>(c, r));
       for (int k = 0; k < K; ++k) sum.add(factor * a[r * row + k * column], rows[k]);
-      sum.store(c + r * 6);
+      sum.store(row_of<6>(c, r));
     }
   } else {
     for (int r = 0; r < R; ++r)

@@ -45,7 +45,7 @@ void ExactMatrix<D>::multiply_slots(const SymmetricBlocks<D>& places) {
       const Reals<D> x_j = Reals<D>::load(x_.data() + j);
       Reals<D> y_j = Reals<D>::load(y_.data() + j);
       for (int r = 0; r < D; ++r) {
-        const Reals<D> row = Reals<D>::load(a + r * D);
+        const Reals<D> row = Reals<D>::load(row_of<D>(a, r));
         sum[r].add(row, x_j);
         y_j.add(row, x_i[r]);
       }

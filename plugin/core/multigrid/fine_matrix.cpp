@@ -14,8 +14,6 @@ SymmetricBlocks<D> make_fine_matrix(const Matrix& A, const NodeBlocks& blocks, R
   M.diagonal.assign(std::size_t(blocks.blocks) * D * D, 0);
   M.inverse.assign(std::size_t(blocks.blocks) * D * D, 0);
   exact.diagonal.assign(std::size_t(blocks.blocks) * D * D, 0);
-  const std::size_t couplings = std::size_t(A.nonZeros()) / (2 * D * D);  // a little more, or less
-  exact.lower.reserve(couplings * D * D);
   M.row.reserve(blocks.blocks + 1);
   std::vector<Index> block_of(blocks.slot.size()), place(blocks.blocks, -1);
   for (std::size_t p = 0; p < block_of.size(); ++p) block_of[p] = blocks.slot[p] / D;
@@ -36,13 +34,15 @@ SymmetricBlocks<D> make_fine_matrix(const Matrix& A, const NodeBlocks& blocks, R
       M.col.push_back(j);
     });
     std::sort(M.col.begin() + std::ptrdiff_t(first), M.col.end());
-    for (std::size_t k = first; k < M.col.size(); ++k) place[M.col[k]] = static_cast<Index>(k);
     M.row.push_back(to_block_index(M.col.size()));
-    exact.lower.resize(M.col.size() * D * D, 0);
+  }
+  exact.lower.assign(M.col.size() * D * D, 0);
+  for (Index i = 0; i < blocks.blocks; ++i) {
+    for (Index k = M.row[i]; k < M.row[i + 1]; ++k) place[M.col[k]] = k;
     for_each_entry(i, [&](Index r, Index e) {
       const Index j = block_of[col[e]], c = blocks.slot[col[e]] - j * D;
       if (j < i)
-        exact.lower[std::size_t(place[j]) * D * D + r * D + c] = a[e];
+        exact.lower[(std::size_t(place[j]) * D + r) * D + c] = a[e];
       else if (j == i)
         exact.diagonal[(std::size_t(i) * D + r) * D + c] = a[e];
     });

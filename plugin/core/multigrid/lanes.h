@@ -24,6 +24,12 @@ inline Pair load_pair(const double* p) {
 }
 inline void store_pair(double* p, Pair v) { std::memcpy(p, &v, sizeof v); }
 
+/// Row r of a block with rows of C
+template <int C, class T>
+inline T* row_of(T* a, int r) {
+  return a + std::size_t(r) * C;
+}
+
 /// Six floats: the first four, and the last four.
 struct Six {
   Four head, tail;
@@ -47,7 +53,7 @@ constexpr std::size_t stride = B == 3 ? 4 : B;
 
 /// Row r of a 3 x 3 block, and a fourth entry that means nothing.
 inline Four row_of_three(const float* a, int r) {
-  if (r < 2) return load(a + r * 3);
+  if (r < 2) return load(row_of<3>(a, r));
   const Four v = load(a + 5);
   return Four{v[1], v[2], v[3], v[0]};
 }
