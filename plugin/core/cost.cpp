@@ -17,7 +17,7 @@ constexpr double of_factor_2d = 1.2e-7;  ///< over n^1.25, 2D
 constexpr double of_entries = 5e-8;      ///< over the entries of A: ordering, and two sweeps
 constexpr double of_laws = 4.5e-11;      ///< over contact_dofs^3: S, and ten steps on it
 constexpr double of_cycles = 1.5e-7;     ///< over the entries of A: 15 to 30 cycles, and the set-up
-constexpr double of_steps = 4e-7;        ///< over n^1.5: 20 factors of a slender body
+constexpr double of_steps = 2.5e-7;      ///< over n^1.5: 20 factors of a slender body
 constexpr double of_levels = 5e-8;       ///< over the entries of A: the set-up alone
 /// From which on sparse factors cost no more than that, and hierarchies may be poor.
 constexpr double slender = 30;

@@ -15,7 +15,7 @@ namespace {
 /// What takes more cycles is better left to another route.
 constexpr Index most_iterations = 2000;
 /// The route costs so many cycles as a rule, set-up included: the unit of `allowance`.
-constexpr Real usual_iterations = 30;
+constexpr Real usual_iterations = 40;
 
 }  // namespace
 

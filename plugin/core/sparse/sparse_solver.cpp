@@ -9,9 +9,9 @@ namespace frictioncg {
 
 namespace {
 
-/// Of the cycles that multigrid takes as a rule, which are 30: from stick Newton's method settles
+/// Of the cycles that multigrid takes as a rule, which are 40: from stick Newton's method settles
 /// in three steps or, in slender bodies, not at all; from the last answer it may take more.
-constexpr Real from_stick = 0.17, from_last = 0.67;
+constexpr Real from_stick = 0.125, from_last = 0.5;
 constexpr Index from_path = 40;  ///< steps, from the end of the central path: it takes 2 to 10
 
 }  // namespace
