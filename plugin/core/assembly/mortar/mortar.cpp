@@ -211,29 +211,25 @@ void Assembly::finish(const std::vector<Side>& masters, Mortar& mortar) {
   const Index n = size();
   mortar.size_ = n;
   mortar.edges_ = std::move(edges_);
-  mortar.N_ = sparse(n, n, N_);
-  mortar.P_ = sparse(n, n, P_);
-  Vector inverse = Vector::Ones(n);
-  for (Index i = 0; i < n; ++i)
-    if (D_[i] != 0) inverse[i] = 1 / D_[i];
-  mortar.N_ = Matrix(inverse.asDiagonal() * mortar.N_).pruned(1., negligible);
-  mortar.P_ = Matrix(inverse.asDiagonal() * mortar.P_).pruned(1., negligible);
+  const Vector inverse = (D_.array() == 0).select(Vector::Ones(n), D_).cwiseInverse();
+  mortar.N_ = Matrix(inverse.asDiagonal() * sparse(n, n, N_)).pruned(1., negligible);
+  mortar.P_ = Matrix(inverse.asDiagonal() * sparse(n, n, P_)).pruned(1., negligible);
   set_nodes(mortar);
   Entries rows;
   for (std::size_t k = 0; k < mortar.nodes_.size(); ++k)
     rows.emplace_back(static_cast<Index>(k), mortar.nodes_[k].node, 1);
   const Matrix K = sparse(static_cast<Index>(mortar.nodes_.size()), n, rows);
   mortar.S_ = K * Matrix(identity(n) + mortar.N_) * mortar.halving({}, false, -0.5);
-  mortar.G_ = mortar.S_ - Matrix(K * mortar.P_);
+  const auto take = [&](const Matrix& P) {
+    mortar.P_ = P;
+    mortar.G_ = mortar.S_ - Matrix(K * P);
+  };
+  take(mortar.P_);
   set_gaps(mortar);  // from the integrals as they are
   set_distances_of_edges(mortar);
-  mortar.P_ = balanced(mortar.P_, mortar.G_, mortar.nodes_, nodes_.X);
-  mortar.G_ = mortar.S_ - Matrix(K * mortar.P_);
-  mortar.P_ =
-      along_normals(mortar.P_, mortar.G_, mortar.nodes_, ownership_.of_master, masters, nodes_.X);
-  mortar.G_ = mortar.S_ - Matrix(K * mortar.P_);
-  mortar.P_ = across_gap(mortar.P_, mortar.G_, mortar.nodes_, nodes_, partner_);
-  mortar.G_ = mortar.S_ - Matrix(K * mortar.P_);
+  take(balanced(mortar.P_, mortar.G_, mortar.nodes_, nodes_.X));
+  take(along_normals(mortar.P_, mortar.G_, mortar.nodes_, ownership_.of_master, masters, nodes_.X));
+  take(across_gap(mortar.P_, mortar.G_, mortar.nodes_, nodes_, partner_));
   set_statistics(mortar);
 }
 
