@@ -31,6 +31,9 @@ class SharedPairSite : public SharedSite {
     const std::vector<long> slave = here(V1, opening.labels, "V1"),
                             master = here(V2 ? *V2 : V1, opening.masters, "V2");
     domain.agree([&] {
+      if (!V2 && opening.labels == opening.masters)
+        throw IllegalInput("slave and master have the same labels " + in_brackets(opening.labels) +
+                           ": what touches itself is of one process; with domain= name two labels");
       PairLabels labels(opening.labels, opening.masters);
       labels.slave = slave;
       labels.master = master;

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "assembly/mortar/search.h"
+#include "assembly/mortar/self_contact.h"
 #include "assembly/mortar/sheets.h"
 
 namespace frictioncg::mortar {
@@ -44,12 +45,13 @@ class Covering {
  public:
   /// earlier: null where it is decided now.
   Covering(const Side& slave, const Side& master, const std::vector<Vec3>& X, Real maxgap,
-           const Earlier* earlier = nullptr)
+           const OwnSurface* own, const Earlier* earlier = nullptr)
       : slave_(slave),
         master_(master),
         X_(X),
         maxgap_(maxgap),
         d_(slave.d),
+        own_(own),
         earlier_(earlier),
         tree_(d_, master.surface.facets, master.planes, X) {}
 
@@ -68,6 +70,7 @@ class Covering {
   const std::vector<Vec3>& X_;
   Real maxgap_;
   int d_;
+  const OwnSurface* own_;
   const Earlier* earlier_;
   FacetTree tree_;
   std::vector<Index> found_;
@@ -104,6 +107,8 @@ void Covering::find(Index f, Real maxgap) {
     const Vec2 middle = centroid(c.part);
     c.distance = c.projection.distance(middle);
     if (std::abs(deciding_distance(f, m, c.projection.distance)(middle)) > maxgap) continue;
+    const Real deepest = std::max(base.size, master_.planes[m].size);
+    if (own_ && own_->excludes(slave_, f, master_.facet(m), middle, c.distance, deepest)) continue;
     c.left = infinite, c.right = -infinite;
     for (const Vec2& xi : c.part)
       c.left = std::min(c.left, xi[0]), c.right = std::max(c.right, xi[0]);
@@ -236,16 +241,16 @@ Cover Covering::run() {
 }  // namespace
 
 Cover cover(const Side& slave, const Side& master, const std::vector<Vec3>& X,
-            const std::vector<Vec3>& before, Real maxgap) {
-  if (before.empty()) return Covering(slave, master, X, maxgap).run();
+            const std::vector<Vec3>& before, Real maxgap, const OwnSurface* own) {
+  if (before.empty()) return Covering(slave, master, X, maxgap, own).run();
   const Side slave_before(slave, X, before), master_before(master, X, before);
   Earlier earlier{slave_before, master_before, before, {}, 0};
-  earlier.cover = Covering(slave_before, master_before, before, maxgap).run();
+  earlier.cover = Covering(slave_before, master_before, before, maxgap, own).run();
   for (const Side* side : {&slave, &master})
     for (const Facet& facet : side->surface.facets)
       for (int v = 0; v < side->d; ++v)
         earlier.moved = std::max(earlier.moved, (X[facet.node[v]] - before[facet.node[v]]).norm());
-  return Covering(slave, master, X, maxgap, &earlier).run();
+  return Covering(slave, master, X, maxgap, own, &earlier).run();
 }
 
 }  // namespace frictioncg::mortar

@@ -23,10 +23,12 @@ struct Cover {
   Real nearest = 0;  ///< distance of the nearest facing facet, where nothing is covered [length]
 };
 
+struct OwnSurface;  // self_contact.h
+
 /// before: empty, or where the nodes were when it was decided what faces what: what maxgap and
-/// steps leave out there is left out, so that the cells of X move on with X. Throws IllegalInput
-/// where the bodies overlap by more than a facet.
+/// steps leave out there is left out, so that the cells of X move on with X. own: of a surface that
+/// touches itself, or null. Throws IllegalInput where the bodies overlap by more than a facet.
 Cover cover(const Side& slave, const Side& master, const std::vector<Vec3>& X,
-            const std::vector<Vec3>& before, Real maxgap);
+            const std::vector<Vec3>& before, Real maxgap, const OwnSurface* own = nullptr);
 
 }  // namespace frictioncg::mortar

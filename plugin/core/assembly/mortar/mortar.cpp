@@ -8,6 +8,7 @@
 #include "assembly/mortar/dual_basis.h"
 #include "assembly/mortar/integration.h"
 #include "assembly/mortar/moments.h"
+#include "assembly/mortar/self_contact.h"
 #include "assembly/mortar/validation.h"
 
 namespace frictioncg::mortar {
@@ -27,11 +28,7 @@ Matrix sparse(Index rows, Index columns, const Entries& entries) {
   return M;
 }
 
-Matrix identity(Index n) {
-  Matrix I(n, n);
-  I.setIdentity();
-  return I;
-}
+Matrix identity(Index n) { return Matrix(Vector::Ones(n).asDiagonal()); }
 
 }  // namespace
 
@@ -233,14 +230,16 @@ void Assembly::finish(const std::vector<Side>& masters, Mortar& mortar) {
   set_statistics(mortar);
 }
 
-Mortar::Mortar(const Nodes& nodes, const std::vector<Pair>& pairs, const Options& options) {
+Mortar::Mortar(const Nodes& nodes, const std::vector<Pair>& given, const Options& options) {
+  const std::vector<Pair> pairs = parted(nodes, given, options.maxgap);
   validate_pairs(nodes, pairs, options);
   std::vector<Side> slaves, masters;
   std::vector<Cover> covers;
   for (const Pair& pair : pairs) {
     slaves.emplace_back(nodes.dimension, pair.slave, nodes.X, nodes.reference);
     masters.emplace_back(nodes.dimension, pair.master, nodes.X, nodes.reference);
-    covers.push_back(cover(slaves.back(), masters.back(), nodes.X, nodes.before, options.maxgap));
+    covers.push_back(
+        cover(nodes, given[covers.size()], slaves.back(), masters.back(), options.maxgap));
   }
   const Ownership ownership(nodes, slaves, masters, covers, options);
   validate_cover(nodes, slaves, masters, covers, ownership, options);

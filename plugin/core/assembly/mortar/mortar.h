@@ -7,7 +7,8 @@
 
 namespace frictioncg::mortar {
 
-/// Slave and master of one contact; pairs share the numbering of nodes.
+/// Slave and master of one contact; pairs share the numbering of nodes. Where both are the same
+/// facets the surface touches itself (self_contact.h).
 struct Pair {
   Surface slave, master;
 };

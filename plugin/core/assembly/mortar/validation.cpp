@@ -50,8 +50,9 @@ void refuse_common_facets(int d, const std::vector<Pair>& pairs) {
       if (found != slave.end() && found->second == &pair) {
         std::ostringstream m;
         m << "label " << f.label
-          << " is on both sides; a boundary is slave or master, and what touches itself needs two "
-             "labels";
+          << " is on both sides; a boundary is slave or master, or, where it touches itself, the "
+             "one "
+             "and the other by the same labels alone";
         throw IllegalInput(m.str());
       }
     }

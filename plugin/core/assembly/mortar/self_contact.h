@@ -1,0 +1,42 @@
+#pragma once
+#include "assembly/mortar/cover.h"
+#include "assembly/mortar/mortar.h"
+#include "assembly/mortar/topology.h"
+
+namespace frictioncg::mortar {
+
+/// What a surface that may touch itself knows of its body: where its facets are before deformation.
+struct OwnSurface {
+  std::vector<Plane> planes;
+  const std::vector<Vec3>& X;
+
+  /// The side is at Y; reference: nodes without deformation, or empty, which is Y.
+  OwnSurface(const Side& side, const std::vector<Vec3>& Y, const std::vector<Vec3>& reference)
+      : planes(reference.empty() ? side.planes : Side(side, Y, reference).planes),
+        X(reference.empty() ? Y : reference) {}
+
+  /// Whether facet m of another side is none that facet f can touch: they share a vertex, or m lies
+  /// behind f, `distance` < 0 away from xi, through the thickness of the body or deeper than an
+  /// overlap is.   deepest: the size of the facets
+  bool excludes(const Side& side, Index f, const Facet& m, const Vec2& xi, Real distance,
+                Real deepest) const;
+};
+
+/// Whether the facets of slave and master are the same.
+bool touches_itself(const Pair& pair);
+
+/// The pairs, where the facets of each that touches itself are slave or master. Of facets that face
+/// each other and what hangs together with them, a is the direction along which they do so, the
+/// nearest before all:
+///
+///   (sum w n n') a = lambda a,   lambda the largest,   w = measure / (distance + size)
+///
+/// Slave is the side with the smaller facets, or with equal ones that whose mean place in the
+/// reference comes first; both are those of its body, however it moves and is numbered.
+std::vector<Pair> parted(const Nodes& nodes, std::vector<Pair> pairs, Real maxgap);
+
+/// What the sides of a pair, as it was given, have before each other at the nodes.
+Cover cover(const Nodes& nodes, const Pair& given, const Side& slave, const Side& master,
+            Real maxgap);
+
+}  // namespace frictioncg::mortar
