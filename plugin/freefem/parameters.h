@@ -34,6 +34,7 @@ enum Parameter {
   p_motionforce,
   p_uold,
   p_at,
+  p_forceold,
   p_init,
   p_start,
   p_method,
@@ -87,6 +88,7 @@ inline basicAC_F0::name_and_type parameters[] = {
     {"motionforce", &typeid(KN<double>*)},  // out, of an obstacle on the body
     {"uold", &typeid(KN_<double>)},         // [length]
     {"at", &typeid(KN_<double>)},           // of the geometry [length]
+    {"forceold", &typeid(KN_<double>)},     // at `at`, an output force [force]
     {"init", &typeid(KN_<double>)},         // [length]
     {"start", &typeid(KN_<double>)},        // the same, where macro_ddm.idp takes the name init
     {"method", &typeid(string*)},           //

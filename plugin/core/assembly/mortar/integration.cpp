@@ -13,11 +13,16 @@ Real Integration::weight(const Part& part, const Vec3& lambda) const {
   return sum;
 }
 
+Real Integration::measure(const Part& part, const QuadraturePoint& point) const {
+  const int d = part.slave.d;
+  const Real jacobian = part.slave.planes[part.facet].measure / extent(reference_facet(d));
+  return jacobian * point.weight * weight(part, slave_coordinates(d, point.xi));
+}
+
 Moments Integration::over(const Part& part) const {
   const int d = part.slave.d;
   const bool quadratic = part.master.surface.quadratic;
   const Plane& plane = part.slave.planes[part.facet];
-  const Real jacobian = plane.measure / extent(reference_facet(d));
   Moments moments;
   std::vector<QuadraturePoint> points;
   for (const Cell& cell : part.cells) {
@@ -26,8 +31,8 @@ Moments Integration::over(const Part& part) const {
     quadrature(cell.part, points);
     for (const QuadraturePoint& point : points) {
       const Vec3 lambda = slave_coordinates(d, point.xi), on_master = chi.at(point.xi);
-      const Real measure = jacobian * point.weight * weight(part, lambda);
-      const Vec3 weighted = measure * lambda;
+      const Real measured = measure(part, point);
+      const Vec3 weighted = measured * lambda;
       const Shape phi_m = shape_functions(d, quadratic, on_master);
       of_cell += weighted * Eigen::Map<const Eigen::Matrix<Real, 1, 6>>(phi_m.data());
       moments.vertices += weighted * lambda.transpose();
@@ -39,7 +44,7 @@ Moments Integration::over(const Part& part) const {
       for (int k = 0; k < edges_of_facet(d); ++k) {
         const auto [a, b] = edge_ends(d, k);
         moments.edges.col(k) += 4 * lambda[a] * lambda[b] * weighted;
-        moments.distance[k] += 4 * lambda[a] * lambda[b] * measure * distance;
+        moments.distance[k] += 4 * lambda[a] * lambda[b] * measured * distance;
       }
     }
     moments.master.push_back(of_cell);

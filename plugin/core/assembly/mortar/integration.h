@@ -27,6 +27,8 @@ class Integration {
   Integration(const Side& slave, const Side& master, const std::vector<Vec3>& X,
               const Options& options);
   Moments over(const Part& part) const;
+  /// Of a quadrature point, weighted.
+  Real measure(const Part& part, const QuadraturePoint& point) const;
 
  private:
   Real weight(const Part& part, const Vec3& lambda) const;

@@ -8,9 +8,6 @@ namespace {
 
 /// A mean point lies on the normal where it misses by less than this share of what its row sums up.
 constexpr Real rounding = 1e-14;
-/// A weight changes by no more than this share of it. Fits change by 1e-2 and less; what asks for
-/// more lies further away than a facet is long, and gets a part.
-constexpr Real most = 0.3;
 
 /// One row of P: its nodes on the master, seen along the normal.
 class Row {
@@ -29,11 +26,11 @@ class Row {
     Eigen::Matrix3d M = Eigen::Matrix3d::Zero();
     for (Matrix::InnerIterator it(P_, i_); it; ++it)
       M += std::abs(it.value()) * place(it.col()) * place(it.col()).transpose();
-    const Vec3 b = least_squares(M, e, 1e-6);  // of M: in 2D its rank is 1, in 3D it is 2
+    const Vec3 b = least_squares(M, e, singular);
     Real largest = 0;
     for (Matrix::InnerIterator it(P_, i_); it; ++it)
       largest = std::max(largest, std::abs(b.dot(place(it.col()))));
-    return std::min(1., most / largest) * b;
+    return std::min(1., most_change / largest) * b;
   }
   Vec3 place(Index l) const { return along_ * (X_[l] - mean_); }
   Vec3 along(const Vec3& x) const { return along_ * x; }

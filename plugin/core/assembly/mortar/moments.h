@@ -3,6 +3,12 @@
 
 namespace frictioncg::mortar {
 
+/// A weight changes by no more than this share of it. Fits change by 1e-2 and less; what asks for
+/// more lies further away than a facet is long, and gets a part.
+constexpr Real most_change = 0.3;
+/// What is singular in M: in 2D its rank is 1, in 3D it is 2.
+constexpr Real singular = 1e-6;
+
 /// P with rows whose normal forces have no moment. Forces G'y along n_i act on the slave at X_i and
 /// on the master in the mean at sum_l P_il X_l, where the normals of the slave's facets lead; on
 /// curved faces that point lies beside the normal n_i by

@@ -6,7 +6,7 @@
 #include "assembly/mortar/across_gap.h"
 #include "assembly/mortar/along_normals.h"
 #include "assembly/mortar/dual_basis.h"
-#include "assembly/mortar/integration.h"
+#include "assembly/mortar/geometric_stiffness.h"
 #include "assembly/mortar/moments.h"
 #include "assembly/mortar/self_contact.h"
 #include "assembly/mortar/validation.h"
@@ -42,13 +42,18 @@ class Assembly {
 
  public:
   Assembly(const Nodes& nodes, const Options& options, const Ownership& ownership)
-      : nodes_(nodes), options_(options), ownership_(ownership), D_(Vector::Zero(size())) {
+      : nodes_(nodes),
+        options_(options),
+        ownership_(ownership),
+        slopes_(nodes.X, options.force),
+        D_(Vector::Zero(size())) {
     offset_.assign(nodes.X.size(), Vec3::Zero());
     partner_.assign(nodes.X.size(), nullptr);
     faced_.assign(nodes.X.size(), 0);
   }
   void add_pair(Index p, const Side& slave, const Side& master, const Cover& cover);
   void finish(const std::vector<Side>& masters, Mortar& mortar);
+  std::map<Index, SlopedRow> sloped_rows() const { return slopes_.rows(); }
 
  private:
   Index size() const { return static_cast<Index>(nodes_.X.size()); }
@@ -64,6 +69,7 @@ class Assembly {
   const Nodes& nodes_;
   const Options& options_;
   const Ownership& ownership_;
+  WeightSlopes slopes_;
   Vector D_;
   Entries N_, P_;
   std::vector<Vec3> offset_;               ///< int psi_i (delta_m(chi) - delta_s)
@@ -87,6 +93,7 @@ void Assembly::add_pair(Index p, const Side& slave, const Side& master, const Co
     const Part part{slave, master, f, cells};
     const Moments moments = integration.over(part);
     add_facet(part, moments, ownership_.carriers[p][f]);
+    slopes_.add(part, moments, integration, ownership_.carriers[p][f]);
     if (slave.surface.quadratic) add_edges(slave, f, moments);
   }
 }
@@ -247,6 +254,7 @@ Mortar::Mortar(const Nodes& nodes, const std::vector<Pair>& given, const Options
   for (std::size_t p = 0; p < pairs.size(); ++p)
     assembly.add_pair(static_cast<Index>(p), slaves[p], masters[p], covers[p]);
   assembly.finish(masters, *this);
+  stiffness_ = geometric_stiffness(*this, nodes, slaves, assembly.sloped_rows(), options);
 }
 
 /// The identity with `half` of each end in the rows of mid-edges, of those held or of the others.

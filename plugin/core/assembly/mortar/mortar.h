@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <limits>
+#include <map>
 
 #include "assembly/mortar/surface.h"
 #include "assembly/slippable.h"
@@ -47,6 +48,9 @@ struct Options {
   /// How many facet-connected groups the elements around a node form; asked for nodes that are both
   /// slave and master: one at the tip of a crack, more where meshes were merged.
   std::function<Index(Index node)> element_groups;
+  /// Of contact on the bodies, at each node, some time ago: whose change with the geometry is asked
+  /// for. Empty: it is not.
+  std::vector<Vec3> force;
 };
 
 /// A node of the slave that carries the laws, in w_i = (G u)_i: w.n <= gap.
@@ -65,6 +69,10 @@ struct MidEdge {
   Index node = 0, a = 0, b = 0;
   Real distance = 0;  ///< [length]
 };
+
+/// A derivative with respect to the places of nodes: force at the node of the row, place of the
+/// node of the column.
+using NodeBlocks = std::map<std::pair<Index, Index>, Eigen::Matrix3d>;
 
 /// What the search has found of one pair.
 struct Statistics {
@@ -96,6 +104,8 @@ class Mortar {
   const std::vector<ContactNode>& nodes() const { return nodes_; }  ///< m
   const std::vector<MidEdge>& edges() const { return edges_; }
   const Matrix& relative() const { return G_; }  ///< m x nodes; forces on both bodies are G'y
+  /// d(G'y)/dX of Options::force, whose y turn with the normals; see geometric_stiffness.h.
+  const NodeBlocks& stiffness() const { return stiffness_; }
   const Statistics& statistics(Index pair = 0) const { return statistics_[pair]; }
 
   /// T, nodes x nodes, with rows of the identity where held (empty: nowhere): for the components
@@ -117,6 +127,7 @@ class Mortar {
   Matrix N_, P_;                        ///< nodes x nodes, rows of contact nodes
   Matrix S_, G_;                        ///< m x nodes: (I + N) C^-1, and S - P
   std::vector<Statistics> statistics_;  ///< per pair
+  NodeBlocks stiffness_;
 
   friend class Assembly;
 };

@@ -1,0 +1,166 @@
+#include "assembly/mortar/weight_slopes.h"
+
+#include "assembly/mortar/dual_basis.h"
+
+namespace frictioncg::mortar {
+
+namespace {
+
+/// Of the trace functions with respect to the barycentric coordinates: d phi_l / d lambda_v.
+Eigen::Matrix<Real, 6, 3> shape_slopes(int d, bool quadratic, const Vec3& lambda) {
+  Eigen::Matrix<Real, 6, 3> slopes = Eigen::Matrix<Real, 6, 3>::Zero();
+  for (int v = 0; v < d; ++v) slopes(v, v) = quadratic ? 4 * lambda[v] - 1 : 1;
+  for (int k = 0; quadratic && k < edges_of_facet(d); ++k) {
+    const auto [a, b] = edge_ends(d, k);
+    slopes(d + k, a) = 4 * lambda[b];
+    slopes(d + k, b) = 4 * lambda[a];
+  }
+  return slopes;
+}
+
+/// grad lambda_v of a facet in its plane, as columns.
+Eigen::Matrix3d gradients(int d, const Plane& plane) {
+  Eigen::Matrix3d grad = Eigen::Matrix3d::Zero();
+  for (int v = 1; v < d; ++v) {
+    grad.col(v) = plane.B.row(v - 1).transpose();
+    grad.col(0) -= grad.col(v);
+  }
+  return grad;
+}
+
+/// Of one cell, and of each lambda_u of the slave's facet times phi^m_l(chi): the derivatives of
+/// the integral with respect to the vertices of the slave and of the master.
+class CellSlopes {
+ public:
+  CellSlopes(const Integration& integration, const Part& part, const Cell& cell,
+             const std::vector<Vec3>& X)
+      : d_(part.slave.d) {
+    const Plane& plane = part.slave.planes[part.facet];
+    const Projection chi = project(d_, plane, part.master.facet(cell.master), X);
+    const Eigen::Matrix3d grad = gradients(d_, plane);
+    Eigen::Matrix3d h;
+    for (int v = 0; v < 3; ++v) h.col(v) = plane.B.transpose() * chi.lambda[v].g;
+    const bool quadratic = part.master.surface.quadratic;
+    std::vector<QuadraturePoint> points;
+    quadrature(cell.part, points);
+    for (const QuadraturePoint& point : points) {
+      const Vec3 lambda = slave_coordinates(d_, point.xi), theirs = chi.at(point.xi);
+      const Vec3 weighted = integration.measure(part, point) * lambda;
+      const Eigen::Matrix<Real, 6, 3> along =
+          shape_slopes(d_, quadratic, theirs) * h.transpose();  // row l: d phi_l / dx
+      const Real g = chi.distance(point.xi);
+      for (int l = 0; l < nodes_of_facet(d_, quadratic); ++l)
+        for (int v = 0; v < d_; ++v) {
+          const Vec3 H = along.row(l);
+          const Vec3 of_slave = lambda[v] * H - g * H.dot(grad.col(v)) * plane.normal;
+          slave_[l][v] += of_slave * weighted.transpose();
+          master_[l][v] -= theirs[v] * H * weighted.transpose();
+        }
+    }
+  }
+  /// Adds the slopes of int psi phi_l(chi), psi given over the lambda_u.
+  void add(const Part& part, const Facet& master, int l, const Eigen::RowVector3d& psi,
+           Sloped& to) const {
+    for (int v = 0; v < d_; ++v) {
+      to.at(part.node(v)) += slave_[l][v] * psi.transpose();
+      to.at(master.node[v]) += master_[l][v] * psi.transpose();
+    }
+  }
+
+ private:
+  using Table = std::array<std::array<Eigen::Matrix3d, 3>, 6>;  ///< by l and v: columns u
+  static Table zero() {
+    Table table;
+    for (auto& of_l : table) of_l.fill(Eigen::Matrix3d::Zero());
+    return table;
+  }
+  int d_;
+  Table slave_ = zero(), master_ = zero();
+};
+
+/// What one facet adds to the rows of the nodes that carry its multipliers.
+class FacetSlopes {
+ public:
+  FacetSlopes(const Integration& integration, const Part& part, const Moments& moments,
+              const std::vector<Vec3>& X)
+      : part_(part), moments_(moments) {
+    measure_.value = 1;
+    const Eigen::Matrix3d grad = gradients(part.slave.d, part.slave.planes[part.facet]);
+    for (int v = 0; v < part.slave.d; ++v) measure_.slope[part.node(v)] = grad.col(v);
+    for (const Cell& cell : part.cells) cells_.emplace_back(integration, part, cell, X);
+  }
+
+  void add(const Eigen::RowVector3d& psi, const std::array<bool, 3>& kept, Real D,
+           SlopedRow& row) const {
+    const int d = part_.slave.d;
+    row.D.add(measure_, D);
+    for (int v = 0; v < d; ++v)
+      if (!kept[v]) row.own[part_.node(v)].add(measure_, psi.dot(moments_.vertices.col(v)));
+    for (int k = 0; part_.slave.surface.quadratic && k < edges_of_facet(d); ++k)
+      add_edge(k, psi.dot(moments_.edges.col(k)), row);
+    for (std::size_t c = 0; c < part_.cells.size(); ++c) {
+      const Facet& master = part_.master.facet(part_.cells[c].master);
+      for (int l = 0; l < nodes_of_facet(d, part_.master.surface.quadratic); ++l) {
+        Sloped& weight = row.theirs[master.node[l]];
+        weight.add(measure_, psi.dot(moments_.master[c].col(l)));
+        cells_[c].add(part_, master, l, psi, weight);
+      }
+    }
+  }
+
+ private:
+  /// u~_e = u_e - (u_a + u_b)/2
+  void add_edge(int k, Real weight, SlopedRow& row) const {
+    row.own[part_.node(part_.slave.d + k)].add(measure_, weight);
+    for (int end : edge_ends(part_.slave.d, k)) row.own[part_.node(end)].add(measure_, -weight / 2);
+  }
+
+  const Part& part_;
+  const Moments& moments_;
+  Sloped measure_;  ///< over itself
+  std::vector<CellSlopes> cells_;
+};
+
+}  // namespace
+
+void Sloped::add(const Sloped& f, Real factor) {
+  value += factor * f.value;
+  for (const auto& [node, by] : f.slope) at(node) += factor * by;
+}
+
+Vec3& Sloped::at(Index node) { return slope.try_emplace(node, Vec3::Zero()).first->second; }
+
+Vec3 Sloped::by(Index node) const {
+  const auto found = slope.find(node);
+  return found == slope.end() ? Vec3(Vec3::Zero()) : found->second;
+}
+
+void WeightSlopes::add(const Part& part, const Moments& moments, const Integration& integration,
+                       const Ownership::Carriers& carriers) {
+  bool loaded = false;
+  for (int k = 0; k < nodes_of_facet(part.slave.d, part.slave.surface.quadratic); ++k)
+    loaded = loaded || (!force_.empty() && !force_[part.node(k)].isZero(0));
+  for (Index i : carriers.stand_in) loaded = loaded || (!force_.empty() && !force_[i].isZero(0));
+  if (!loaded) return;
+  const FacetSlopes facet(integration, part, moments, X_);
+  const DualBasis dual = dual_basis(part.slave.d, moments.vertices, carriers.kept);
+  for (int v = 0; v < part.slave.d; ++v)
+    if (carriers.kept[v]) facet.add(dual.psi.row(v), carriers.kept, dual.d[v], sums_[part.node(v)]);
+  const Real share = 1. / static_cast<Real>(carriers.stand_in.size());
+  for (Index i : carriers.stand_in)
+    facet.add(Eigen::RowVector3d::Constant(share), carriers.kept, 0, sums_[i]);
+}
+
+std::map<Index, SlopedRow> WeightSlopes::rows() const {
+  std::map<Index, SlopedRow> rows = sums_;
+  for (auto& [node, row] : rows)
+    for (auto* side : {&row.own, &row.theirs})
+      for (auto& [column, weight] : *side) {
+        weight.value /= row.D.value;
+        for (const auto& [j, by] : row.D.slope) weight.at(j) -= weight.value * by;
+        for (auto& [j, by] : weight.slope) by /= row.D.value;
+      }
+  return rows;
+}
+
+}  // namespace frictioncg::mortar

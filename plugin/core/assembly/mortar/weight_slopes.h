@@ -1,0 +1,49 @@
+#pragma once
+#include <map>
+
+#include "assembly/mortar/integration.h"
+#include "assembly/mortar/ownership.h"
+
+namespace frictioncg::mortar {
+
+/// A number with its derivatives with respect to the places of nodes.
+struct Sloped {
+  Real value = 0;
+  std::map<Index, Vec3> slope;  ///< by node; 0 of others
+
+  void add(const Sloped& f, Real factor);
+  Vec3& at(Index node);
+  Vec3 by(Index node) const;
+};
+
+/// The weights of one contact node i, before they are balanced: row i of (I + N) C^-1 but for the 1
+/// of i itself, and of P, by columns.
+struct SlopedRow {
+  Sloped D;
+  std::map<Index, Sloped> own, theirs;
+};
+
+/// Rows of the contact nodes that the last contact force loads. The facet of slave f adds, by
+///
+///   d phi_l(chi) = sum_v (d phi_l / d lambda_v) h_v.(dx + g dn_f - dchi)
+///   dn_f = -sum_v grad lambda_v (n_f.dX_v),   d measure = measure sum_v grad lambda_v.dX_v
+///
+/// h_v: the gradient of the master's lambda_v along the slave's plane; x on the slave, chi on the
+/// master, g between them. The borders of cells move, too, which changes nothing within the
+/// master's surface, where its trace functions are continuous. The rim of what is covered is taken
+/// to stand still, and so are the weights of the integrals.
+class WeightSlopes {
+ public:
+  /// force: at each node, or empty: there are no rows.
+  WeightSlopes(const std::vector<Vec3>& X, const std::vector<Vec3>& force) : X_(X), force_(force) {}
+  void add(const Part& part, const Moments& moments, const Integration& integration,
+           const Ownership::Carriers& carriers);
+  /// By node, once all facets are added.
+  std::map<Index, SlopedRow> rows() const;
+
+ private:
+  const std::vector<Vec3>&X_, &force_;
+  std::map<Index, SlopedRow> sums_;
+};
+
+}  // namespace frictioncg::mortar

@@ -1,0 +1,145 @@
+#include <gtest/gtest.h>
+
+#include "core/assembly/mortar/mortar.h"
+#include "surfaces.h"
+
+using namespace frictioncg;
+using namespace frictioncg::mortar;
+using namespace frictioncg::mortar::test;
+
+namespace {
+
+/// A bulge before a wider surface that is curved less, both uneven and turned: parts of circles or
+/// spheres, or with `cubic` curved ever more, so that no motion lets them slip.
+Surfaces bulges(int d, bool quadratic, Real lower, Real cubic = 0) {
+  Surfaces s(d, quadratic);
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(0.7, d == 2 ? Vec3::UnitZ() : Vec3(1, 2, 3).normalized())
+          .toRotationMatrix();
+  const auto shape = [=](Real size, Real curvature, Real waves) {
+    return [=](const Vec3& o) -> Vec3 {
+      Vec3 x = Vec3::Zero();
+      for (int c = 0; c + 1 < d; ++c)
+        x[c] = size * (o[c] - 0.5) + 0.02 * std::sin(waves * (o[0] + 2 * o[1]) + c);
+      const Real square = curvature * x.squaredNorm();
+      x[d - 1] = square / (1 + std::sqrt(1 - curvature * square)) + cubic * std::pow(x[0], 3);
+      return turn * x;
+    };
+  };
+  s.pairs[0].slave = s.sheet(6, -1, shape(1, 0.5, 9), 2);
+  s.pairs[0].master = s.sheet(8, 1, shape(1.6, lower, 7), 1);
+  for (auto* side : {&s.pairs[0].slave, &s.pairs[0].master})
+    for (Facet& f : side->facets) f.outward = turn * f.outward;
+  return s;
+}
+
+/// Forces of a mortar on its contact nodes: pressed along the normals, and rubbed; none at the rim.
+std::vector<Vec3> multipliers(const Surfaces& s, const Mortar& mortar, Real mu = 0.5) {
+  std::vector<Vec3> y;
+  for (const ContactNode& at : mortar.nodes()) {
+    const Real k = at.node;
+    Vec3 rub(0.6 * std::sin(k), 0.4 * std::cos(3 * k), s.nodes.dimension == 3 ? 0.2 : 0);
+    const Real pressed = s.nodes.X[at.node].norm() < 0.3 ? 1 : 0;
+    y.push_back(pressed * (-(1 + 0.5 * std::sin(2 * k)) * at.normal +
+                           mu * (rub - rub.dot(at.normal) * at.normal)));
+  }
+  return y;
+}
+
+/// G'y, whose y turn with the normals from where they were `before`.
+std::vector<Vec3> force(const Mortar& mortar, std::vector<Vec3> y,
+                        const std::vector<ContactNode>& before) {
+  std::vector<Vec3> f(mortar.relative().cols(), Vec3::Zero());
+  for (Index k = 0; k < mortar.relative().rows(); ++k) {
+    const Vec3 &n = before[k].normal, &now = mortar.nodes()[k].normal;
+    y[k] += n.cross(now - n).cross(y[k]);
+    for (Matrix::InnerIterator G(mortar.relative(), k); G; ++G) f[G.col()] += G.value() * y[k];
+  }
+  return f;
+}
+
+/// The stiffness of the forces at hand.
+NodeBlocks stiffness(Surfaces s, const std::vector<Vec3>& f) {
+  s.options.force = f;
+  return s.mortar().stiffness();
+}
+
+/// How far the stiffness is off along motions of the nodes, from central differences: each node
+/// goes its own way, or all bend as one where that is `even`.
+Real error(const Surfaces& s, bool even = false) {
+  const Mortar mortar = s.mortar();
+  const std::vector<Vec3> y = multipliers(s, mortar);
+  const NodeBlocks blocks = stiffness(s, force(mortar, y, mortar.nodes()));
+  const Real h = 1e-6;
+  Real worst = 0;
+  for (int motion : {1, 2, 3}) {
+    Surfaces up = s, down = s;
+    std::vector<Vec3> along(s.nodes.X.size(), Vec3::Zero()), off = along;
+    Real size = 0;
+    for (std::size_t j = 0; j < along.size(); ++j)
+      for (int c = 0; c < s.nodes.dimension; ++c) {
+        along[j][c] = std::sin(motion * (even ? s.nodes.X[j].dot(Vec3(2, 3, 1)) : 7. * j) + 3 * c);
+        up.nodes.X[j][c] += h * along[j][c], down.nodes.X[j][c] -= h * along[j][c];
+      }
+    const auto high = force(up.mortar(), y, mortar.nodes()),
+               low = force(down.mortar(), y, mortar.nodes());
+    for (std::size_t i = 0; i < off.size(); ++i) {
+      off[i] -= (high[i] - low[i]) / (2 * h);
+      size = std::max(size, off[i].norm());
+    }
+    EXPECT_GT(size, 0.1);
+    for (const auto& [ij, block] : blocks) off[ij.first] += block * along[ij.second];
+    for (const Vec3& f : off) worst = std::max(worst, f.norm() / size);
+  }
+  return worst;
+}
+
+/// Normals that stay, those of the mesh.
+Surfaces with_given_normals(Surfaces s) {
+  const Mortar mortar = s.mortar();
+  s.options.normals.assign(s.nodes.X.size(), Vec3::Zero());
+  for (const ContactNode& at : mortar.nodes()) s.options.normals[at.node] = at.normal;
+  return s;
+}
+
+}  // namespace
+
+TEST(GeometricStiffness, IsTheDerivativeOfContactForcesWhoseNormalsStand) {
+  for (int d : {2, 3})
+    for (bool quadratic : {false, true})
+      for (Real lower : {0., -0.3})
+        EXPECT_LT(error(with_given_normals(bulges(d, quadratic, lower))), 1e-7)
+            << d << "D P" << 1 + quadratic << " " << lower;
+}
+
+TEST(GeometricStiffness, OfTurningNormals) {
+  for (bool quadratic : {false, true})
+    for (bool smooth : {false, true}) {
+      Surfaces s = bulges(2, quadratic, -0.3, 0.1);
+      s.options.smooth = smooth;
+      EXPECT_LT(error(s), 1e-7) << "2D P" << 1 + quadratic;
+      s = bulges(3, quadratic, -0.3, 0.1);
+      s.options.smooth = smooth;
+      EXPECT_LT(error(s, true), 0.03) << "3D P" << 1 + quadratic;
+    }
+}
+
+TEST(GeometricStiffness, ForcesFollowRigidMotions) {
+  for (int d : {2, 3})
+    for (bool quadratic : {false, true}) {
+      const Surfaces s = bulges(d, quadratic, -0.3);
+      const Mortar mortar = s.mortar();
+      const auto f = force(mortar, multipliers(s, mortar, d == 2 ? 0.5 : 0), mortar.nodes());
+      const Vec3 e(0.3, -0.2, d == 3 ? 0.5 : 0),
+          r = d == 2 ? Vec3(Vec3::UnitZ()) : Vec3(0.2, 0.7, -0.4);
+      std::vector<Vec3> moved(f.size(), Vec3::Zero()), turned = moved;
+      for (const auto& [ij, block] : stiffness(s, f)) {
+        moved[ij.first] += block * e;
+        turned[ij.first] += block * r.cross(s.nodes.X[ij.second]);
+      }
+      for (std::size_t i = 0; i < f.size(); ++i) {
+        EXPECT_LT(moved[i].norm(), 1e-12);
+        EXPECT_LT((turned[i] - r.cross(f[i])).norm(), 1e-12) << d << "D P" << 1 + quadratic;
+      }
+    }
+}
