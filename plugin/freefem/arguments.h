@@ -38,6 +38,8 @@ class Arguments {
         refuse(p,
                "belongs to one body and an obstacle; of two bodies each moves by its own "
                "displacement");
+    if (has(p_forceold) && !has(p_at))
+      refuse(p_forceold, "is a force that turns with the geometry at X + U; name that, as in at=U");
     if (has(p_pivot)) components(p_pivot, d, "[x, y, z]", "[x, y]", vectors_[p_pivot]);
     for (Parameter p : {p_normal, p_obstaclenormal})
       if (has(p)) components(p, d, "[nx, ny, nz]", "[nx, ny]", vectors_[p]);
@@ -114,7 +116,7 @@ class Arguments {
   static Arguments of_contactproblem(const basicAC_F0& args) {
     const Arguments a(args);
     for (Parameter p :
-         {p_at, p_mu2, p_direction, p_domain, p_obstacle, p_pivot, p_obstacles, p_motionfree})
+         {p_at, p_forceold, p_mu2, p_direction, p_domain, p_obstacle, p_pivot, p_obstacles, p_motionfree})
       if (a.has(p)) refuse(p, "belongs to the contactproblem; give it there");
     return a;
   }

@@ -62,6 +62,11 @@ inline void face_bodies(Stack stack, const Arguments& args, const Expression A, 
   if (args.has(p_weight)) options.weight = slave_weights(stack, args, scene);
   const Triplets matrix = read_matrix(stack, A, scene);
   refuse_exchanged_blocks(scene, matrix);
+  if (args.has(p_forceold)) {
+    const Vector force = copy_of(args.value<KN_<double>>(stack, p_forceold));
+    check_vector(force, parameters[p_forceold].name, scene.dofs);
+    options.force = scene.pairing->at_nodes(force, scene.d);
+  }
   Vector u_old;  // where the increment of a geometry that moves began
   if (scene.at && args.has(p_uold)) {
     u_old = copy_of(args.value<KN_<double>>(stack, p_uold));
@@ -69,6 +74,28 @@ inline void face_bodies(Stack stack, const Arguments& args, const Expression A, 
   }
   constexpr Parameter chosen[] = {p_maxgap, p_smooth, p_normal, p_weight};
   scene.face(matrix, options, u_old, !args.has_any(chosen));
+}
+
+/// Without the stiffness of contact forces A may be definite where it is not with them.
+inline void report_plain(long verb) {
+  if (verb > 1)
+    line() << "A less the stiffness of forceold is not positive definite here: A stands"
+           << std::endl;
+}
+
+/// Poses A, less the stiffness of forceold where that leaves stiffnesses > 0.
+inline void assemble(Stack stack, const Arguments& args, const Triplets& A, Scene& scene,
+                     bool lasts) {
+  if (scene.pairing && args.has(p_forceold)) {
+    scene.stiffened = std::make_unique<Stiffened>(A, scene.pairing->stiffness(A.n, scene.d));
+    try {
+      return scene.assemble(scene.stiffened->less());
+    } catch (const IllegalInput&) {
+      report_plain(read_verb(stack, args));
+      scene.stiffened.reset();
+    }
+  }
+  with_components_in_words(scene, [&] { scene.assemble(A, lasts); });
 }
 
 /// The laws that the arguments name at the contact points, which get their tangents: a node has
@@ -105,7 +132,7 @@ inline std::shared_ptr<Scene> read_scene(Stack stack, const Arguments& args, con
   if (scene->pairing) face_bodies(stack, args, A, *scene);
   laws = read_point_laws(stack, args, lasts, *scene, begun_laws(stack, args));
   const Triplets matrix = read_matrix(stack, A, *scene);
-  with_components_in_words(*scene, [&] { scene->assemble(matrix, lasts); });
+  assemble(stack, args, matrix, *scene, lasts);
   scene->unnamed_radius = unnamed_radius(args, *scene, matrix);
   if (!scene->tangents) laws.law = Law::frictionless;
   return scene;
@@ -133,7 +160,9 @@ struct Vectors {
   Vector b, u_old, u_init;  ///< u_old and u_init empty where nothing gives them
 
   Vectors(const Call& call, const Scene& scene)
-      : b(call.b), u_old(call.u_old), u_init(call.u_init) {
+      : b(scene.stiffened ? scene.stiffened->load(call.b, *scene.at) : call.b),
+        u_old(call.u_old),
+        u_init(call.u_init) {
     if (!scene.moving) return;
     Motions motions = call.motions;
     motions.complete(*scene.moving, scene.d);
@@ -178,6 +207,11 @@ inline KN_<double> solve(Stack stack, const Call& call, Scene& scene, const Poin
                                                           : Vector(vectors.u_init - vectors.u_old));
   Solution solution = scene.solver->solve(now.increment, call.settings, x0,
                                           call.verb > 0 || out.history ? &progress : nullptr);
+  if (solution.status != Status::converged && scene.stiffened) {
+    report_plain(call.verb);
+    scene.assemble_plain();
+    return solve(stack, call, scene, laws);
+  }
   const Vector moved = scene.system->to_global(solution.x, now.u0),
                field = moved.head(scene.ndof());
   const std::string turned = runaway(scene, solution, field);

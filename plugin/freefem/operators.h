@@ -48,7 +48,8 @@ class Construct : public E_F0mps {
                            p_normal,    p_cohesion,  p_shearmax,    p_slidinglimit,
                            p_bilateral, p_maxgap,    p_smooth,      p_weight,
                            p_domain,    p_obstacle,  p_obstaclegap, p_obstaclenormal,
-                           p_pivot,     p_obstacles, p_motionfree,  p_at});
+                           p_pivot,     p_obstacles, p_motionfree,  p_at,
+                           p_forceold});
   }
   static std::vector<aType> before_site() { return {atype<Matrice_Creuse<double>*>()}; }
   AnyType operator()(Stack stack) const override {

@@ -141,6 +141,23 @@ class Pairing {
     return point < faced_.distance.size() ? faced_.distance[point] : 0;
   }
 
+  /// The symmetric part of the derivative of mortar::Options::force (n x n), between free dofs: a
+  /// step does not change others.
+  Matrix stiffness(Index n, int d) const {
+    std::vector<Eigen::Triplet<Real, Index>> entries;
+    for (const auto& [nodes, block] : mortar_->stiffness())
+      for (int a = 0; a < d; ++a)
+        for (int b = 0; b < d; ++b) {
+          const Index i = between_.dof[nodes.first][a], j = between_.dof[nodes.second][b];
+          if (dirichlet_->holds(i) || dirichlet_->holds(j)) continue;
+          entries.emplace_back(i, j, block(a, b) / 2);
+          entries.emplace_back(j, i, block(a, b) / 2);
+        }
+    Matrix S(n, n);
+    S.setFromTriplets(entries.begin(), entries.end());
+    return S;
+  }
+
   const Interface& between() const { return between_; }
   /// Of the Interface, by the places of all nodes of the n dofs.
   std::vector<Index> body_of_nodes(const std::vector<NodePlace>& places, Index n) const {
@@ -148,6 +165,13 @@ class Pairing {
     for (const NodePlace& p : places) of_dof[p.dof[0]] = p.body;
     for (const auto& dof : between_.dof) body.push_back(of_dof[dof[0]]);
     return body;
+  }
+  /// A force by the dofs of the script, at each node.
+  std::vector<mortar::Vec3> at_nodes(const Vector& force, int d) const {
+    std::vector<mortar::Vec3> of_node(between_.dof.size(), mortar::Vec3::Zero());
+    for (std::size_t i = 0; i < of_node.size(); ++i)
+      for (int c = 0; c < d; ++c) of_node[i][c] = force[between_.dof[i][c]];
+    return of_node;
   }
   const std::vector<mortar::MidEdge>& edges() const { return faced_.edges; }
   const std::vector<FacingPair>& pairs() const { return faced_.pairs; }

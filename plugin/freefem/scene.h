@@ -11,6 +11,7 @@
 #include "matrix.h"
 #include "pairing.h"
 #include "large_turn.h"
+#include "stiffness.h"
 
 namespace frictioncg {
 
@@ -46,6 +47,8 @@ struct Scene {
   std::unique_ptr<LocalSystem> system;
   std::unique_ptr<Solver> solver;
   Displacement at;  ///< of the geometry (ndof)
+  /// Of the forces of contact that turn with the geometry; null where A is as it is.
+  std::unique_ptr<Stiffened> stiffened;
   double copy_seconds = 0;
   std::vector<char> held;  ///< per dof: by a Dirichlet condition
 
@@ -79,6 +82,11 @@ struct Scene {
   std::shared_ptr<Scene> posed_anew() const;
   /// Where friction counts slip from, in local dofs: uold, or empty.
   Vector slip_from(const Vector& u_old) const;
+  /// A itself in place of what is stiffened.
+  void assemble_plain() {
+    const std::unique_ptr<Stiffened> last = std::move(stiffened);
+    assemble(last->plain());
+  }
   /// The load of a call, and its laws, in local dofs.
   LocalIncrement increment(const LocalLoad& load, const PointLaws& laws) const;
 
