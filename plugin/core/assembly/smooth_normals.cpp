@@ -175,6 +175,7 @@ class Estimator {
   /// in the vertices: surfaces that move have normals that do.
   Vec3 with_sides(std::size_t p) const {
     const Vec3 own = quadric_[p] ? quadric_[p]->normal : s_.fans[p].mean;
+    if (s_.is_moved) return own;
     const auto [most, counts] = jump_at(p);
     if (counts == 0) return own;
     Real least = infinite, sum = 0;

@@ -27,6 +27,10 @@ struct Faceted {
   int d = 2;
   std::vector<Eigen::Vector3d> X;  ///< 2D: third component 0
   std::vector<Facet> facets;
+  /// Of a body that has deformed: what its curvature does is no jump of two faces, and each normal
+  /// is that of its own vertices. Weights of sides, which turn over within a few hundredths of a
+  /// jump, would let gaps change several times as fast as the bodies move.
+  bool is_moved = false;
   std::vector<Fan> fans;  ///< each facet is in one fan at each of its vertices, or in none
 };
 

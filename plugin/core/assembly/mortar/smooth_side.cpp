@@ -21,6 +21,7 @@ int position(const Side& side, Index f, Index vertex) {
 Faceted faceted(const Side& side, const std::vector<Vec3>& X) {
   Faceted surface;
   surface.d = side.d;
+  surface.is_moved = side.is_moved;
   std::map<Index, Index> number;
   for (Index f = 0; f < side.facets(); ++f) {
     Faceted::Facet& facet = surface.facets.emplace_back();

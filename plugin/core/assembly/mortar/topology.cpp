@@ -31,7 +31,7 @@ std::vector<Ridge> sorted_ridges(int d, const std::vector<Facet>& facets) {
 
 Side::Side(int dimension, const Surface& surface_, const std::vector<Vec3>& X,
            const std::vector<Vec3>& reference)
-    : d(dimension), surface(surface_) {
+    : d(dimension), is_moved(!reference.empty()), surface(surface_) {
   planes.reserve(surface.facets.size());
   for (const Facet& f : surface.facets) planes.push_back(plane_of(d, f, X));
   find_joints(reference.empty() ? planes : Side(*this, X, reference).planes);

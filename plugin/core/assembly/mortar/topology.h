@@ -19,6 +19,7 @@ struct Side {
   /// The same surface with its nodes at Y in place of X: outside stays outside.
   Side(const Side& side, const std::vector<Vec3>& X, const std::vector<Vec3>& Y);
   int d;
+  bool is_moved = false;  ///< from the reference
   const Surface& surface;
   std::vector<Plane> planes;  ///< one per facet
   std::vector<Joint> joints;
