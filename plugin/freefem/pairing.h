@@ -193,8 +193,9 @@ class Pairing {
     faced.edges.push_back(e);
   }
   /// Given normals are those of now: the mortar of before cannot have them.
-  void add_slip(const mortar::Nodes& now, const mortar::Options& options,
+  void add_slip(const mortar::Nodes& now, mortar::Options options,
                 std::vector<BoundaryNode>& contact) const {
+    options.force.clear();
     mortar::Nodes before = now;
     before.X = now.before;
     before.before.clear();

@@ -46,11 +46,10 @@ class Assembly {
         options_(options),
         ownership_(ownership),
         slopes_(nodes.X, options.force),
-        D_(Vector::Zero(size())) {
-    offset_.assign(nodes.X.size(), Vec3::Zero());
-    partner_.assign(nodes.X.size(), nullptr);
-    faced_.assign(nodes.X.size(), 0);
-  }
+        D_(Vector::Zero(size())),
+        offset_(nodes.X.size(), Vec3::Zero()),
+        partner_(nodes.X.size(), nullptr),
+        faced_(nodes.X.size(), 0) {}
   void add_pair(Index p, const Side& slave, const Side& master, const Cover& cover);
   void finish(const std::vector<Side>& masters, Mortar& mortar);
   std::map<Index, SlopedRow> sloped_rows() const { return slopes_.rows(); }
@@ -151,13 +150,8 @@ void Assembly::add_edges(const Side& slave, Index f, const Moments& moments) {
 void Assembly::set_nodes(Mortar& mortar) const {
   for (Index i = 0; i < size(); ++i) {
     if (D_[i] == 0) continue;
-    ContactNode node;
-    node.node = i;
-    node.pair = ownership_.pair[i];
-    node.label = ownership_.label[i];
-    node.normal = ownership_.normal[i];
-    node.weight = D_[i];
-    mortar.nodes_.push_back(node);
+    mortar.nodes_.push_back(
+        {i, ownership_.pair[i], ownership_.label[i], ownership_.normal[i], D_[i]});
   }
 }
 

@@ -154,7 +154,7 @@ void WeightSlopes::add(const Part& part, const Moments& moments, const Integrati
 std::map<Index, SlopedRow> WeightSlopes::rows() const {
   std::map<Index, SlopedRow> rows = sums_;
   for (auto& [node, row] : rows)
-    for (auto* side : {&row.own, &row.theirs})
+    for (auto* side : {&row.own, &row.theirs})  // D > 0: a node that stands in has facets, too
       for (auto& [column, weight] : *side) {
         weight.value /= row.D.value;
         for (const auto& [j, by] : row.D.slope) weight.at(j) -= weight.value * by;
