@@ -76,10 +76,11 @@ inline void face_bodies(Stack stack, const Arguments& args, const Expression A, 
   scene.face(matrix, options, u_old, !args.has_any(chosen));
 }
 
-/// Without the stiffness of contact forces A may be definite where it is not with them.
+/// A may be definite where it is not less the stiffness of contact forces.
 inline void report_plain(long verb) {
   if (verb > 1)
-    line() << "A less the stiffness of forceold is not positive definite here: A stands"
+    line() << "A less the stiffness of forceold has no answer here, as where it is indefinite: A "
+              "stands"
            << std::endl;
 }
 
