@@ -102,7 +102,7 @@ TEST(System, ContrastIsThatOfPartsAndNotOfPenalties) {
     EXPECT_NEAR(contrast(chain(k, support)), 2e13, 1e3) << support;
     EXPECT_EQ(contrast(chain(Vector::Ones(10), support)), 2) << support;
   }
-  EXPECT_EQ(contrast(System()), 1);
+  EXPECT_EQ(contrast(AssembledSystem()), 1);
 }
 
 TEST(System, WithoutRigidMotionsNoPenaltyIsTold) {

@@ -255,7 +255,7 @@ TEST(Hierarchy, TakesLittleMemoryBesideTheMatrix) {
 TEST(Hierarchy, MultipliesByHalfOfASymmetricMatrix) {
   for (const int d : {2, 3}) {
     const SceneInBlocks s(cube(d == 2 ? 20 : 6, d));
-    Matrix A = s.system->A;
+    Matrix A = s.system->entries();
     const Vector x = Vector::Random(A.rows());
     Vector Ax;
     ASSERT_TRUE(s.hierarchy->multiply(x, Ax));
