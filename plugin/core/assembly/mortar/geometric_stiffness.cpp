@@ -128,7 +128,7 @@ void Row::add_to(NodeBlocks& blocks, const Vec3& y) const {
   for (const auto& [c, weight] : G_)
     for (Index j : near_) {
       const Mat3 by = y * weight.by(j).transpose() + weight.value * turning * turn(j);
-      if (!by.isZero(0)) blocks.try_emplace({c, j}, Mat3::Zero()).first->second += by;
+      if (!by.isZero(0)) blocks.emplace_back(std::make_pair(c, j), by);
     }
 }
 

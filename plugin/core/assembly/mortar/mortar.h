@@ -1,7 +1,7 @@
 #pragma once
 #include <functional>
 #include <limits>
-#include <map>
+#include <utility>
 
 #include "assembly/mortar/surface.h"
 #include "assembly/slippable.h"
@@ -70,9 +70,9 @@ struct MidEdge {
   Real distance = 0;  ///< [length]
 };
 
-/// A derivative with respect to the places of nodes: force at the node of the row, place of the
-/// node of the column.
-using NodeBlocks = std::map<std::pair<Index, Index>, Eigen::Matrix3d>;
+/// A derivative with respect to the places of nodes, as a sum: force at the node of the row, place
+/// of the node of the column.
+using NodeBlocks = std::vector<std::pair<std::pair<Index, Index>, Eigen::Matrix3d>>;
 
 /// What the search has found of one pair.
 struct Statistics {
