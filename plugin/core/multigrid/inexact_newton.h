@@ -62,10 +62,11 @@ class InexactNewton {
   Real goal_ = 0;               ///< of residual and violation [norm_D]
   Real affordable_ = infinity;  ///< cycles
   bool gave_up_ = false, ran_away_ = false;
-  /// Violations (norm_D) since the springs were set: after the first update, the least one, and the
-  /// updates since then.
-  Real first_violation_ = infinity, least_violation_ = infinity;
+  /// Violations (norm_D) since the springs were set: after the first and the last update, the least
+  /// one, and the updates since then.
+  Real first_violation_ = infinity, last_violation_ = infinity, least_violation_ = infinity;
   int updates_since_least_ = 0;
+  int unsettled_ = 0;  ///< updates after which the violation has not halved, where it ran away
 
   ProximalSprings proximal_;
   Vector springs_;  ///< contact_dofs [force/length]; 0 until faces have left a motion free
