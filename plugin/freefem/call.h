@@ -181,6 +181,7 @@ inline LocalIncrement increment(const Call& call, const Vectors& vectors, const 
   const LocalLoad load = scene.system->load_from(vectors.b, scene.slip_from(vectors.u_old));
   LocalIncrement now = scene.increment(load, laws);
   report_leftover(check_data(scene, call.b, now.u0), call.verb);
+  check_one_value(scene, call.b, call.verb);
   return now;
 }
 
@@ -198,7 +199,6 @@ inline KN_<double> solve(Stack stack, const Call& call, Scene& scene, const Poin
     report_averted(scene);
     report_large_friction(largest_friction(problem));
     note_weight(scene);
-    note_one_value(scene, call.b);
     note_contrast(*scene.system->system());
   }
   Progress progress(problem, call.verb, out.history);

@@ -1,6 +1,9 @@
 #pragma once
 #include "freefem.h"
 
+#include <algorithm>
+#include <map>
+
 #include "dirichlet.h"
 #include "report.h"
 
@@ -37,31 +40,33 @@ inline std::map<Real, OneValue> labels_of_one_value(const Scene& scene, const Ve
   return found;
 }
 
-/// A note where b has one value at all nodes of a boundary, its ends included, and nowhere else:
-/// the data of an on() with tgv = -1 are such values, and no traction is. A script may mean such
-/// nodal forces all the same.
-inline void note_one_value(const Scene& scene, const Vector& b) {
-  std::map<Real, std::size_t> uses;
-  for (long i = 0; i < scene.ndof(); ++i)
-    if (!scene.held[i] && b[i] != 0) ++uses[b[i]];
-  if (std::none_of(uses.begin(), uses.end(), [](const auto& u) { return u.second > 2; })) return;
+/// The number of free dofs of a component at which b is `value`.
+inline std::size_t count_value(const Scene& scene, const Vector& b, int c, Real value) {
   const std::vector<NodePlace> places = scene.places();
+  return std::count_if(places.begin(), places.end(), [&](const NodePlace& n) {
+    return !scene.held[n.dof[c]] && b[n.dof[c]] == value;
+  });
+}
+
+/// Refuses b of one value at all nodes of a boundary, its ends included, and nowhere else, where A
+/// has rows of tgv = -1: the data of an on() are such values, and no traction is. By any other A a
+/// script may mean such nodal forces, and is told.
+inline void check_one_value(const Scene& scene, const Vector& b, long verb) {
+  const bool refused = scene.system->dirichlet().has_unit_rows();
+  if (!refused && verb == 0) return;
   const std::vector<LabelledNode> nodes = scene.labelled();
-  for (int c = 0; c < scene.d; ++c) {
-    std::map<Real, std::size_t> of_component;
-    for (const NodePlace& n : places)
-      if (!scene.held[n.dof[c]]) ++of_component[b[n.dof[c]]];
+  for (int c = 0; c < scene.d; ++c)
     for (const auto& [value, one] : labels_of_one_value(scene, b, c, nodes)) {
-      if (!one.like_data() || one.share.size() != of_component[value]) continue;
-      std::ostringstream on;
-      for (long label : one.labels) on << label << ", ";
-      on << "u" << c + 1 << "=" << value;
-      line() << "note: b is " << value << " at each node of a boundary, its ends included, as on("
-             << on.str()
-             << ") with tgv = -1 makes it, where A has no Dirichlet row; it acts as forces "
-             << "of the nodes. If it is data, " << assemble_both << std::endl;
+      if (!one.like_data() || one.share.size() != count_value(scene, b, c, value)) continue;
+      std::ostringstream m;
+      m << "b is " << value << " at each node of a boundary, its ends included, as on(";
+      for (long label : one.labels) m << label << ", ";
+      m << "u" << c + 1 << "=" << value
+        << ") with tgv = -1 makes it, where A has no Dirichlet row; " << assemble_both
+        << "; a load is an integral, int1d or int2d, with less at the ends";
+      if (refused) throw IllegalInput(m.str());
+      line() << "note: " << m.str() << std::endl;
     }
-  }
 }
 
 }  // namespace frictioncg

@@ -23,6 +23,8 @@ class Dirichlet {
   /// Number of a held dof, or -1 for a free one.
   Index number(Index dof) const { return number_[dof]; }
   bool holds(Index dof) const { return number_[dof] >= 0; }
+  /// Whether some rows are those of the identity, their columns as they were: tgv = -1.
+  bool has_unit_rows() const { return unit_rows_; }
 
   /// The prescribed displacements (size()) in the load b (n). Throws IllegalInput where A does not
   /// have the couplings that they need.
@@ -39,7 +41,7 @@ class Dirichlet {
   std::vector<Held> held_;
   std::vector<Index> number_;
   bool half_ = false;       ///< A was stored by one triangle
-  bool unit_rows_ = false;  ///< rows of the identity whose columns remain
+  bool unit_rows_ = false;
 };
 
 }  // namespace frictioncg

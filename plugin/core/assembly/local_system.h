@@ -91,6 +91,7 @@ class LocalSystem {
   /// Contact point of contact node k; several nodes may lie at one node of the mesh.
   const ContactNode& node(Index k) const { return nodes_[k]; }
   Index fixed_dofs() const { return dirichlet_.size(); }
+  const Dirichlet& dirichlet() const { return dirichlet_; }
   bool rotated() const { return basis_->rotated; }
   const Basis& basis() const { return *basis_; }
 
