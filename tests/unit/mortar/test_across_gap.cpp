@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 
 #include "bodies.h"
 
@@ -13,13 +14,13 @@ namespace {
 
 constexpr Real h = 1 / 3.;
 
-/// Two boxes, turned, whose faces are `gap` apart and a little uneven; where `one`, they count as
-/// one body.
+/// Two boxes, turned, whose faces are `gap` apart and a little uneven, the upper one slid along;
+/// where `one`, they count as one body.
 struct Faces {
   Bodies bodies;
   std::vector<Pair> pairs{1};
 
-  Faces(int d, bool quadratic, Real gap, bool swapped, bool one = true) {
+  Faces(int d, bool quadratic, Real gap, bool swapped, bool one = true, Real slid = 0) {
     bodies.d = d;
     bodies.quadratic = quadratic;
     const int up = d - 1;
@@ -30,6 +31,7 @@ struct Faces {
     const Index lower = static_cast<Index>(bodies.elements.size());
     bodies.add_box(more, [&](Vec3 x) {
       x[up] += 1 + gap * (1 + 0.2 * std::sin(5 * x[0] + 3 * x[1]) * (1 - x[up]));
+      x[0] += slid;
       return Vec3(Q * x);
     });
     const auto near = [&](const Vec3& x) { return std::abs(n.dot(x) - 1) < 0.1; };
@@ -123,4 +125,27 @@ TEST(AcrossGap, TheChangeOfBasisStillHasItsInverse) {
         for (const Facet& f : faces.pairs[0].master.facets) held[f.node[0]] = held[f.behind] = 1;
       }
     }
+}
+
+TEST(AcrossGap, RowsGoOnFromElementToElementAndAsTheGapOpens) {
+  const int steps = 400;
+  const auto most = [&](const std::function<Faces(Real)>& at) {
+    Real largest = 0;
+    DenseMatrix last;
+    for (int k = 0; k <= steps; ++k) {
+      const DenseMatrix now = at(k / Real(steps)).mortar().relative();
+      if (k > 0) largest = std::max(largest, (now - last).cwiseAbs().maxCoeff());
+      last = now;
+    }
+    return largest;
+  };
+  for (int d : {2, 3}) {
+    const Real slid = 0.3 * h / steps, opened = 0.2 * h / steps;
+    const auto slides = [&](Real t) {
+      return Faces(d, false, 0.05 * h, false, true, (0.05 + 0.3 * t) * h);
+    };
+    const auto opens = [&](Real t) { return Faces(d, false, 0.2 * t * h, false); };
+    EXPECT_LT(most(slides), 5 * slid / h);
+    EXPECT_LT(most(opens), 5 * opened / h);
+  }
 }

@@ -1,14 +1,16 @@
 #include "assembly/mortar/across_gap.h"
 
+#include <algorithm>
+
 #include "linear_algebra.h"
 
 namespace frictioncg::mortar {
 
 namespace {
 
-/// Weights move by no more than this share of a barycentric coordinate, which is about the gap over
-/// the height of the element.
-constexpr Real widest = 0.1;
+/// Weights move by up to `narrow` of a barycentric coordinate, which is about the gap over the
+/// height of the element; what asks for more fades out towards `widest`.
+constexpr Real narrow = 0.1, widest = 0.15;
 
 /// The vertices of the element behind a facet.
 std::vector<Index> element_of(const Facet& facet, int d) {
@@ -32,22 +34,28 @@ Eigen::VectorXd shift(const std::vector<Index>& vertices, const std::vector<Vec3
 }  // namespace
 
 Matrix across_gap(const Matrix& P, const Matrix& G, const std::vector<ContactNode>& nodes,
-                  const Nodes& all, const std::vector<const Facet*>& partner) {
+                  const Nodes& all, const FacedFacets& faced) {
   std::vector<char> has_law(all.X.size(), 0);
   for (const ContactNode& node : nodes) has_law[node.node] = 1;
   std::vector<Eigen::Triplet<Real, Index>> change;
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const Index i = nodes[k].node;
-    if (!partner[i] || partner[i]->behind < 0) continue;
     Vec3 e = Vec3::Zero();
     for (Matrix::InnerIterator it(G, static_cast<Index>(k)); it; ++it)
       e += it.value() * (all.X[it.col()] - all.X[i]);
-    const std::vector<Index> vertices = element_of(*partner[i], all.dimension);
-    const Eigen::VectorXd c = shift(vertices, all.X, e);
-    bool fits = c.lpNorm<Eigen::Infinity>() < widest;
-    for (Index l : vertices) fits = fits && !has_law[l];
-    for (std::size_t v = 0; v < vertices.size() && fits; ++v)
-      change.emplace_back(i, vertices[v], c[static_cast<Index>(v)]);
+    Real whole = 0;
+    for (const auto& [facet, weight] : faced[i]) whole += weight;
+    for (const auto& [facet, weight] : faced[i]) {
+      if (facet->behind < 0) continue;
+      const std::vector<Index> vertices = element_of(*facet, all.dimension);
+      const auto lawful = [&](Index l) { return has_law[l] != 0; };
+      if (std::any_of(vertices.begin(), vertices.end(), lawful)) continue;
+      const Eigen::VectorXd c = shift(vertices, all.X, e);
+      const Real room = (widest - c.lpNorm<Eigen::Infinity>()) / (widest - narrow);
+      const Real share = std::clamp<Real>(room, 0, 1) * weight / whole;
+      for (std::size_t v = 0; v < vertices.size() && share != 0; ++v)
+        change.emplace_back(i, vertices[v], share * c[static_cast<Index>(v)]);
+    }
   }
   if (change.empty()) return P;
   Matrix by(P.rows(), P.cols());

@@ -48,8 +48,7 @@ class Assembly {
         slopes_(nodes.X, options.force),
         D_(Vector::Zero(size())),
         offset_(nodes.X.size(), Vec3::Zero()),
-        partner_(nodes.X.size(), nullptr),
-        faced_(nodes.X.size(), 0) {}
+        faced_(nodes.X.size()) {}
   void add_pair(Index p, const Side& slave, const Side& master, const Cover& cover);
   void finish(const std::vector<Side>& masters, Mortar& mortar);
   std::map<Index, SlopedRow> sloped_rows() const { return slopes_.rows(); }
@@ -72,8 +71,7 @@ class Assembly {
   Vector D_;
   Entries N_, P_;
   std::vector<Vec3> offset_;               ///< int psi_i (delta_m(chi) - delta_s)
-  std::vector<const Facet*> partner_;      ///< per node, the master's facet of the largest weight
-  std::vector<Real> faced_;                ///< per node, that weight
+  FacedFacets faced_;                      ///< per node
   std::map<Index, Index> number_of_edge_;  ///< in edges_, by node
   std::vector<MidEdge> edges_;
   std::vector<EdgeMoments> edge_moments_;  ///< in their order
@@ -122,10 +120,7 @@ void Assembly::add_multiplier(Index i, const Eigen::RowVector3d& psi, const Part
   for (std::size_t c = 0; c < part.cells.size(); ++c) {
     const Facet& master = part.master.facet(part.cells[c].master);
     const Real weight = (psi * moments.master[c].leftCols(nodes_m)).sum();
-    if (weight > faced_[i]) {
-      faced_[i] = weight;
-      partner_[i] = &master;
-    }
+    faced_[i].emplace_back(&master, weight);
     for (int l = 0; l < nodes_m; ++l)
       P_.emplace_back(i, master.node[l], psi.dot(moments.master[c].col(l)));
   }
@@ -227,7 +222,7 @@ void Assembly::finish(const std::vector<Side>& masters, Mortar& mortar) {
   set_distances_of_edges(mortar);
   take(balanced(mortar.P_, mortar.G_, mortar.nodes_, nodes_.X));
   take(along_normals(mortar.P_, mortar.G_, mortar.nodes_, ownership_.of_master, masters, nodes_.X));
-  take(across_gap(mortar.P_, mortar.G_, mortar.nodes_, nodes_, partner_));
+  take(across_gap(mortar.P_, mortar.G_, mortar.nodes_, nodes_, faced_));
   set_statistics(mortar);
 }
 
