@@ -10,8 +10,7 @@ namespace frictioncg {
 
 namespace {
 
-// Fitted to tests/bench/routes.edp by routes.py, in seconds. What a constant of half or of twice
-// its value would do there stands behind it.
+// Fitted to tests/bench/routes.edp by routes.py, in seconds.
 constexpr double of_factor = 1.2e-9;     ///< over n^2, contact dofs last, 3D
 constexpr double of_factor_2d = 1.2e-7;  ///< over n^1.25, 2D
 constexpr double of_entries = 5e-8;      ///< over the entries of A: ordering, and two sweeps

@@ -115,8 +115,8 @@ class Arguments {
  private:
   static Arguments of_contactproblem(const basicAC_F0& args) {
     const Arguments a(args);
-    for (Parameter p :
-         {p_at, p_forceold, p_mu2, p_direction, p_domain, p_obstacle, p_pivot, p_obstacles, p_motionfree})
+    for (Parameter p : {p_at, p_forceold, p_mu2, p_direction, p_domain, p_obstacle, p_pivot,
+                        p_obstacles, p_motionfree})
       if (a.has(p)) refuse(p, "belongs to the contactproblem; give it there");
     return a;
   }

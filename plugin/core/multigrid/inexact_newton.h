@@ -16,9 +16,10 @@ class InexactNewton {
   InexactNewton(const ContactProblem& problem, Hierarchy& hierarchy, Observer* observer = nullptr);
 
   /// From x0 (n), or where it is empty from 0; on the given branches, or where these are empty on
-  /// those of x0, or where that is, too, on those that nothing but the gaps tells. Friction is to follow the slip to about tol, too, where rounding allows it.
-  /// converged: by the certificate; max_iterations; stagnated: neither further updates of the faces
-  /// nor springs reduce the violation.
+  /// those of x0, or where that is, too, on those that nothing but the gaps tells. Friction is to
+  /// follow the slip to about tol, too, where rounding allows it. converged: by the certificate;
+  /// max_iterations; stagnated: neither further updates of the faces nor springs reduce the
+  /// violation.
   Status solve(Real tol, Index max_iterations, const Vector& x0, const Branches& start = {});
 
   /// For a caller who has another method, which costs as much as so many cycles. Ends, stagnated,

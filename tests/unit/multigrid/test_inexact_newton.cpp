@@ -467,8 +467,8 @@ TEST(Multigrid, TheDefaultSaysThatItsBoundIsUsedUpWhereMultigridGaveWayBefore) {
 
 TEST(Multigrid, TheDefaultTakesAtMostOneFifthMoreThanTheCheaperRoute) {
   // in units of the condensed route, by the cycles that cost as much
-  // where both cost about the same, at 0.498 and 0.499, it may see too late that faces do not settle, and by
-  // how much depends on rounding
+  // where both cost about the same, at 0.498 and 0.499, it may see too late that faces do not
+  // settle, and by how much depends on rounding
   for (Real nu : {0.45, 0.48, 0.49, 0.495, 0.497, 0.4999}) {
     SparseOptions o = cube(14);
     o.nu = nu;
