@@ -10,11 +10,18 @@ constexpr Real stiff = 100;
 /// The hierarchy is made anew where the J'' of a tangent has changed by this share of D + J''.
 constexpr Real outdated = 0.5;
 
+/// The gradient methods have products with A of their own.
+HierarchyOptions without_products() {
+  HierarchyOptions options;
+  options.multiplies = false;
+  return options;
+}
+
 }  // namespace
 
 MultigridPreconditioner::MultigridPreconditioner(const System& system)
     : ResidualPreconditioner(system),
-      hierarchy_(make_hierarchy(system)),
+      hierarchy_(make_hierarchy(system, without_products())),
       springs_(Vector::Zero(system.contact_dofs())) {
   if (!hierarchy_)
     throw IllegalInput(

@@ -11,8 +11,7 @@ class ExactMatrix {
   std::vector<Real> lower;     ///< D x D for each stored block
   std::vector<Real> diagonal;  ///< D x D for each row
 
-  /// Ax = A x, where `slot` (n) tells the place of each dof; false where A is not kept, or has more
-  /// dofs.
+  /// Ax = A x, where `slot` (n) tells the place of each dof; false where A is not kept.
   bool multiply(const SymmetricBlocks<D>& places, const std::vector<Index>& slot, const Vector& x,
                 Vector& Ax);
   /// Drops all where the other half of A differs by more than rounding, which a product tells.

@@ -81,7 +81,10 @@ HierarchyOf<D, K>::HierarchyOf(const Matrix& A, const NodeBlocks& blocks,
     : blocks_(blocks), options_(options) {
   scale_ = 1 / A.diagonal().mean();
   fine_.A = make_fine_matrix<D>(A, blocks, scale_, exact_);
-  exact_.keep_if_symmetric(A, fine_.A, blocks.slot);
+  if (options.multiplies)
+    exact_.keep_if_symmetric(A, fine_.A, blocks.slot);
+  else
+    exact_ = {};
   for (Index i = 0; i < blocks.blocks; ++i) invert_diagonal(fine_.A, i);
   Modes<K> B = Modes<K>::Zero(blocks.slots(), K);
   for (std::size_t p = 0; p < blocks.slot.size(); ++p) B.row(blocks.slot[p]) = modes.row(p);

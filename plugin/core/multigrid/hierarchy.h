@@ -37,8 +37,9 @@ class Hierarchy {
   /// Allocates nothing.
   virtual void apply(const Vector& r, Vector& z) = 0;
 
-  /// Ax = A x, neither truncated nor rounded; false where the hierarchy does not keep A: with a
-  /// border, in several processes, and where A is not symmetric to rounding.
+  /// Ax = A x, neither truncated nor rounded; false where the hierarchy does not keep A: where the
+  /// options do not ask for it, with a border, in several processes, and where A is not symmetric
+  /// to rounding.
   virtual bool multiply(const Vector& x, Vector& Ax) {
     static_cast<void>(x), static_cast<void>(Ax);
     return false;
@@ -57,6 +58,7 @@ class Hierarchy {
 struct HierarchyOptions {
   Index coarsest = 600;  ///< dofs of a coarse level from which on a dense factorization takes over
   Index dense = 300;     ///< dofs of A up to which one on the fine level itself does
+  bool multiplies = true;  ///< keeps half of A for multiply()
 };
 
 /// k unknowns q beside the n of a truncated A:   [A B; B' S]

@@ -31,8 +31,10 @@ std::unique_ptr<Hierarchy> make_hierarchy(const System& system, const HierarchyO
     Eigen::MatrixXd of_bodies(system.dofs() - k, modes.cols());
     of_bodies << modes.topRows(end - k), modes.bottomRows(behind);
     const NodeBlocks blocks = make_node_blocks(mesh_node, system.dimension, end - k);
+    HierarchyOptions within = options;
+    within.multiplies = false;  // by the whole of A alone
     return std::make_unique<BorderedHierarchy>(
-        system, make_levels(without_border(system), blocks, of_bodies, options));
+        system, make_levels(without_border(system), blocks, of_bodies, within));
   }
   const NodeBlocks blocks = make_node_blocks(system.mesh_node, system.dimension, system.interior());
   return make_levels(system.entries(), blocks, modes, options);

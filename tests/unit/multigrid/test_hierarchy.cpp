@@ -261,6 +261,11 @@ TEST(Hierarchy, MultipliesByHalfOfASymmetricMatrix) {
     ASSERT_TRUE(s.hierarchy->multiply(x, Ax));
     EXPECT_LT((Ax - A * x).norm(), 1e-14 * Ax.norm());
     EXPECT_NE(A.innerIndexPtr()[A.outerIndexPtr()[100]], 100);
+    HierarchyOptions without;
+    without.multiplies = false;
+    const auto smaller = make_hierarchy(A, s.blocks, s.modes, without);
+    EXPECT_FALSE(smaller->multiply(x, Ax));
+    EXPECT_LT(smaller->bytes(), s.hierarchy->bytes() - 4. * double(A.nonZeros()));
     A.valuePtr()[A.outerIndexPtr()[100]] *= 1 + 1e-9;  // a coupling, as far as A may be off
     EXPECT_FALSE(make_hierarchy(A, s.blocks, s.modes)->multiply(x, Ax));
   }
