@@ -84,19 +84,19 @@ inline void report_plain(long verb) {
            << std::endl;
 }
 
-/// Poses A, less the stiffness of forceold where that leaves stiffnesses > 0.
-inline void assemble(Stack stack, const Arguments& args, const Triplets& A, Scene& scene,
-                     bool lasts) {
-  if (scene.pairing && args.has(p_forceold)) {
+/// pose(A), less the stiffness of forceold where that leaves stiffnesses > 0.
+template <class Pose>
+void assemble(const Triplets& A, Scene& scene, long verb, const Pose& pose) {
+  if (!scene.facing.force.empty()) {
     scene.stiffened = std::make_unique<Stiffened>(A, scene.pairing->stiffness(A.n, scene.d));
     try {
-      return scene.assemble(scene.stiffened->less());
+      return pose(scene.stiffened->less());
     } catch (const IllegalInput&) {
-      report_plain(read_verb(stack, args));
+      report_plain(verb);
       scene.stiffened.reset();
     }
   }
-  with_components_in_words(scene, [&] { scene.assemble(A, lasts); });
+  with_components_in_words(scene, [&] { pose(A); });
 }
 
 /// The laws that the arguments name at the contact points, which get their tangents: a node has
@@ -133,7 +133,7 @@ inline std::shared_ptr<Scene> read_scene(Stack stack, const Arguments& args, con
   if (scene->pairing) face_bodies(stack, args, A, *scene);
   laws = read_point_laws(stack, args, lasts, *scene, begun_laws(stack, args));
   const Triplets matrix = read_matrix(stack, A, *scene);
-  assemble(stack, args, matrix, *scene, lasts);
+  assemble(matrix, *scene, read_verb(stack, args), [&](const Triplets& M) { scene->assemble(M); });
   scene->unnamed_radius = unnamed_radius(args, *scene, matrix);
   if (!scene->tangents) laws.law = Law::frictionless;
   return scene;

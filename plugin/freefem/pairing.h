@@ -3,7 +3,6 @@
 
 #include <memory>
 #include <string>
-#include <utility>
 
 #include "../core/assembly/mortar/slip.h"
 #include "../core/assembly/mortar/validation.h"
@@ -47,37 +46,24 @@ class Pairing {
   /// The contact nodes: those of the slave that face the master and are not on an obstacle, whose
   /// points are given. u_old, by all dofs or empty: where the increment began, of nodes that have
   /// been moved. again: the options are those of the last time, whose mortar stays where the same
-  /// nodes are held and taken, and no motion that A leaves free was asked for.
+  /// nodes are held and taken, and it depends on nothing else of A or of the increment.
   std::vector<BoundaryNode> face(const Triplets& A, int d, mortar::Options options,
                                  const Vector& u_old, const std::vector<BoundaryNode>& on_obstacle,
                                  const std::function<std::vector<NodePlace>()>& places,
                                  bool again = false) {
-    options.element_groups = [this](Index i) {
-      const auto found = between_.body_count.find(i);
-      return found == between_.body_count.end() ? 1 : found->second;
-    };
-    options.bodies = between_.slave_bodies;
     std::vector<ContactPoint> obstacle;
     for (const BoundaryNode& n : on_obstacle) obstacle.push_back(n.point);
     dirichlet_ = std::make_shared<const Dirichlet>(A, obstacle);
     bool asked = false;
-    options.freedom = [&] {
-      asked = true;
-      const std::vector<NodePlace> all = places();
-      FreedomOfBodies bodies(d, between_.X, body_of_nodes(all, A.n));
-      bodies.add(A, *dirichlet_, all);
-      return bodies.freedom();
-    };
-    const std::vector<char> taken_before = std::exchange(taken_, {});
-    take(obstacle);
-    mortar::Nodes nodes{d, between_.X, mortar::held_components(d, between_.dof, *dirichlet_),
-                        taken_};
-    if (between_.is_moved) nodes.reference = displaced(between_, d);
-    if (u_old.size() > 0) nodes.before = displaced(between_, d, u_old);
-    if (!mortar_ || !again || asked_ || u_old.size() > 0 || nodes.held != held_ || taken_ != taken_before) {
+    add_bodies(A, d, places, options, asked);
+    const mortar::Nodes nodes = nodes_at(d, u_old, obstacle);
+    const bool stays =
+        again && lasts_ && u_old.size() == 0 && nodes.held == held_ && nodes.taken == taken_;
+    if (!stays) {
       mortar_ = std::make_shared<const mortar::Mortar>(nodes, between_.pairs, options);
-      asked_ = asked;
+      lasts_ = !asked && u_old.size() == 0;
       held_ = nodes.held;
+      taken_ = nodes.taken;
     }
     std::vector<BoundaryNode> contact;
     FacedPart faced;
@@ -114,10 +100,11 @@ class Pairing {
 
   std::unique_ptr<LocalSystem> system(const Triplets& A, int d, std::vector<ContactPoint> points,
                                       const std::vector<Index>& mesh_node, const RigidModes& modes,
-                                      const RigidModes& body_modes, Renewal renewal) const {
+                                      const RigidModes& body_modes,
+                                      const LocalSystem* before) const {
     const Coupling coupling = mortar::couple(*mortar_, d, between_.dof, *dirichlet_, A.n, taken_);
     return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, *dirichlet_, coupling,
-                                         modes, body_modes, renewal);
+                                         modes, body_modes, before);
   }
 
   /// The slave's nodes, where a gap is evaluated.
@@ -177,12 +164,38 @@ class Pairing {
   const std::vector<FacingPair>& pairs() const { return faced_.pairs; }
 
  private:
+  /// What the mortar asks of the bodies; asked: set where it does so of motions that A leaves free.
+  void add_bodies(const Triplets& A, int d, const std::function<std::vector<NodePlace>()>& places,
+                  mortar::Options& options, bool& asked) const {
+    options.element_groups = [this](Index i) {
+      const auto found = between_.body_count.find(i);
+      return found == between_.body_count.end() ? 1 : found->second;
+    };
+    options.bodies = between_.slave_bodies;
+    options.freedom = [this, &A, d, &places, &asked] {
+      asked = true;
+      const std::vector<NodePlace> all = places();
+      FreedomOfBodies bodies(d, between_.X, body_of_nodes(all, A.n));
+      bodies.add(A, *dirichlet_, all);
+      return bodies.freedom();
+    };
+  }
+  mortar::Nodes nodes_at(int d, const Vector& u_old,
+                         const std::vector<ContactPoint>& obstacle) const {
+    mortar::Nodes nodes{d, between_.X, mortar::held_components(d, between_.dof, *dirichlet_),
+                        taken_by(obstacle)};
+    if (between_.is_moved) nodes.reference = displaced(between_, d);
+    if (u_old.size() > 0) nodes.before = displaced(between_, d, u_old);
+    return nodes;
+  }
   /// The nodes that an obstacle has; none where there is no obstacle.
-  void take(const std::vector<ContactPoint>& obstacle) {
-    if (obstacle.empty()) return;
+  std::vector<char> taken_by(const std::vector<ContactPoint>& obstacle) const {
+    std::vector<char> taken;
+    if (obstacle.empty()) return taken;
     std::set<Index> dofs;
     for (const ContactPoint& p : obstacle) dofs.insert(p.dof[0]);
-    for (const std::array<Index, 3>& dof : between_.dof) taken_.push_back(dofs.count(dof[0]) > 0);
+    for (const std::array<Index, 3>& dof : between_.dof) taken.push_back(dofs.count(dof[0]) > 0);
+    return taken;
   }
   /// A mid-edge is the pair's, between ends of which an obstacle has one at most.
   void add_edge(mortar::MidEdge e, FacedPart& faced) const {
@@ -228,11 +241,11 @@ class Pairing {
 
   Interface between_;
   std::shared_ptr<const Dirichlet> dirichlet_;
-  std::vector<unsigned char> held_;  ///< of the nodes, as mortar::Nodes has it
-  bool asked_ = false;               ///< what A leaves free, by the mortar
-  std::vector<char> taken_;          ///< as mortar::Nodes has it
-  std::shared_ptr<const mortar::Mortar>
-      mortar_;  ///< null where several processes have a common one
+  std::vector<unsigned char> held_;  ///< of the nodes of the mortar, as mortar::Nodes has it
+  std::vector<char> taken_;          ///< the same
+  bool lasts_ = false;  ///< the mortar depends on no motion that A leaves free, nor on u_old
+  /// Null where several processes have a common one.
+  std::shared_ptr<const mortar::Mortar> mortar_;
   FacedPart faced_;
 };
 

@@ -64,15 +64,19 @@ inline bool names_friction(const Arguments& args, const PointLaws& laws) {
 inline PointLaws laws_at(const Arguments& args, const Scene& before, const Scene& scene,
                          PointLaws laws) {
   const Index paired = static_cast<Index>(before.paired());
-  const bool of_meshes = scene.pairing && laws.gap.head(paired) == before.pairing->gap();
+  const Vector moved = moved_along_normals(before);
+  const bool of_meshes =
+      scene.pairing && laws.gap.head(paired) == Vector(before.pairing->gap() + moved.head(paired));
+  Vector gap = laws.gap - moved;  // what is left where the geometry is
   if (same_points(before.nodes, scene.nodes)) {
-    if (of_meshes) laws.gap.head(paired) = scene.pairing->gap();
+    if (of_meshes) gap.head(paired) = scene.pairing->gap();
+    laws.gap = gap + moved_along_normals(scene);
     return laws;
   }
-  const bool gap = args.has(p_gap) || of_meshes || laws.gap.head(paired).isZero(0);
-  const Vector rest = laws.gap.tail(laws.gap.size() - paired);
+  const bool has_gap = args.has(p_gap) || of_meshes || gap.head(paired).isZero(0);
+  const Vector rest = gap.tail(gap.size() - paired);
   const Parameter gap_of_rest = scene.pairing ? p_obstaclegap : p_gap;
-  if (!gap || !names_friction(args, laws) || !(rest.isZero(0) || args.has(gap_of_rest)))
+  if (!has_gap || !names_friction(args, laws) || !(rest.isZero(0) || args.has(gap_of_rest)))
     throw IllegalInput(
         "other nodes than those of C are to touch, by the normal or by the supports of the new "
         "matrix, and C has gap and friction at the latter alone; name them in this call, too");
@@ -95,7 +99,8 @@ inline PosedProblem renewed(Stack stack, const Arguments& args, const Expression
   laws = read_laws(stack, args, scene, begun_laws(stack, args, posed.laws), posed.laws.gap);
   if (posed.laws.gap.size() == 0) posed.laws = laws;
   const Triplets matrix = read_matrix(stack, A, scene);
-  with_components_in_words(scene, [&] { scene.assemble_after(before, matrix, alone); });
+  assemble(matrix, scene, read_verb(stack, args),
+           [&](const Triplets& M) { scene.assemble_after(before, M, alone); });
   scene.unnamed_radius = before.unnamed_radius;
   return posed;
 }

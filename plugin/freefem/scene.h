@@ -73,8 +73,7 @@ struct Scene {
   void face(const Triplets& A, const mortar::Options& options, const Vector& u_old,
             bool again = false);
   /// Copies A into the local frames; the nodes carry their normals and whether they have friction.
-  /// renewable: as another matrix may follow.
-  void assemble(const Triplets& A, bool renewable = false);
+  void assemble(const Triplets& A);
   /// The same after `before`, of which all that still holds is kept. alone: nobody else has it, and
   /// its solver goes over.
   void assemble_after(Scene& before, const Triplets& A, bool alone);
@@ -91,7 +90,7 @@ struct Scene {
   LocalIncrement increment(const LocalLoad& load, const PointLaws& laws) const;
 
  private:
-  void make_system(const Triplets& A, Renewal renewal);
+  void make_system(const Triplets& A, const LocalSystem* before);
 
   mutable std::optional<Real> gyration_;
 
@@ -148,16 +147,16 @@ inline void Scene::face(const Triplets& A, const mortar::Options& options, const
   copy_seconds = cpu_seconds() - start;
 }
 
-inline void Scene::assemble(const Triplets& A, bool renewable) {
+inline void Scene::assemble(const Triplets& A) {
   const double start = cpu_seconds();
-  make_system(A, {renewable, nullptr});
+  make_system(A, nullptr);
   solver = std::make_unique<Solver>(system->system());
   copy_seconds += cpu_seconds() - start;
 }
 
 inline void Scene::assemble_after(Scene& before, const Triplets& A, bool alone) {
   const double start = cpu_seconds();
-  make_system(A, {true, before.system.get()});
+  make_system(A, before.system.get());
   if (alone) {
     before.solver->renew(system->system());
     solver = std::move(before.solver);
@@ -167,18 +166,18 @@ inline void Scene::assemble_after(Scene& before, const Triplets& A, bool alone) 
   copy_seconds += cpu_seconds() - start;
 }
 
-inline void Scene::make_system(const Triplets& A, Renewal renewal) {
+inline void Scene::make_system(const Triplets& A, const LocalSystem* before) {
   std::vector<ContactPoint> points;
   for (const BoundaryNode& n : nodes) points.push_back(n.point);
   const Index n = static_cast<Index>(ndof());
   const auto modes = [places = places, d = d, n] { return rigid_modes(places(), d, n); };
   const auto each = [places = places, d = d, n] { return body_modes(places(), d, n); };
   system = placed([&] {
-    if (pairing) return pairing->system(A, d, std::move(points), mesh_node, modes, each, renewal);
+    if (pairing) return pairing->system(A, d, std::move(points), mesh_node, modes, each, before);
     if (moving)
       return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, moving->rigid, modes,
-                                           each, renewal);
-    return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, modes, renewal);
+                                           each, before);
+    return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, modes, before);
   });
   held = held_dofs(system->basis());
 }

@@ -25,11 +25,19 @@ Solution solved(Solver& solver, const Posed& posed, Method method) {
   return solver.solve(posed.problem().increment, settings);
 }
 
-/// A scene as LocalSystem takes it, for a matrix that may come again.
-std::unique_ptr<LocalSystem> renewable(const SparseScene& s, const LocalSystem* before = nullptr) {
+/// A scene as LocalSystem takes it, after another.
+std::unique_ptr<LocalSystem> posed_after(const SparseScene& s, const LocalSystem* before) {
   return std::make_unique<LocalSystem>(
-      s.triplets(), s.d, s.points, s.node_of_dof, [M = s.modes] { return M; },
-      Renewal{true, before});
+      s.triplets(), s.d, s.points, s.node_of_dof, [M = s.modes] { return M; }, before);
+}
+
+/// An entry between two free dofs of the interior, and its mirror image.
+std::pair<std::size_t, std::size_t> coupling(const SparseScene& s) {
+  const Index far = s.n - 3;
+  std::size_t k = 0, mirror = 0;
+  while (s.i[k] != far || s.j[k] == far || s.a[k] == 0) ++k;
+  while (s.i[mirror] != s.j[k] || s.j[mirror] != far) ++mirror;
+  return {k, mirror};
 }
 
 Real difference(const Matrix& A, const Matrix& B) { return Matrix(A - B).norm() / B.norm(); }
@@ -84,15 +92,66 @@ TEST(Renewal, TheFactorTakesNewValuesOverTheLayoutOfTheSamePattern) {
   EXPECT_LT(kept.times().order, fresh.times().order);
 }
 
+TEST(Renewal, AnotherPatternOnTheSameDofsIsLaidOutAnew) {
+  const SparseScene scene = sparse_block(options(2, 8));
+  SparseScene less = scene;
+  const auto [k, mirror] = coupling(scene);
+  less.a[k] = less.a[mirror] = 0;
+  const Posed without = less.system(less.node_of_dof), with = scene.system(scene.node_of_dof);
+  ASSERT_TRUE(same_dofs(*without.problem().system, *with.problem().system));
+  ASSERT_FALSE(same_pattern(*without.problem().system, *with.problem().system));
+  Solver solver(without.problem().system), first(with.problem().system);
+  solved(solver, without, Method::condensed);
+  solver.renew(with.problem().system);
+  const Solution a = solved(solver, with, Method::condensed),
+                 b = solved(first, with, Method::condensed);
+  EXPECT_EQ(a.status, Status::converged);
+  EXPECT_EQ(a.layer, b.layer);
+  EXPECT_EQ(a.x, b.x);
+}
+
+TEST(Renewal, AMatrixThatHadNoFactorIsFollowedByOneThatHas) {
+  const SparseScene scene = sparse_block(options(2, 8));
+  SparseScene bad = scene;
+  const auto [k, mirror] = coupling(scene);
+  bad.a[k] = bad.a[mirror] = 1e4 * scene.a[k];
+  const Posed indefinite = bad.system(bad.node_of_dof), good = scene.system(scene.node_of_dof);
+  Solver solver(indefinite.problem().system), first(good.problem().system);
+  EXPECT_NE(solved(solver, indefinite, Method::automatic).status, Status::converged);
+  solver.renew(good.problem().system);
+  const Solution a = solved(solver, good, Method::automatic),
+                 b = solved(first, good, Method::automatic);
+  EXPECT_EQ(a.status, Status::converged);
+  EXPECT_EQ(a.layer, b.layer);
+  EXPECT_GT(a.times.factor, 0);
+}
+
+TEST(Renewal, WhatOneMatrixLeavesFreeAnotherMayHold) {
+  SparseOptions o = options(2, 6);
+  o.clamp_side = false;
+  o.shear = 0;
+  o.mu = 0;
+  o.law = Law::frictionless;
+  const SparseScene scene = sparse_block(o);
+  SparseScene bedded = scene;
+  for (std::size_t k = 0; k < bedded.a.size(); ++k)
+    if (bedded.i[k] == bedded.j[k]) bedded.a[k] *= 1.01;
+  const Posed loose = scene.system(scene.node_of_dof), held = bedded.system(bedded.node_of_dof);
+  Solver solver(loose.problem().system);
+  EXPECT_EQ(solved(solver, loose, Method::condensed).undetermined.cols(), 1);
+  solver.renew(held.problem().system);
+  EXPECT_EQ(solved(solver, held, Method::condensed).undetermined.cols(), 0);
+}
+
 TEST(Renewal, AMatrixIsFilledOverThePatternThatHoldsIt) {
   for (int d : {2, 3}) {
     SparseOptions o = options(d, 4);
     o.tilt = 0.2;  // frames that are turned
     SparseScene scene = sparse_block(o);
-    const auto first = renewable(scene);
+    const auto first = posed_after(scene, nullptr);
     for (Real& a : scene.a)
       if (a < 1e20) a *= 2;
-    const auto second = renewable(scene, first.get());
+    const auto second = posed_after(scene, first.get());
     EXPECT_TRUE(same_pattern(*first->system(), *second->system()));
     EXPECT_LT(difference(second->system()->entries(),
                          scene.system(scene.node_of_dof).problem().system->entries()),
@@ -102,33 +161,29 @@ TEST(Renewal, AMatrixIsFilledOverThePatternThatHoldsIt) {
 
 TEST(Renewal, EntriesOutsideThePatternMakeAnotherWhichThenStays) {
   SparseScene scene = sparse_block(options(2, 6));
-  std::vector<Real> whole = scene.a;
-  std::size_t k = 0;  // an entry between two free dofs of the interior, and its mirror image
-  const Index far = scene.n - 3;
-  while (scene.i[k] != far || scene.j[k] == far || whole[k] == 0) ++k;
-  std::size_t mirror = 0;
-  while (scene.i[mirror] != scene.j[k] || scene.j[mirror] != far) ++mirror;
+  const std::vector<Real> whole = scene.a;
+  const auto [k, mirror] = coupling(scene);
   scene.a[k] = scene.a[mirror] = 0;
-  const auto without = renewable(scene);
+  const auto without = posed_after(scene, nullptr);
   scene.a = whole;
-  const auto with = renewable(scene, without.get());
+  const auto with = posed_after(scene, without.get());
   EXPECT_FALSE(same_pattern(*without->system(), *with->system()));
   EXPECT_LT(difference(with->system()->entries(),
                        scene.system(scene.node_of_dof).problem().system->entries()),
             1e-14);
   scene.a[k] = scene.a[mirror] = 0;
-  const auto again = renewable(scene, with.get());
+  const auto again = posed_after(scene, with.get());
   EXPECT_TRUE(same_pattern(*again->system(), *with->system()));
   EXPECT_LT(difference(again->system()->entries(), without->system()->entries()), 1e-14);
 }
 
 TEST(Renewal, TripletsInAnotherOrderGiveTheSameMatrix) {
   SparseScene scene = sparse_block(options(2, 6));
-  const auto first = renewable(scene);
+  const auto first = posed_after(scene, nullptr);
   std::reverse(scene.i.begin(), scene.i.end());
   std::reverse(scene.j.begin(), scene.j.end());
   std::reverse(scene.a.begin(), scene.a.end());
-  const auto second = renewable(scene, first.get());
+  const auto second = posed_after(scene, first.get());
   EXPECT_TRUE(same_pattern(*first->system(), *second->system()));
   EXPECT_LT(difference(second->system()->entries(), first->system()->entries()), 1e-14);
 }

@@ -27,15 +27,16 @@ void require_size(const char* name, const Vector& values, std::size_t wanted, co
 }  // namespace
 
 LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
-                         const std::vector<Index>& mesh_node, RigidModes modes, Renewal renewal)
+                         const std::vector<Index>& mesh_node, RigidModes modes,
+                         const LocalSystem* before)
     : points_(std::move(points)), dirichlet_(A, points_) {
   make_basis(A, dimension);
-  assemble(A, dimension, mesh_node, std::move(modes), {}, renewal);
+  assemble(A, dimension, mesh_node, std::move(modes), {}, before);
 }
 
 LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
                          const std::vector<Index>& mesh_node, const RigidObstacles& obstacles,
-                         RigidModes modes, RigidModes body_modes, Renewal renewal)
+                         RigidModes modes, RigidModes body_modes, const LocalSystem* before)
     : points_(std::move(points)), dirichlet_(A, points_) {
   make_basis(A, dimension);
   const Index n_q = obstacles.dofs();
@@ -55,17 +56,17 @@ LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPo
     };
   };
   assemble(A, dimension, nodes, among_all(std::move(modes), false),
-           among_all(std::move(body_modes), true), renewal);
+           among_all(std::move(body_modes), true), before);
 }
 
 LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
                          const std::vector<Index>& mesh_node, Dirichlet dirichlet,
                          const Coupling& coupling, RigidModes modes, RigidModes body_modes,
-                         Renewal renewal)
+                         const LocalSystem* before)
     : points_(std::move(points)), dirichlet_(std::move(dirichlet)) {
   make_basis(A, dimension);
   basis_ = std::make_shared<const Basis>(composed(coupling, *basis_));
-  assemble(A, dimension, mesh_node, std::move(modes), std::move(body_modes), renewal);
+  assemble(A, dimension, mesh_node, std::move(modes), std::move(body_modes), before);
 }
 
 /// The frames of the contact points.
@@ -88,12 +89,12 @@ Matrix LocalSystem::border(Index n) const {
 
 /// The system in the basis.
 void LocalSystem::assemble(const Triplets& A, int dimension, const std::vector<Index>& mesh_node,
-                           RigidModes modes, RigidModes body_modes, Renewal renewal) {
+                           RigidModes modes, RigidModes body_modes, const LocalSystem* before) {
   const auto system = std::make_shared<AssembledSystem>();
   system->dimension = dimension;
   system->first = basis_->first;
   system->border = border(A.n);
-  transform_to(A, renewal, system->A);
+  transform_to(A, before, system->A);
   system->D = system->A.diagonal();
   check_stiffness(A, *system);
   if (!A.half) check_symmetry(A, system->A, system->D, basis_->origin);
@@ -108,12 +109,10 @@ void LocalSystem::assemble(const Triplets& A, int dimension, const std::vector<I
 }
 
 /// A_local and K, over the pattern that was there before where it still holds.
-void LocalSystem::transform_to(const Triplets& A, Renewal renewal, Matrix& A_local) {
-  if (!renewal.renewable) return transform(A, *basis_, A_local, K_);
-  if (renewal.before) {
-    A_local = renewal.before->system_->entries();
-    places_ = renewal.before->places_;
-  }
+void LocalSystem::transform_to(const Triplets& A, const LocalSystem* before, Matrix& A_local) {
+  if (!before) return transform(A, *basis_, A_local, K_);
+  A_local = before->system_->entries();
+  places_ = before->places_;
   transform_again(A, *basis_, places_, A_local, K_);
 }
 

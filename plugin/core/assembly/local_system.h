@@ -43,13 +43,6 @@ struct LocalIncrement {
   Vector u0;
 };
 
-/// Whether A may come again with other values, and the system that it was in before, or null: its
-/// pattern is kept where it holds all of A.
-struct Renewal {
-  bool renewable = false;
-  const class LocalSystem* before = nullptr;
-};
-
 /// From the assembled system to the contact problem in local dofs, and back: Dirichlet conditions
 /// eliminated, u = T [w; u_D] in the frames of the contact points. Where the frames lie along the
 /// axes nothing is rotated.
@@ -57,22 +50,25 @@ class LocalSystem {
  public:
   /// Copies A once, in O(nnz); A itself is not kept. mesh_node (n, or empty): which dofs share a
   /// node of the mesh, so that the factorization orders nodes in place of dofs. modes, or empty:
-  /// the rigid motions in dofs of the script (n x k). Throws IllegalInput for what is not finite,
-  /// not symmetric, or has a diagonal <= 0.
+  /// the rigid motions in dofs of the script (n x k). before: the system of another matrix, or
+  /// null; its pattern is kept where that holds all of A. Throws IllegalInput for what is not
+  /// finite, not symmetric, or has a diagonal <= 0.
   LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
               const std::vector<Index>& mesh_node = {}, RigidModes modes = {},
-              Renewal renewal = {});
+              const LocalSystem* before = nullptr);
   /// With obstacles that move: n counts their dofs, too, of which b has the load where they are
   /// free, and the motion where it is given. body_modes: rigid motions of each body alone, of the
   /// dofs of the script. Throws as with_obstacles, too.
   LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
               const std::vector<Index>& mesh_node, const RigidObstacles& obstacles,
-              RigidModes modes = {}, RigidModes body_modes = {}, Renewal renewal = {});
+              RigidModes modes = {}, RigidModes body_modes = {},
+              const LocalSystem* before = nullptr);
   /// With two bodies: frames and laws act on the relative displacements of the coupling, that knows
   /// what `dirichlet` holds of A. body_modes: rigid motions of each body alone.
   LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
               const std::vector<Index>& mesh_node, Dirichlet dirichlet, const Coupling& coupling,
-              RigidModes modes = {}, RigidModes body_modes = {}, Renewal renewal = {});
+              RigidModes modes = {}, RigidModes body_modes = {},
+              const LocalSystem* before = nullptr);
   LocalSystem(const LocalSystem&) = delete;
   LocalSystem& operator=(const LocalSystem&) = delete;
 
@@ -107,8 +103,8 @@ class LocalSystem {
  private:
   void make_basis(const Triplets& A, int dimension);
   void assemble(const Triplets& A, int dimension, const std::vector<Index>& mesh_node,
-                RigidModes modes, RigidModes body_modes, Renewal renewal);
-  void transform_to(const Triplets& A, Renewal renewal, Matrix& A_local);
+                RigidModes modes, RigidModes body_modes, const LocalSystem* before);
+  void transform_to(const Triplets& A, const LocalSystem* before, Matrix& A_local);
   Matrix border(Index n) const;
   RigidModes in_local_dofs(RigidModes modes) const;
   void check_stiffness(const Triplets& A, const System& system) const;
@@ -120,7 +116,7 @@ class LocalSystem {
   std::vector<ContactNode> nodes_;
   std::shared_ptr<const Basis> basis_;
   Matrix K_;       ///< n_w x n_D, forces of prescribed displacements
-  Places places_;  ///< of a matrix that may come again; else empty
+  Places places_;  ///< of a matrix that has come again; else empty
   SystemPtr system_;
 };
 

@@ -160,16 +160,13 @@ void close_up(const std::vector<Index>& row, const std::vector<Index>& end, Matr
 /// M (n x n) of entries in any order; those of one place add. Sorted into buckets twice, by columns
 /// and from these by rows: their numbers alone, which takes the least memory. row, column: how many
 /// lie in each, at [1 ..]. By setFromTriplets the transformation would take half as much again.
-/// places, or null: where the entries went, by their numbers.
-void fill(Matrix& M, const Entries& entries, std::vector<Index> row, std::vector<Index> column,
-          Places* places = nullptr) {
+void fill(Matrix& M, const Entries& entries, std::vector<Index> row, std::vector<Index> column) {
   const Index n = static_cast<Index>(row.size()) - 1;
   add_up(row);
   add_up(column);
   const std::unique_ptr<Index[]> number(new Index[row[n]]);
   std::vector<Index> end(column.begin(), column.end() - 1);
   entries.for_each([&](Index k, Index, Index q) { number[end[q]++] = k; });
-  if (places) places->assign(entries.numbers(), -1);
   M.resize(n, n);
   M.resizeNonZeros(row[n]);
   std::copy(row.begin(), row.end() - 1, end.begin());
@@ -186,34 +183,30 @@ void fill(Matrix& M, const Entries& entries, std::vector<Index> row, std::vector
         col[at] = q;
         a[at++] = entries.value(number[k]);
       }
-      if (places) (*places)[number[k]] = at - 1;
     }
   close_up(row, end, M);
-  if (!places) return;
-  for (Index k = 0; k < row[n]; ++k) {
-    const Index p = entries.row(number[k]);
-    (*places)[number[k]] -= row[p] - M.outerIndexPtr()[p];
-  }
 }
 
 /// The same, with the zeros that A stores.
-void fill_with_zeros(Matrix& M, Index n, const Entries& entries, Places& places) {
+void fill_with_zeros(Matrix& M, Index n, const Entries& entries) {
   std::vector<Index> row(n + 1, 0), column(row);
   entries.for_each([&](Index, Index p, Index q) {
     ++row[p + 1];
     ++column[q + 1];
   });
-  fill(M, entries, row, column, &places);
+  fill(M, entries, row, column);
 }
 
-/// The values of M anew. False where an entry lies outside its pattern.
-bool refill(Matrix& M, const Places& places, const Entries& entries) {
+/// The values of M anew. False where an entry lies outside its pattern. Places that do not hold are
+/// found.
+bool refill(Matrix& M, Places& places, const Entries& entries) {
+  places.resize(entries.numbers(), -1);
   const Index* row = M.outerIndexPtr();
   const Index* col = M.innerIndexPtr();
   std::fill_n(M.valuePtr(), M.nonZeros(), 0.0);
   bool inside = true;
   entries.for_each([&](Index number, Index p, Index q) {
-    Index at = number < static_cast<Index>(places.size()) ? places[number] : -1;
+    Index& at = places[number];
     const bool there = at >= row[p] && at < row[p + 1] && col[at] == q;
     if (!there) at = static_cast<Index>(std::lower_bound(col + row[p], col + row[p + 1], q) - col);
     if (at < row[p + 1] && col[at] == q)
@@ -249,11 +242,9 @@ void transform_again(const Triplets& A, const Basis& basis, Places& places, Matr
                      Matrix& K) {
   const Index w = basis.local_dofs();
   transform(A, basis, K, [&](const Images& images, const Others& others) {
-    const Entries entries(A, images, others.local);
-    if (A_local.rows() != w)
-      fill(A_local, entries, others.rows, others.columns, &places);
-    else if (!refill(A_local, places, entries))
-      fill_with_zeros(A_local, w, Entries(A, images, others.local, true), places);
+    if (A_local.rows() == w && refill(A_local, places, Entries(A, images, others.local))) return;
+    fill_with_zeros(A_local, w, Entries(A, images, others.local, true));
+    places.clear();
   });
 }
 

@@ -10,13 +10,13 @@ namespace frictioncg {
 /// Throws IllegalInput where nothing is free, or where 32 bits do not index the entries.
 void transform(const Triplets& A, const Basis& basis, Matrix& A_local, Matrix& K);
 
-/// Where in A_local each entry of A went, in the order in which they are met; -1 for a zero.
+/// Where in A_local each entry of A went, by its number; -1 for a zero.
 using Places = std::vector<Index>;
 
 /// The same for a matrix that comes again with other values. A_local has the pattern of the last
-/// one, or is empty; places, of the last one, too, say where to look. Where A has an entry outside
-/// that pattern, A_local gets another one, of all that A stores, its zeros included: those of
-/// meshes at rest come and go.
+/// one; places, of the last one, too, or empty, say where to look first. Where A has an entry
+/// outside that pattern, or other dofs are held, A_local gets another one, of all that A stores,
+/// its zeros included: those of meshes at rest come and go.
 void transform_again(const Triplets& A, const Basis& basis, Places& places, Matrix& A_local,
                      Matrix& K);
 

@@ -142,4 +142,18 @@ TEST(SparseRoute, AnswersForThinPlatesAfterMultigridAndAsTheCondensedRouteDoes) 
   EXPECT_EQ(again.status, Status::converged);
   EXPECT_EQ(again.layer, Layer::sparse_newton);
   EXPECT_LE(again.iterations, 10);
+  // another matrix, of another pattern: no hierarchy is tried again, and the layout is its own
+  SparseScene less = scene;
+  std::size_t k = less.a.size() - 1;
+  while (less.i[k] == less.j[k] || less.a[k] == 0) --k;
+  std::size_t mirror = 0;
+  while (less.i[mirror] != less.j[k] || less.j[mirror] != less.i[k]) ++mirror;
+  less.a[k] = less.a[mirror] = 0;
+  const Posed other = less.system(less.node_of_dof);
+  ASSERT_FALSE(same_pattern(*posed.problem().system, *other.problem().system));
+  solver.renew(other.problem().system);
+  const Solution c = solver.solve(other.problem().increment, Settings());
+  EXPECT_EQ(c.status, Status::converged);
+  EXPECT_EQ(c.route, Route::sparse);
+  EXPECT_LE(c.iterations, 25);
 }
