@@ -5,7 +5,7 @@
 
 #include "errors.h"
 #include "labels.h"
-#include "scene.h"
+#include "pair_scene.h"
 
 namespace frictioncg {
 

@@ -1,0 +1,41 @@
+#pragma once
+#include "freefem.h"
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "space.h"
+
+namespace frictioncg {
+
+/// One body and an obstacle, at the contact points.
+template <class FESpaceType>
+std::shared_ptr<Scene> obstacle_scene(const Placement<FESpaceType>& Vh,
+                                      std::vector<BoundaryNode> points) {
+  auto scene = std::make_shared<Scene>();
+  scene->d = Dimension<FESpaceType>::d;
+  scene->dofs = dofs_of(Vh.space().NbOfDF);
+  scene->nodes = std::move(points);
+  observe(Vh, *scene);
+  return scene;
+}
+
+/// The contact points of the labels, in one process.
+template <class FESpaceType>
+std::vector<BoundaryNode> obstacle_points(const NamedSpace<FESpaceType>& space,
+                                          const std::vector<long>& labels) {
+  if (labels.empty()) return {};
+  const Boundary boundary = boundary_of(space, labels);
+  std::vector<BoundaryNode> points =
+      contact_points(Dimension<FESpaceType>::d, boundary, boundary.nodes.size());
+  follow_motions(space.Vh.space(), points);
+  return points;
+}
+template <class FESpaceType>
+std::shared_ptr<Scene> obstacle_scene(const Placement<FESpaceType>& Vh,
+                                      const std::vector<long>& labels) {
+  return obstacle_scene(Vh, obstacle_points(before_obstacle(Vh), labels));
+}
+
+}  // namespace frictioncg
