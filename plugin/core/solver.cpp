@@ -7,12 +7,9 @@
 
 #include "answer.h"
 #include "condensed/condensed.h"
-#include "statics/equilibrium.h"
-#include "statics/rigid_motions.h"
-#include "statics/undetermined.h"
-#include "gradient/fixed_point.h"
 #include "gradient/projected_cg.h"
 #include "gradient/sorp.h"
+#include "gradient_route.h"
 #include "model/validate.h"
 #include "multigrid/multigrid_solver.h"
 #include "sparse/sparse_solver.h"
@@ -35,59 +32,6 @@ constexpr double worth_an_ordering = 1e8;
 /// Where no factor can be had, the alternative to multigrid is a gradient method: multigrid may
 /// then cost so many times what it does as a rule, which is more than it ever does.
 constexpr double only_gradients = 1e6;
-
-/// The method that stands in for the condensed route, without a factor: not regularized either,
-/// unless the settings ask for it.
-Settings without_factor(Settings settings) {
-  settings.method = settings.newton ? Method::gcx : Method::gc3;
-  return settings;
-}
-
-Layer layer_of(Method method) {
-  if (method == Method::sorp) return Layer::sorp;
-  return method == Method::gcx ? Layer::gcx : Layer::gc;
-}
-
-/// The rigid motions of A: from the candidates of the system, or, where none of them floats, by
-/// conjugate gradients; not after a call that was to be short.
-DenseMatrix motions_of_A(const ContactProblem& problem, const DenseMatrix& known, Status status) {
-  if (known.cols() > 0 || status == Status::max_iterations) return known;
-  return rigid_motions(*problem.system, default_iterations(problem));
-}
-
-/// J without a bound at the present sliding limit says nothing about Coulomb's law, and a stall
-/// nothing about the load. Rigid motions do: no_equilibrium where one of them is a proof, and
-/// nowhere else.
-void decide_on_equilibrium(const ContactProblem& problem, FloatingMotions& floating, Solution& s) {
-  const bool open = s.status == Status::no_equilibrium || s.status == Status::stagnated ||
-                    s.status == Status::fixed_point_diverged || s.status == Status::max_iterations;
-  if (!open) return;
-  const Statics statics = balance(motions_of_A(problem, floating(), s.status), problem);
-  s.unheld_motion = statics.motion;
-  if (statics.balance == Balance::unheld)
-    s.status = Status::no_equilibrium;
-  else if (s.status == Status::no_equilibrium)
-    s.status = Status::stagnated;
-}
-
-/// The rigid motions that neither A nor the laws determine are named, and taken out of the answer;
-/// where the system knows no candidates for them they are not looked for.
-void settle(const ContactProblem& problem, const Settings& settings, FloatingMotions& floating,
-            Solution& s) {
-  if (s.certificate.residual > settings.tol) return;
-  s.undetermined = left_free(floating(), problem, branches_of(problem, s.x, s.certificate));
-  leave_least(problem, settings.tol, s);
-}
-
-Solution iterate(const ContactProblem& problem, const Settings& settings, const Vector& x0,
-                 Observer* observer, FloatingMotions& floating) {
-  const auto tresca = make_tresca_solver(problem, settings, bound_of(problem, settings), observer);
-  Solution s = FixedPoint(problem, settings, *tresca).solve(x0);
-  s.layer = layer_of(settings.method);
-  decide_on_equilibrium(problem, floating, s);
-  settle(problem, settings, floating, s);
-  return s;
-}
 
 /// Whether no method comes nearer to the laws.
 bool is_rounding(const Certificate& c) {
@@ -128,7 +72,7 @@ void try_without_factor(const ContactProblem& problem, const Settings& settings,
   Settings rest = without_factor(settings);
   rest.nbiter = bound_of(problem, settings) - s.iterations;
   if (rest.nbiter <= 0) return;
-  const Status last = replace_if_better(s, iterate(problem, rest, {}, observer, floating));
+  const Status last = replace_if_better(s, by_gradients(problem, rest, {}, observer, floating));
   if (!decided(s) && last == Status::not_positive_definite) s.status = last;
 }
 
@@ -221,7 +165,7 @@ Solution Solver::by_route(const ContactProblem& problem, const Settings& setting
     case Route::sparse:
       return by_sparse_factors(problem, settings, x0, observer);
   }
-  return iterate(problem, settings, x0, observer, floating_);
+  return by_gradients(problem, settings, x0, observer, floating_);
 }
 
 /// The condensed route where its factor fits; where it does not arrive, or does not fit, the same
@@ -229,7 +173,7 @@ Solution Solver::by_route(const ContactProblem& problem, const Settings& setting
 Solution Solver::by_condensation(const ContactProblem& problem, const Settings& settings,
                                  const Vector& x0, Observer* observer) {
   if (!condense(settings, observer))
-    return iterate(problem, without_factor(settings), x0, observer, floating_);
+    return by_gradients(problem, without_factor(settings), x0, observer, floating_);
   const auto path = [&](Index max_steps) -> std::optional<Solution> {
     if (max_steps <= 0 || !is_cheaper_on_A(settings)) return std::nullopt;
     return sparse_->follow_path(problem, settings, max_steps, observer);

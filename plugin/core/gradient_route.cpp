@@ -1,0 +1,63 @@
+#include "gradient_route.h"
+
+#include "gradient/fixed_point.h"
+#include "solver.h"
+#include "statics/equilibrium.h"
+#include "statics/rigid_motions.h"
+#include "statics/undetermined.h"
+
+namespace frictioncg {
+
+namespace {
+
+Layer layer_of(Method method) {
+  if (method == Method::sorp) return Layer::sorp;
+  return method == Method::gcx ? Layer::gcx : Layer::gc;
+}
+
+/// The rigid motions of A: from the candidates of the system, or, where none of them floats, by
+/// conjugate gradients; not after a call that was to be short.
+DenseMatrix motions_of_A(const ContactProblem& problem, const DenseMatrix& known, Status status) {
+  if (known.cols() > 0 || status == Status::max_iterations) return known;
+  return rigid_motions(*problem.system, default_iterations(problem));
+}
+
+/// The rigid motions that neither A nor the laws determine are named, and taken out of the answer;
+/// where the system knows no candidates for them they are not looked for.
+void settle(const ContactProblem& problem, const Settings& settings, FloatingMotions& floating,
+            Solution& s) {
+  if (s.certificate.residual > settings.tol) return;
+  s.undetermined = left_free(floating(), problem, branches_of(problem, s.x, s.certificate));
+  leave_least(problem, settings.tol, s);
+}
+
+}  // namespace
+
+Settings without_factor(Settings settings) {
+  settings.method = settings.newton ? Method::gcx : Method::gc3;
+  return settings;
+}
+
+void decide_on_equilibrium(const ContactProblem& problem, FloatingMotions& floating, Solution& s) {
+  const bool open = s.status == Status::no_equilibrium || s.status == Status::stagnated ||
+                    s.status == Status::fixed_point_diverged || s.status == Status::max_iterations;
+  if (!open) return;
+  const Statics statics = balance(motions_of_A(problem, floating(), s.status), problem);
+  s.unheld_motion = statics.motion;
+  if (statics.balance == Balance::unheld)
+    s.status = Status::no_equilibrium;
+  else if (s.status == Status::no_equilibrium)
+    s.status = Status::stagnated;
+}
+
+Solution by_gradients(const ContactProblem& problem, const Settings& settings, const Vector& x0,
+                      Observer* observer, FloatingMotions& floating) {
+  const auto tresca = make_tresca_solver(problem, settings, bound_of(problem, settings), observer);
+  Solution s = FixedPoint(problem, settings, *tresca).solve(x0);
+  s.layer = layer_of(settings.method);
+  decide_on_equilibrium(problem, floating, s);
+  settle(problem, settings, floating, s);
+  return s;
+}
+
+}  // namespace frictioncg
