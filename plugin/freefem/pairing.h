@@ -210,11 +210,11 @@ class Pairing {
                 std::vector<BoundaryNode>& contact) const {
     options.force.clear();
     mortar::Nodes before = now;
-    before.X = now.before;
-    before.before.clear();
     const int d = now.dimension;
+    before.X = mortar::straightened(d, between_.pairs, now.before);
+    before.before.clear();
     const mortar::Mortar old(before, mortar::carried(d, between_.pairs, now.X, before.X), options);
-    const auto c = mortar::slip_beside(*mortar_, now.X, old, before.X);
+    const auto c = mortar::slip_beside(*mortar_, now.X, old, now.before);
     for (std::size_t k = 0; k < c.size(); ++k)
       contact[k].slid = Fem2D::R3(c[k][0], c[k][1], c[k][2]);
   }

@@ -111,7 +111,7 @@ inline std::vector<char> held_dofs(const Basis& basis) {
   std::vector<char> held(basis.T.rows(), 1);
   for (Index i = 0; i < basis.T.rows(); ++i)
     for (Matrix::InnerIterator e(basis.T, i); e; ++e)
-      if (e.col() < basis.local_dofs()) held[i] = 0;
+      if (e.col() < basis.local_dofs() && e.value() != 0) held[i] = 0;
   return held;
 }
 

@@ -36,6 +36,17 @@ std::vector<Vec3> slip_beside(const Mortar& now, const std::vector<Vec3>& x, con
   return c;
 }
 
+std::vector<Vec3> straightened(int d, const std::vector<Pair>& pairs, std::vector<Vec3> X) {
+  for (const Pair& pair : pairs)
+    for (const Surface* surface : {&pair.slave, &pair.master})
+      for (const Facet& f : surface->facets)
+        for (int k = 0; k < edges_of_facet(d) && surface->quadratic; ++k) {
+          const auto [a, b] = edge_ends(d, k);
+          X[f.node[d + k]] = (X[f.node[a]] + X[f.node[b]]) / 2;
+        }
+  return X;
+}
+
 std::vector<Pair> carried(int d, std::vector<Pair> pairs, const std::vector<Vec3>& X,
                           const std::vector<Vec3>& Y) {
   for (Pair& pair : pairs)

@@ -14,6 +14,9 @@ namespace frictioncg::mortar {
 std::vector<Vec3> slip_beside(const Mortar& now, const std::vector<Vec3>& x, const Mortar& old,
                               const std::vector<Vec3>& x_old);
 
+/// X with the mid-edges of P2 in the middle of their straight edges, as facets have them.
+std::vector<Vec3> straightened(int d, const std::vector<Pair>& pairs, std::vector<Vec3> X);
+
 /// The pairs of X with their nodes at Y: outside stays outside.
 std::vector<Pair> carried(int d, std::vector<Pair> pairs, const std::vector<Vec3>& X,
                           const std::vector<Vec3>& Y);
