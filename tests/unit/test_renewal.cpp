@@ -71,10 +71,20 @@ TEST(Renewal, OtherContactNodesAreAnotherScene) {
   const SparseScene one = sparse_block(options(2, 8)), other = sparse_block(options(2, 6));
   const Posed posed = one.system(one.node_of_dof), next = other.system(other.node_of_dof);
   EXPECT_FALSE(same_dofs(*posed.problem().system, *next.problem().system));
-  Solver solver(posed.problem().system);
-  solved(solver, posed, Method::automatic);
-  solver.renew(next.problem().system);
-  EXPECT_EQ(solved(solver, next, Method::automatic).status, Status::converged);
+  for (Method method : {Method::automatic, Method::multigrid}) {
+    Solver solver(posed.problem().system);
+    solved(solver, posed, method);
+    solver.renew(next.problem().system);
+    EXPECT_EQ(solver.memory_needed(), 0);
+    EXPECT_EQ(solved(solver, next, method).status, Status::converged);
+  }
+  AssembledSystem system = assembled(posed.problem().system);
+  EXPECT_TRUE(same_dofs(*posed.problem().system, system));
+  std::swap(system.mesh_node[0], system.mesh_node[4]);
+  EXPECT_FALSE(same_dofs(*posed.problem().system, system));
+  system = assembled(posed.problem().system);
+  system.first.erase(system.first.begin() + 1);
+  EXPECT_FALSE(same_dofs(*posed.problem().system, system));
 }
 
 TEST(Renewal, TheFactorTakesNewValuesOverTheLayoutOfTheSamePattern) {

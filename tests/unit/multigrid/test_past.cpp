@@ -59,3 +59,18 @@ TEST(Past, TheLastAnswerStandsWhereNothingHasChanged) {
   past.add(increment, x2);
   EXPECT_EQ(past.next(*s.system, increment), x2);
 }
+
+TEST(Past, WeighsLoadsByWhatResistsThem) {
+  const SceneInBlocks s = small();
+  Increment one = s.posed.problem().increment, two = one, now = one;
+  const Vector step = Vector::Random(one.F.size()), turn = Vector::Random(one.F.size());
+  two.F += step;
+  now.F = two.F + turn;
+  const Vector x1 = Vector::Random(s.system->dofs()), x2 = Vector::Random(s.system->dofs());
+  Past past;
+  past.add(one, x1);
+  past.add(two, x2);
+  const Vector energy = step.cwiseQuotient(s.system->weight);
+  const Vector next = x2 + turn.dot(energy) / step.dot(energy) * (x2 - x1);
+  EXPECT_LT((past.next(*s.system, now) - next).norm(), 1e-12 * next.norm());
+}

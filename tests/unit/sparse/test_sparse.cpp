@@ -156,4 +156,15 @@ TEST(SparseRoute, AnswersForThinPlatesAfterMultigridAndAsTheCondensedRouteDoes) 
   EXPECT_EQ(c.status, Status::converged);
   EXPECT_EQ(c.route, Route::sparse);
   EXPECT_LE(c.iterations, 25);
+  // and of the same one, with rows and columns scaled: new factors
+  for (std::size_t e = 0; e < less.a.size(); ++e)
+    if (less.a[e] < 1e20)
+      less.a[e] *= std::exp(std::sin(Real(less.i[e])) + std::sin(Real(less.j[e])));
+  const Posed scaled = less.system(less.node_of_dof);
+  ASSERT_TRUE(same_pattern(*other.problem().system, *scaled.problem().system));
+  solver.renew(scaled.problem().system);
+  const Solution d = solver.solve(scaled.problem().increment, Settings());
+  EXPECT_EQ(d.route, Route::sparse);
+  EXPECT_EQ(d.status, Status::converged);
+  EXPECT_LE(d.iterations, 30);
 }
