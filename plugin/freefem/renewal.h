@@ -38,7 +38,6 @@ inline void take_over(const Scene& before, Scene& scene) {
     ContactPoint& p = scene.nodes[k].point;
     p.friction = scene.tangents;
     if (!same) continue;
-    p.friction = before.nodes[k].point.friction;
     p.direction = before.nodes[k].point.direction;
     p.mu_ratio = before.nodes[k].point.mu_ratio;
   }
