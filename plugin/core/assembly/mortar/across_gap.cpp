@@ -43,13 +43,19 @@ Matrix across_gap(const Matrix& P, const Matrix& G, const std::vector<ContactNod
     Vec3 e = Vec3::Zero();
     for (Matrix::InnerIterator it(G, static_cast<Index>(k)); it; ++it)
       e += it.value() * (all.X[it.col()] - all.X[i]);
+    const auto lawful = [&](Index l) { return has_law[l] != 0; };
+    const auto usable = [&](const Facet& facet) {
+      if (facet.behind < 0) return false;
+      const std::vector<Index> vertices = element_of(facet, all.dimension);
+      return std::none_of(vertices.begin(), vertices.end(), lawful);
+    };
     Real whole = 0;
-    for (const auto& [facet, weight] : faced[i]) whole += weight;
-    for (const auto& [facet, weight] : faced[i]) {
-      if (facet->behind < 0) continue;
+    for (const auto& [facet, weight] : faced[i])
+      if (usable(*facet)) whole += std::max<Real>(weight, 0);
+    for (const auto& [facet, signed_weight] : faced[i]) {
+      const Real weight = std::max<Real>(signed_weight, 0);
+      if (weight == 0 || !usable(*facet)) continue;
       const std::vector<Index> vertices = element_of(*facet, all.dimension);
-      const auto lawful = [&](Index l) { return has_law[l] != 0; };
-      if (std::any_of(vertices.begin(), vertices.end(), lawful)) continue;
       const Eigen::VectorXd c = shift(vertices, all.X, e);
       const Real room = (widest - c.lpNorm<Eigen::Infinity>()) / (widest - narrow);
       const Real share = std::clamp<Real>(room, 0, 1) * weight / whole;

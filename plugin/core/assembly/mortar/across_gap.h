@@ -23,7 +23,8 @@ using FacedFacets = std::vector<std::vector<std::pair<const Facet*, Real>>>;
 /// crossed fades out between a tenth of it and 0.15. Weights of the facet's nodes alone could not
 /// move a point across the gap: they lie in one plane.
 ///
-/// Facets without a vertex behind them, and elements with a vertex that carries a law, add nothing.
+/// Facets without a vertex behind them, and elements with a vertex that carries a law, add nothing;
+/// shares are those of the others.
 Matrix across_gap(const Matrix& P, const Matrix& G, const std::vector<ContactNode>& nodes,
                   const Nodes& all, const FacedFacets& faced);
 
