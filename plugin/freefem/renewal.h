@@ -79,7 +79,9 @@ inline PointLaws laws_at(const Arguments& args, const Scene& before, const Scene
     throw IllegalInput(
         "other nodes than those of C are to touch, by the normal or by the supports of the new "
         "matrix, and C has gap and friction at the latter alone; name them in this call, too");
+  const bool none = laws.law == Law::coulomb && laws.mu.isZero(0);  // as it is where nodes are new
   for (Vector* v : {&laws.gap, &laws.mu, &laws.g, &laws.cohesion, &laws.cap}) v->resize(0);
+  if (none) laws.mu = Vector::Zero(static_cast<Index>(scene.nodes.size()));
   return laws;
 }
 
