@@ -40,7 +40,7 @@ class Dirichlet {
   void find_lost(const Triplets& A);
   std::vector<Held> held_;
   std::vector<Index> number_;
-  bool half_ = false;       ///< A was stored by one triangle
+  bool half_ = false;  ///< A was stored by one triangle
   bool unit_rows_ = false;
 };
 

@@ -61,8 +61,9 @@ constexpr Index least_cycles = 8;
 /// they give up.
 constexpr Real runaway = 2;
 /// ... and has to halve with each update from then on, but for one: strips, bars and plates of
-/// tests/bench/routes.edp do, and come to rest 3 to 15 times cheaper than by sparse factors. It grows
-/// on a beam that is lifted, and falls by a tenth or less on a clamped P2 plate, for 70 cycles.
+/// tests/bench/routes.edp do, and come to rest 3 to 15 times cheaper than by sparse factors. It
+/// grows on a beam that is lifted, and falls by a tenth or less on a clamped P2 plate, for 70
+/// cycles.
 constexpr Real settling = 0.5;
 constexpr int most_unsettled = 2;
 
