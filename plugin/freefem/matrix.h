@@ -11,24 +11,26 @@ namespace frictioncg {
 /// The dofs of a call's space, or of its two spaces.
 struct DofCount {
   long count = 0;
-  std::string in_words;  ///< "Vh has 72 degrees of freedom"
-  std::string assemble;  ///< how A comes to have as many
-  long first = 0;        ///< of two spaces, those of the first
+  long first = 0;  ///< of two spaces, those of the first
+
+  /// "Vh has 72 degrees of freedom"; made when it is said, for nothing else needs its memory.
+  std::string in_words() const {
+    if (first == 0) return "Vh has " + std::to_string(count) + " degrees of freedom";
+    return "V1 and V2 have " + std::to_string(first) + " + " + std::to_string(count - first) +
+           " degrees of freedom";
+  }
+  /// How A comes to have as many.
+  const char* assemble() const {
+    return first == 0 ? "assemble A on the present Vh"
+                      : "give the matrix of both bodies, A = [[A1, 0], [0, A2]], and b = [b1, b2]";
+  }
 };
 
-inline DofCount dofs_of(long ndof) {
-  return {ndof, "Vh has " + std::to_string(ndof) + " degrees of freedom",
-          "assemble A on the present Vh"};
-}
-inline DofCount dofs_of(long ndof1, long ndof2) {
-  return {ndof1 + ndof2,
-          "V1 and V2 have " + std::to_string(ndof1) + " + " + std::to_string(ndof2) +
-              " degrees of freedom",
-          "give the matrix of both bodies, A = [[A1, 0], [0, A2]], and b = [b1, b2]", ndof1};
-}
+inline DofCount dofs_of(long ndof) { return {ndof, 0}; }
+inline DofCount dofs_of(long ndof1, long ndof2) { return {ndof1 + ndof2, ndof1}; }
 
 [[noreturn]] inline void refuse_order(const DofCount& dofs) {
-  throw IllegalInput("the blocks of A are in the other order: " + dofs.in_words +
+  throw IllegalInput("the blocks of A are in the other order: " + dofs.in_words() +
                      ", and A = [[A1, 0], [0, A2]] and b = [b1, b2] have those of V1, the space of "
                      "the slave, first");
 }
@@ -54,7 +56,7 @@ inline Triplets triplets(Matrice_Creuse<double>* A, const DofCount& dofs) {
   if (!H) throw IllegalInput("A is empty; assemble it first, as in matrix A = a(Vh, Vh)");
   if (H->n != dofs.count || H->m != dofs.count) {
     std::ostringstream s;
-    s << "A is " << H->n << " x " << H->m << " but " << dofs.in_words << "; " << dofs.assemble;
+    s << "A is " << H->n << " x " << H->m << " but " << dofs.in_words() << "; " << dofs.assemble();
     throw IllegalInput(s.str());
   }
   Triplets t;
@@ -73,7 +75,7 @@ inline Triplets triplets(Matrice_Creuse<double>* A, const DofCount& dofs) {
 inline void check_vector(const Vector& v, const char* name, const DofCount& dofs) {
   if (v.size() != dofs.count) {
     std::ostringstream s;
-    s << name << " has " << v.size() << " entries but " << dofs.in_words
+    s << name << " has " << v.size() << " entries but " << dofs.in_words()
       << "; was the mesh changed after " << name << " was computed?";
     throw IllegalInput(s.str());
   }

@@ -96,7 +96,7 @@ class SharedTwoSpaceSite final : public SharedPairSite<V> {
  private:
   static void check_sizes(const Domain& domain, Index first, Index second) {
     if (first + second == domain.dofs() && (domain.first() == 0 || domain.first() == first)) return;
-    throw IllegalInput(dofs_of(first, second).in_words + " but the domain " +
+    throw IllegalInput(dofs_of(first, second).in_words() + " but the domain " +
                        std::to_string(domain.dofs()) +
                        "; give domain=[C1, C2], made by createMat(Th1, C1, Pk) and "
                        "createMat(Th2, C2, Pk) with the meshes of V1 and V2");
