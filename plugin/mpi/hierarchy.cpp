@@ -1,18 +1,11 @@
 #include "hierarchy.h"
 
-#include <algorithm>
-#include <cmath>
-#include <map>
-
 #include "cycle.h"
 
 namespace frictioncg {
 
-namespace {
-
-constexpr Real vanished = 1e-10;  ///< diagonal entries over what they were: nothing is left
-
-}  // namespace
+/// Of diagonal entries over what they were: nothing is left.
+static constexpr Real vanished = 1e-10;
 
 SharedHierarchy::SharedHierarchy(std::shared_ptr<const SharedMatrix> A,
                                  const Eigen::MatrixXd& modes, Coarsening coarsening)
@@ -21,87 +14,39 @@ SharedHierarchy::SharedHierarchy(std::shared_ptr<const SharedMatrix> A,
   level_ = make_levels(*A_, modes, coarsening);
   check(MatCreateVecs(A_->matrix(), r_.fill(), z_.fill()));
   check(VecSet(r_.get(), 0));
-  make_contact_part();
+  check(VecDuplicate(r_.get(), mask_.fill()));
+  check(MatDuplicate(A_->contact(), MAT_DO_NOT_COPY_VALUES, E_.fill()));
   cycle_ = make_cycle(level_, A_->numbering().dimension);
-}
-
-/// The pattern of E, and where its columns find their mask.
-void SharedHierarchy::make_contact_part() {
-  const ContactEntries& B = A_->contact();
-  const PetscInt first = A_->numbering().first, n = A_->numbering().slots();
-  std::map<PetscInt, PetscInt> ghost;
-  for (PetscInt column : B.columns)
-    if (column < first || column >= first + n) ghost.emplace(column, 0);
-  std::vector<PetscInt> ghosts;
-  for (auto& [column, place] : ghost) {
-    place = n + static_cast<PetscInt>(ghosts.size());
-    ghosts.push_back(column);
-  }
-  for (PetscInt column : B.columns)
-    mask_of_.push_back(column < first || column >= first + n ? ghost.at(column) : column - first);
-  check(VecCreateGhost(A_->domain().communicator(), n, PETSC_DETERMINE,
-                       static_cast<PetscInt>(ghosts.size()), ghosts.data(), mask_.fill()));
-  std::vector<PetscInt> own(n, 0), other(n, 0);
-  for (std::size_t k = 0; k < B.rows.size(); ++k)
-    for (std::size_t e = B.start[k]; e < B.start[k + 1]; ++e)
-      ++(mask_of_[e] < n ? own : other)[B.rows[k] - first];
-  check(MatCreate(A_->domain().communicator(), E_.fill()));
-  check(MatSetSizes(E_.get(), n, n, PETSC_DETERMINE, PETSC_DETERMINE));
-  check(MatSetBlockSize(E_.get(), A_->numbering().dimension));
-  check(MatSetType(E_.get(), MATAIJ));
-  check(MatSeqAIJSetPreallocation(E_.get(), 0, own.data()));
-  check(MatMPIAIJSetPreallocation(E_.get(), 0, own.data(), 0, other.data()));
 }
 
 void SharedHierarchy::set_mask(const std::vector<char>& fixed) {
   fixed_ = fixed;
-  Vec local;
   Real* mask;
-  check(VecGhostGetLocalForm(mask_.get(), &local));
-  check(VecSet(local, 1));
-  check(VecGetArray(local, &mask));
-  const std::vector<PetscInt>& slot = A_->contact().contact_slot;
+  check(VecSet(mask_.get(), 1));
+  check(VecGetArray(mask_.get(), &mask));
+  const Numbering& N = A_->numbering();
   for (std::size_t c = 0; c < fixed.size(); ++c)
-    if (fixed[c]) mask[slot[c] - A_->numbering().first] = 0;
-  check(VecRestoreArray(local, &mask));
-  check(VecGhostRestoreLocalForm(mask_.get(), &local));
-  check(VecGhostUpdateBegin(mask_.get(), INSERT_VALUES, SCATTER_FORWARD));
-  check(VecGhostUpdateEnd(mask_.get(), INSERT_VALUES, SCATTER_FORWARD));
+    if (fixed[c]) mask[N.contact_slot(c) - N.first] = 0;
+  check(VecRestoreArray(mask_.get(), &mask));
 }
 
 /// E = M (B + W) M - B.
 void SharedHierarchy::fill_contact_part(const std::vector<TangentialStiffness>& W,
                                         const Vector& springs) {
-  const ContactEntries& B = A_->contact();
-  const std::vector<PetscInt>& slot = B.contact_slot;
-  const PetscInt first = A_->numbering().first;
-  const Index interior = A_->numbering().own_first.front();
-  std::map<std::pair<PetscInt, PetscInt>, Real> laws;
-  for (const TangentialStiffness& w : W)
-    for (int a = 0; a < 2; ++a)
-      for (int b = 0; b < 2; ++b)
-        laws[{slot[w.first - interior + a], slot[w.first - interior + b]}] += w.M(a, b);
-  for (Index c = 0; c < springs.size(); ++c) laws[{slot[c], slot[c]}] += springs[c];
-  Vec local;
-  const Real* mask;
-  check(VecGhostGetLocalForm(mask_.get(), &local));
-  check(VecGetArrayRead(local, &mask));
-  std::vector<Real> row;
-  for (std::size_t k = 0; k < B.rows.size(); ++k) {
-    const Real of_row = mask[B.rows[k] - first];
-    row.clear();
-    for (std::size_t e = B.start[k]; e < B.start[k + 1]; ++e) {
-      const auto law = laws.find({B.rows[k], B.columns[e]});
-      const Real added = law == laws.end() ? 0 : law->second;
-      row.push_back(of_row * mask[mask_of_[e]] * (B.values[e] + added) - B.values[e]);
-    }
-    check(MatSetValues(E_.get(), 1, &B.rows[k], static_cast<PetscInt>(row.size()),
-                       &B.columns[B.start[k]], row.data(), INSERT_VALUES));
+  Mat B = A_->contact(), E = E_.get();
+  const Numbering& N = A_->numbering();
+  check(MatCopy(B, E, SAME_NONZERO_PATTERN));
+  for (const TangentialStiffness& w : W) {
+    const Index c = w.first - N.own_first.front();
+    const PetscInt slots[] = {N.contact_slot(c), N.contact_slot(c + 1)};
+    check(MatSetValues(E, 2, slots, 2, slots, w.M.data(), ADD_VALUES));
   }
-  check(VecRestoreArrayRead(local, &mask));
-  check(VecGhostRestoreLocalForm(mask_.get(), &local));
-  check(MatAssemblyBegin(E_.get(), MAT_FINAL_ASSEMBLY));
-  check(MatAssemblyEnd(E_.get(), MAT_FINAL_ASSEMBLY));
+  for (Index c = 0; c < springs.size(); ++c)
+    check(MatSetValue(E, N.contact_slot(c), N.contact_slot(c), springs[c], ADD_VALUES));
+  check(MatAssemblyBegin(E, MAT_FINAL_ASSEMBLY));
+  check(MatAssemblyEnd(E, MAT_FINAL_ASSEMBLY));
+  check(MatDiagonalScale(E, mask_.get(), mask_.get()));
+  check(MatAXPY(E, -1, B, SAME_NONZERO_PATTERN));
 }
 
 void SharedHierarchy::truncate(const std::vector<char>& fixed,
@@ -137,37 +82,37 @@ void SharedHierarchy::truncate_coarse() {
 
 /// Rows of which the faces have left nothing get the diagonal they had, or 1.
 void SharedHierarchy::fill_empty_rows(const Level& level) {
-  VecHandle now;
-  PetscInt first, end;
-  const Real *before, *after;
-  check(VecDuplicate(level.diagonal.get(), now.fill()));
-  check(MatGetDiagonal(level.truncated.get(), now.get()));
-  check(VecGetOwnershipRange(now.get(), &first, &end));
+  VecHandle diagonal;
+  PetscInt n;
+  const Real* before;
+  Real* now;
+  check(VecDuplicate(level.diagonal.get(), diagonal.fill()));
+  check(MatGetDiagonal(level.truncated.get(), diagonal.get()));
+  check(VecGetLocalSize(diagonal.get(), &n));
   check(VecGetArrayRead(level.diagonal.get(), &before));
-  check(VecGetArrayRead(now.get(), &after));
-  std::vector<std::pair<PetscInt, Real>> empty;
-  for (PetscInt i = first; i < end; ++i)
-    if (!(after[i - first] > vanished * before[i - first]))
-      empty.emplace_back(i, before[i - first] > 0 ? before[i - first] : 1);
+  check(VecGetArray(diagonal.get(), &now));
+  for (PetscInt i = 0; i < n; ++i)
+    if (!(now[i] > vanished * before[i])) now[i] = before[i] > 0 ? before[i] : 1;
   check(VecRestoreArrayRead(level.diagonal.get(), &before));
-  check(VecRestoreArrayRead(now.get(), &after));
-  for (const auto& [i, value] : empty)
-    check(MatSetValue(level.truncated.get(), i, i, value, INSERT_VALUES));
-  check(MatAssemblyBegin(level.truncated.get(), MAT_FINAL_ASSEMBLY));
-  check(MatAssemblyEnd(level.truncated.get(), MAT_FINAL_ASSEMBLY));
+  check(VecRestoreArray(diagonal.get(), &now));
+  check(MatDiagonalSet(level.truncated.get(), diagonal.get(), INSERT_VALUES));
+}
+
+/// 0 on fixed dofs.
+void SharedHierarchy::drop_fixed(Vector& v) const {
+  const Eigen::Index interior = v.size() - Eigen::Index(fixed_.size());
+  for (std::size_t c = 0; c < fixed_.size(); ++c)
+    if (fixed_[c]) v[interior + Eigen::Index(c)] = 0;
 }
 
 void SharedHierarchy::apply(const Vector& r, Vector& z) {
   const Timed timed(Phase::cycle);
-  const Eigen::Index interior = r.size() - Eigen::Index(fixed_.size());
   free_ = r;
-  for (std::size_t c = 0; c < fixed_.size(); ++c)
-    if (fixed_[c]) free_[interior + Eigen::Index(c)] = 0;
+  drop_fixed(free_);
   A_->to_slots(free_, r_.get());
   check(PCApply(cycle_.get(), r_.get(), z_.get()));
   A_->from_slots(z_.get(), z);
-  for (std::size_t c = 0; c < fixed_.size(); ++c)
-    if (fixed_[c]) z[interior + Eigen::Index(c)] = 0;
+  drop_fixed(z);
 }
 
 Real SharedHierarchy::operator_complexity() const {

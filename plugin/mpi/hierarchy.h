@@ -28,22 +28,21 @@ class SharedHierarchy final : public Hierarchy {
   double bytes() const override;
 
  private:
-  void make_contact_part();
   void fill_contact_part(const std::vector<TangentialStiffness>& W, const Vector& springs);
   void truncate_fine();
   void truncate_coarse();
   void fill_empty_rows(const Level& level);
   void set_mask(const std::vector<char>& fixed);
+  void drop_fixed(Vector& v) const;
 
   std::shared_ptr<const SharedMatrix> A_;
   std::vector<Level> level_;  ///< from the finest to the coarsest
   PCHandle cycle_;
   bool settled_ = false;
-  MatHandle E_;                    ///< M B M - B + W
-  VecHandle mask_;                 ///< with ghosts: 0 on fixed dofs, else 1
-  std::vector<PetscInt> mask_of_;  ///< of each column of the contact entries
-  std::vector<char> fixed_;        ///< own contact dofs
-  Vector free_;                    ///< r without that of fixed dofs
+  MatHandle E_;              ///< M B M - B + W
+  VecHandle mask_;           ///< 0 on fixed dofs, else 1
+  std::vector<char> fixed_;  ///< own contact dofs
+  Vector free_;              ///< r without that of fixed dofs
   VecHandle r_, z_;
 };
 

@@ -21,6 +21,9 @@ struct Numbering {
     return slot[local_dof] >= first && slot[local_dof] < first + slots();
   }
 
+  /// Of own contact dof c.
+  PetscInt contact_slot(std::size_t c) const { return slot[own[own_first.front() + c]]; }
+
   /// Values of ghosts (local dofs) as their owners have them.   Collective.
   void update(const Domain& domain, Vector& local) const;
 

@@ -1,7 +1,6 @@
 #include "shared_matrix.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <stdexcept>
 
@@ -11,9 +10,9 @@ namespace frictioncg {
 
 SharedMatrix::SharedMatrix(std::shared_ptr<const Domain> domain, Numbering numbering,
                            const LocalSystem& local)
-    : domain_(std::move(domain)), numbering_(std::move(numbering)) {
-  assemble(*local.system());
-  find_contact(*local.system());
+    : domain_(std::move(domain)), numbering_(std::move(numbering)), local_(local.system()) {
+  assemble(*local_);
+  find_contact(*local_);
   find_bodies(local);
   check(MatCreateVecs(A_.get(), x_.fill(), Ax_.fill()));
   check(VecSet(x_.get(), 0));
@@ -21,16 +20,10 @@ SharedMatrix::SharedMatrix(std::shared_ptr<const Domain> domain, Numbering numbe
 
 namespace {
 
-/// Rows of whole blocks in PETSc's numbering.
-struct BlockRows {
-  std::vector<PetscInt> start{0}, columns;
-  std::vector<Real> values;
-};
-
 /// The rows of one node, with all slots of each node that any of them touches: aggregation counts
 /// on whole blocks. Empty slots get `filler` on their diagonal.
 void add_node(const Numbering& numbering, const System& local, const std::vector<Index>& dofs,
-              PetscInt first_slot, BlockRows& rows) {
+              PetscInt first_slot, Rows& rows) {
   const Index d = numbering.dimension;
   std::vector<PetscInt> touched{first_slot / d};
   for (Index p : dofs)
@@ -53,56 +46,61 @@ void add_node(const Numbering& numbering, const System& local, const std::vector
     else
       for (Matrix::InnerIterator e(local.entries(), dofs[s]); e; ++e)
         at(numbering.slot[e.col()]) += e.value();
-    rows.start.push_back(static_cast<PetscInt>(rows.columns.size()));
+    rows.end_row();
   }
 }
 
 }  // namespace
 
 void SharedMatrix::assemble(const System& local) {
-  BlockRows rows;
+  Rows rows;
   for (Index k = 0; k < numbering_.nodes; ++k)
     add_node(numbering_, local, numbering_.at[k], numbering_.first + k * numbering_.dimension,
              rows);
-  const PetscInt n = numbering_.slots();
-  check(MatCreate(domain_->communicator(), A_.fill()));
-  check(MatSetSizes(A_.get(), n, n, PETSC_DETERMINE, PETSC_DETERMINE));
-  check(MatSetBlockSize(A_.get(), numbering_.dimension));
-  check(MatSetType(A_.get(), MATAIJ));
-  check(MatSeqAIJSetPreallocationCSR(A_.get(), rows.start.data(), rows.columns.data(),
-                                     rows.values.data()));
-  check(MatMPIAIJSetPreallocationCSR(A_.get(), rows.start.data(), rows.columns.data(),
-                                     rows.values.data()));
+  A_ = matrix_of(rows);
   check(MatSetOption(A_.get(), MAT_SYMMETRIC, PETSC_TRUE));
   check(MatSetOption(A_.get(), MAT_SPD, PETSC_TRUE));
+}
+
+MatHandle SharedMatrix::matrix_of(const Rows& rows) const {
+  const PetscInt n = numbering_.slots();
+  MatHandle matrix;
+  check(MatCreate(domain_->communicator(), matrix.fill()));
+  Mat M = matrix.get();
+  check(MatSetSizes(M, n, n, PETSC_DETERMINE, PETSC_DETERMINE));
+  check(MatSetBlockSize(M, numbering_.dimension));
+  check(MatSetType(M, MATAIJ));
+  check(
+      MatSeqAIJSetPreallocationCSR(M, rows.start.data(), rows.columns.data(), rows.values.data()));
+  check(
+      MatMPIAIJSetPreallocationCSR(M, rows.start.data(), rows.columns.data(), rows.values.data()));
+  return matrix;
 }
 
 /// The blocks of contact nodes are stored whole: laws add to them where A has zeros.
 void SharedMatrix::find_contact(const System& local) {
   const Numbering& N = numbering_;
-  std::vector<Index> node_of(local.contact_dofs());
-  for (Index i = 0; i < local.nodes(); ++i)
-    for (Index p = local.first[i]; p < local.first[i + 1]; ++p) node_of[p - local.interior()] = i;
-  contact_.start.push_back(0);
+  Rows rows;
   std::map<PetscInt, Real> row;
-  for (Index p : N.own) {
+  const auto fill = [&](Index p) {
     const bool contact = p >= local.interior();
-    row.clear();
     for (Matrix::InnerIterator e(local.entries(), p); e; ++e)
       if (contact || e.col() >= local.interior()) row[N.slot[e.col()]] = e.value();
-    if (contact) {
-      const Index i = node_of[p - local.interior()];
-      for (Index q = local.first[i]; q < local.first[i + 1]; ++q) row.emplace(N.slot[q], 0);
-      contact_.contact_slot.push_back(N.slot[p]);
+    if (!contact) return;
+    const auto end = std::upper_bound(local.first.begin(), local.first.end(), p);
+    for (Index q = end[-1]; q < *end; ++q) row.emplace(N.slot[q], 0);
+  };
+  for (const std::vector<Index>& dofs : N.at)
+    for (std::size_t s = 0; s < std::size_t(N.dimension); ++s) {
+      row.clear();
+      if (s < dofs.size()) fill(dofs[s]);
+      for (const auto& [column, value] : row) {
+        rows.columns.push_back(column);
+        rows.values.push_back(value);
+      }
+      rows.end_row();
     }
-    if (row.empty()) continue;
-    contact_.rows.push_back(N.slot[p]);
-    for (const auto& [column, value] : row) {
-      contact_.columns.push_back(column);
-      contact_.values.push_back(value);
-    }
-    contact_.start.push_back(contact_.columns.size());
-  }
+  B_ = matrix_of(rows);
 }
 
 void SharedMatrix::find_bodies(const LocalSystem& local) {
@@ -152,34 +150,11 @@ void SharedMatrix::multiply(const Vector& x, Vector& Ax) const {
   from_slots(Ax_.get(), Ax);
 }
 
-/// A is not kept twice: its entries lose their signs for one product.
-Vector SharedMatrix::magnitude(const Vector& x) const {
-  MatHandle sizes;
-  check(MatDuplicate(A_.get(), MAT_COPY_VALUES, sizes.fill()));
-  Mat blocks[] = {sizes.get(), nullptr};
-  PetscBool parallel;
-  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(sizes.get()), MATMPIAIJ, &parallel));
-  if (parallel) check(MatMPIAIJGetSeqAIJ(sizes.get(), &blocks[0], &blocks[1], nullptr));
-  for (Mat block : blocks) {
-    if (!block) continue;
-    MatInfo info;
-    Real* values;
-    check(MatGetInfo(block, MAT_LOCAL, &info));
-    check(MatSeqAIJGetArray(block, &values));
-    for (PetscInt k = 0; k < static_cast<PetscInt>(info.nz_used); ++k)
-      values[k] = std::abs(values[k]);
-    check(MatSeqAIJRestoreArray(block, &values));
-  }
-  to_slots(x.cwiseAbs(), x_.get());
-  check(MatMult(sizes.get(), x_.get(), Ax_.get()));
-  Vector result;
-  from_slots(Ax_.get(), result);
-  return result;
-}
-
-Vector SharedSystem::multiply_sized(const Vector& x, Vector& Ax) const {
-  A->multiply(x, Ax);
-  return A->magnitude(x);
+Vector SharedMatrix::multiply_sized(const Vector& x, Vector& Ax) const {
+  Vector all;
+  const Vector sizes = local_->multiply_sized(on_local(x), all);
+  Ax = own_part(all);
+  return own_part(sizes);
 }
 
 void SharedSystem::move_contact(const Vector& dx_C, Vector& r) const {

@@ -5,14 +5,12 @@
 
 namespace frictioncg {
 
-/// The entries of A in rows or columns of contact dofs, in the rows of this process: what changes
-/// with the faces.
-struct ContactEntries {
-  std::vector<PetscInt> rows;          ///< slots
-  std::vector<std::size_t> start;      ///< rows + 1
-  std::vector<PetscInt> columns;       ///< slots
-  std::vector<Real> values;            ///< [force/length]
-  std::vector<PetscInt> contact_slot;  ///< of each own contact dof
+/// Rows of this process, in PETSc's numbering of columns.
+struct Rows {
+  std::vector<PetscInt> start{0}, columns;
+  std::vector<Real> values;
+
+  void end_row() { start.push_back(static_cast<PetscInt>(columns.size())); }
 };
 
 /// A of all processes as a matrix of PETSc's.
@@ -21,14 +19,16 @@ class SharedMatrix {
   /// Collective. local: the overlapping system of this process, its own rows complete.
   SharedMatrix(std::shared_ptr<const Domain> domain, Numbering numbering, const LocalSystem& local);
 
-  void multiply(const Vector& x, Vector& Ax) const;  ///< own rows of A x
-  Vector magnitude(const Vector& x) const;           ///< own rows of |A||x|
-  const Bodies& bodies() const { return bodies_; }   ///< in the graph of A
+  void multiply(const Vector& x, Vector& Ax) const;          ///< own rows of A x
+  Vector multiply_sized(const Vector& x, Vector& Ax) const;  ///< the same; own rows of |A||x|
+  const Bodies& bodies() const { return bodies_; }           ///< in the graph of A
 
   const Domain& domain() const { return *domain_; }
   const Numbering& numbering() const { return numbering_; }
   Mat matrix() const { return A_.get(); }
-  const ContactEntries& contact() const { return contact_; }
+  /// The entries of A in rows or columns of contact dofs, and 0 elsewhere in the blocks of contact
+  /// nodes: what changes with the faces.
+  Mat contact() const { return B_.get(); }
 
   /// Own dofs into the slots of a vector, and back.
   void to_slots(const Vector& x, Vec slots) const;
@@ -41,13 +41,14 @@ class SharedMatrix {
  private:
   void assemble(const System& local);
   void find_contact(const System& local);
+  MatHandle matrix_of(const Rows& rows) const;
   void find_bodies(const LocalSystem& local);
 
   std::shared_ptr<const Domain> domain_;
   Numbering numbering_;
-  MatHandle A_;
+  SystemPtr local_;
+  MatHandle A_, B_;
   VecHandle x_, Ax_;
-  ContactEntries contact_;
   Bodies bodies_;
 };
 
@@ -56,7 +57,9 @@ struct SharedSystem final : System {
   std::shared_ptr<const SharedMatrix> A;
 
   void multiply(const Vector& x, Vector& Ax) const override { A->multiply(x, Ax); }
-  Vector multiply_sized(const Vector& x, Vector& Ax) const override;
+  Vector multiply_sized(const Vector& x, Vector& Ax) const override {
+    return A->multiply_sized(x, Ax);
+  }
   void move_contact(const Vector& dx_C, Vector& r) const override;
   Bodies bodies() const override { return A->bodies(); }
   const Matrix& entries() const override;
