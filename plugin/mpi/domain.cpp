@@ -1,10 +1,27 @@
 #include "domain.h"
 
-#include "messages.h"
-
 namespace frictioncg {
 
 namespace {
+
+constexpr int message_tag = 1412;
+
+struct Message {
+  int rank;
+  std::vector<Real> values;
+};
+
+/// All messages out and in at once; the sizes of those received are known.
+void exchange(MPI_Comm communicator, const std::vector<Message>& out, std::vector<Message>& in) {
+  std::vector<MPI_Request> requests;
+  for (Message& m : in)
+    MPI_Irecv(m.values.data(), static_cast<int>(m.values.size()), MPI_DOUBLE, m.rank, message_tag,
+              communicator, &requests.emplace_back());
+  for (const Message& m : out)
+    MPI_Isend(m.values.data(), static_cast<int>(m.values.size()), MPI_DOUBLE, m.rank, message_tag,
+              communicator, &requests.emplace_back());
+  MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+}
 
 /// Domains that are made of this one share it.
 std::shared_ptr<const MPI_Comm> own_copy(MPI_Comm communicator) {
@@ -29,30 +46,17 @@ Domain::Domain(MPI_Comm communicator, std::vector<Neighbour> neighbours, const V
   choose_owners(neighbours, D);
 }
 
-Domain::Domain(const Domain& first, const Domain& second)
-    : meeting_(first.meeting_),
-      name_(first.name_ + " and " + second.name_),
-      communicator_(first.communicator_),
-      rank_(first.rank_),
-      size_(first.size_),
-      first_(first.dofs()),
-      owned_(first.owned_),
-      exchanges_(first.exchanges_) {
+Domain::Domain(const Domain& first, const Domain& second) : Domain(first) {
   if (second.meeting_ != meeting_)
     throw IllegalInput("the two domains were made with different communicators");
+  name_ += " and " + second.name_;
+  first_ = first.dofs();
   owned_.insert(owned_.end(), second.owned_.begin(), second.owned_.end());
   add(second.exchanges_, first_);
 }
 
 Domain::Domain(const Domain& part, Index more, const std::map<int, Exchange>& exchanges)
-    : meeting_(part.meeting_),
-      name_(part.name_),
-      communicator_(part.communicator_),
-      rank_(part.rank_),
-      size_(part.size_),
-      first_(part.first_),
-      owned_(part.owned_),
-      exchanges_(part.exchanges_) {
+    : Domain(part) {
   owned_.resize(owned_.size() + static_cast<std::size_t>(more), 0);
   add(exchanges, 0);
 }
@@ -73,6 +77,16 @@ void Domain::require_match(bool matches) const {
                 "createMat(Th, C, Pk) of macro_ddm.idp, Th being made by buildDmesh or createMat");
 }
 
+std::map<int, int> Domain::told(const std::map<int, int>& mine) const {
+  std::vector<int> out(size_, -1), in(size_);
+  for (const auto& [rank, number] : mine) out[rank] = number;
+  MPI_Alltoall(out.data(), 1, MPI_INT, in.data(), 1, MPI_INT, *communicator_);
+  std::map<int, int> theirs;
+  for (int r = 0; r < size_; ++r)
+    if (in[r] >= 0) theirs[r] = in[r];
+  return theirs;
+}
+
 /// Each list has its counterpart of the same length: before anything is sent along them.
 void Domain::check_neighbours(const std::vector<Neighbour>& neighbours) const {
   std::map<int, int> mine;
@@ -82,7 +96,7 @@ void Domain::check_neighbours(const std::vector<Neighbour>& neighbours) const {
     const bool legal = n.rank >= 0 && n.rank < size_ && n.rank != rank_;
     if (!legal || !mine.emplace(n.rank, static_cast<int>(n.shared.size())).second) matches = false;
   }
-  require_match(addressed(*communicator_, mine) == mine && matches);
+  require_match(told(mine) == mine && matches);
 }
 
 void Domain::choose_owners(const std::vector<Neighbour>& neighbours, const Vector& D) {
@@ -112,21 +126,17 @@ void Domain::choose_owners(const std::vector<Neighbour>& neighbours, const Vecto
 /// different ones for its owner.
 void Domain::make_exchanges(const std::vector<Neighbour>& neighbours,
                             const std::vector<int>& owner) {
-  std::vector<Message> out, in;
+  std::map<int, int> sent, received;
   for (const Neighbour& n : neighbours) {
     Exchange& e = exchanges_[n.rank];
     for (Index dof : n.shared) {
       if (owner[dof] == rank_) e.sent.push_back(dof);
       if (owner[dof] == n.rank) e.received.push_back(dof);
     }
-    out.push_back({n.rank, {Real(e.sent.size())}});
-    in.push_back({n.rank, {0}});
+    sent[n.rank] = static_cast<int>(e.sent.size());
+    received[n.rank] = static_cast<int>(e.received.size());
   }
-  exchange(*communicator_, out, in);
-  bool matches = true;
-  for (const Message& m : in)
-    matches = matches && m.values[0] == Real(exchanges_[m.rank].received.size());
-  require_match(matches);
+  require_match(told(sent) == received);
 }
 
 /// Both processes have their lists in the same order.
@@ -159,28 +169,23 @@ void Domain::collect(Index width, const Pack& pack, const Unpack& unpack) const 
   transfer(&Exchange::received, &Exchange::sent, width, pack, unpack);
 }
 
-void Domain::update(Vector& values) const {
+void Domain::update(Eigen::Ref<Eigen::MatrixXd> values) const {
+  const Index width = static_cast<Index>(values.rows());
   update(
-      1, [&](Index dof, Real* value) { *value = values[dof]; },
-      [&](Index dof, const Real* value) { values[dof] = *value; });
+      width, [&](Index dof, Real* out) { std::copy_n(&values(0, dof), width, out); },
+      [&](Index dof, const Real* in) { std::copy_n(in, width, &values(0, dof)); });
 }
 
-/// Their lengths first.
+void Domain::update(Vector& values) const {
+  update(Eigen::Map<Eigen::MatrixXd>(values.data(), 1, values.size()));
+}
+
 std::vector<Real> Domain::lists(const PackList& pack) const {
-  std::vector<Message> out, in, lengths_out, lengths_in;
-  for (const auto& [rank, e] : exchanges_) {
-    if (!e.sent.empty()) {
-      out.push_back({rank, pack(e.sent)});
-      lengths_out.push_back({rank, {Real(out.back().values.size())}});
-    }
-    if (!e.received.empty()) lengths_in.push_back({rank, {0}});
-  }
-  exchange(*communicator_, lengths_out, lengths_in);
-  for (const Message& m : lengths_in)
-    in.push_back({m.rank, std::vector<Real>(static_cast<std::size_t>(m.values[0]))});
-  exchange(*communicator_, out, in);
+  Letters out;
+  for (const auto& [rank, e] : exchanges_)
+    if (!e.sent.empty()) out[rank] = pack(e.sent);
   std::vector<Real> all;
-  for (const Message& m : in) all.insert(all.end(), m.values.begin(), m.values.end());
+  for (const auto& [rank, list] : delivered(out)) all.insert(all.end(), list.begin(), list.end());
   return all;
 }
 
@@ -238,7 +243,7 @@ Vector Domain::combined(Vector own,
   return own;
 }
 
-/// Nobody goes on to other letters before all have left the search for these.
+/// Their lengths first.
 Domain::Letters Domain::delivered(const Letters& out) const {
   std::map<int, int> lengths;
   std::vector<Message> sent, received;
@@ -246,9 +251,8 @@ Domain::Letters Domain::delivered(const Letters& out) const {
     lengths[rank] = static_cast<int>(values.size());
     sent.push_back({rank, values});
   }
-  for (const auto& [rank, length] : addressed(*communicator_, lengths))
+  for (const auto& [rank, length] : told(lengths))
     received.push_back({rank, std::vector<Real>(length)});
-  MPI_Barrier(*communicator_);
   exchange(*communicator_, sent, received);
   Letters in;
   for (Message& m : received) in[m.rank] = std::move(m.values);

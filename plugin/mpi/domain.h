@@ -33,7 +33,6 @@ class Domain {
   Domain(const Domain& first, const Domain& second);
   /// With so many dofs of others more, behind those of the part.
   Domain(const Domain& part, Index more, const std::map<int, Exchange>& exchanges);
-  Domain(const Domain&) = delete;
   Domain& operator=(const Domain&) = delete;
 
   MPI_Comm communicator() const { return *communicator_; }
@@ -50,7 +49,8 @@ class Domain {
   using Pack = std::function<void(Index dof, Real* values)>;
   using Unpack = std::function<void(Index dof, const Real* values)>;
   void update(Index width, const Pack& pack, const Unpack& unpack) const;
-  void update(Vector& values) const;  ///< one value a dof
+  void update(Eigen::Ref<Eigen::MatrixXd> values) const;  ///< a column each dof
+  void update(Vector& values) const;                      ///< one value a dof
   /// The other way: what all others have for a dof goes to its owner, one after the other.
   void collect(Index width, const Pack& pack, const Unpack& unpack) const;
   /// Lists of any length, from the owner of dofs to each process that shares them. What arrives.
@@ -76,6 +76,9 @@ class Domain {
   void agree(const std::function<void()>& body) const;
 
  private:
+  Domain(const Domain&) = default;
+  /// Of the number that each process has for some others, by rank, those that others have for it.
+  std::map<int, int> told(const std::map<int, int>& mine) const;
   using List = std::vector<Index> Exchange::*;
   void transfer(List from, List to, Index width, const Pack& pack, const Unpack& unpack) const;
   void require_match(bool matches) const;

@@ -12,24 +12,16 @@ namespace frictioncg {
 /// A domain of another decomposition of the mesh names other dofs: where its owners have what this
 /// process has elsewhere, it is not the domain of this space.   Collective.
 inline void refuse_other_domain(const Domain& domain, const std::vector<NodePlace>& places) {
-  constexpr Index d = 3;
   constexpr Real elsewhere = 1e-6;  // over the largest coordinate
-  std::vector<std::array<Real, 3>> at(domain.dofs());
-  Real size = 0;
+  Eigen::MatrixXd at = Eigen::MatrixXd::Zero(3, domain.dofs());
   for (const NodePlace& n : places)
     for (Index dof : n.dof)
-      if (dof >= 0) {
-        at[dof] = n.x;
-        size = std::max(size, position(n).cwiseAbs().maxCoeff());
-      }
-  bool apart = false;
-  domain.update(
-      d, [&](Index dof, Real* out) { std::copy(at[dof].begin(), at[dof].end(), out); },
-      [&](Index dof, const Real* theirs) {
-        for (Index c = 0; c < d; ++c)
-          apart = apart || !(std::abs(at[dof][c] - theirs[c]) <= elsewhere * size);
-      });
-  if (domain.largest(apart) > 0)
+      if (dof >= 0) at.col(dof) = position(n);
+  Eigen::MatrixXd theirs = at;
+  domain.update(theirs);
+  const Real size = at.size() > 0 ? at.cwiseAbs().maxCoeff() : 0;
+  const bool together = ((at - theirs).cwiseAbs().array() <= elsewhere * size).all();
+  if (domain.largest(!together) > 0)
     throw IllegalInput(
         "the domain belongs to another decomposition of the mesh: what processes share lies at "
         "different places; make it by createMat(Th, C, Pk) with the mesh of Vh");
@@ -43,45 +35,47 @@ inline void keep_own_points(const Domain& domain, Scene& scene) {
   scene.nodes = std::move(own);
 }
 
+/// Calls visit for each number that is sent of a contact point.
+template <class Visit>
+void for_each_number(BoundaryNode& n, const Visit& visit) {
+  ContactPoint& p = n.point;
+  for (int c = 0; c < 3; ++c) {
+    visit(n.x[c]);
+    visit(p.normal[c]);
+    visit(p.direction[c]);
+    visit(p.dof[c]);
+  }
+  visit(n.label);
+  visit(p.friction);
+  visit(p.mu_ratio);
+}
+
 /// Adds the contact points of ghosts, as their owners have them: point by point of a node, in the
 /// owner's order.
 inline void add_ghost_points(const Domain& domain, Scene& scene) {
-  constexpr Index of_point = 15,
-                  most = 3;  // place, label, normal, friction, direction, ratio, dofs
-  std::map<Index, std::vector<const BoundaryNode*>> points;
-  for (const BoundaryNode& n : scene.nodes) points[n.point.dof[0]].push_back(&n);
+  constexpr Index of_point = 15, most = 3;
+  std::map<Index, std::vector<BoundaryNode>> points;
+  for (const BoundaryNode& n : scene.nodes) points[n.point.dof[0]].push_back(n);
   const auto pack = [&](Index dof, Real* out) {
     std::fill(out, out + 1 + most * of_point, 0);
     const auto found = points.find(dof);
     if (found == points.end()) return;
     *out++ = static_cast<Real>(found->second.size());
-    for (const BoundaryNode* n : found->second) {
-      const ContactPoint& p = n->point;
-      for (int c = 0; c < 3; ++c) *out++ = n->x[c];
-      *out++ = static_cast<Real>(n->label);
-      for (int c = 0; c < 3; ++c) *out++ = p.normal[c];
-      *out++ = p.friction;
-      for (int c = 0; c < 3; ++c) *out++ = p.direction[c];
-      *out++ = p.mu_ratio;
-      for (int c = 0; c < 3; ++c) *out++ = p.dof[c] - dof;
+    for (BoundaryNode n : found->second) {
+      for (Index& of_component : n.point.dof) of_component -= dof;
+      for_each_number(n, [&](const auto& value) { *out++ = static_cast<Real>(value); });
     }
   };
-  std::vector<BoundaryNode> ghosts;
   const auto unpack = [&](Index dof, const Real* in) {
     for (Index count = static_cast<Index>(*in++); count > 0; --count) {
       BoundaryNode n;
-      for (int c = 0; c < 3; ++c) n.x[c] = *in++;
-      n.label = static_cast<long>(*in++);
-      for (int c = 0; c < 3; ++c) n.point.normal[c] = *in++;
-      n.point.friction = *in++ != 0;
-      for (int c = 0; c < 3; ++c) n.point.direction[c] = *in++;
-      n.point.mu_ratio = *in++;
-      for (int c = 0; c < 3; ++c) n.point.dof[c] = dof + static_cast<Index>(*in++);
-      ghosts.push_back(n);
+      for_each_number(
+          n, [&](auto& value) { value = static_cast<std::decay_t<decltype(value)>>(*in++); });
+      for (Index& of_component : n.point.dof) of_component += dof;
+      scene.nodes.push_back(n);
     }
   };
   domain.update(1 + most * of_point, pack, unpack);
-  scene.nodes.insert(scene.nodes.end(), ghosts.begin(), ghosts.end());
 }
 
 /// The script's matrix, with Dirichlet rows of ghosts that this process does not see as such: the

@@ -19,7 +19,7 @@ void spread(const Domain& domain, const std::vector<DofOfPart>& dofs, std::vecto
     least.setConstant(INFINITY);
     for (const auto& [dof, part] : dofs) least[dof] = std::min(least[dof], name[part]);
     domain.collect(1, pack, unpack);
-    domain.update(1, pack, unpack);
+    domain.update(least);
     for (const auto& [dof, part] : dofs) {
       if (!(least[dof] < name[part])) continue;
       name[part] = least[dof];

@@ -50,35 +50,26 @@ inline Solution on_local_dofs(const SharedScene& shared, const Solution& own) {
   return s;
 }
 
-/// Values at ghosts from their owners, where the call has the vector: all processes ask for the
-/// same.
+/// Values at ghosts from their owners, for the dofs of the script alone: all processes ask for the
+/// same vectors. Null: not asked for.   Collective.
 template <class Number>
-void update(const Domain& domain, KN<Number>* values) {
+void update(const SharedScene& shared, KN<Number>* values) {
   if (!values) return;
-  KN<Number>& v = *values;
-  domain.update(
-      1, [&](Index dof, Real* out) { *out = static_cast<Real>(v[dof]); },
-      [&](Index dof, const Real* in) { v[dof] = static_cast<Number>(*in); });
-}
-
-/// Leaves the script's dofs of those with guests.
-template <class Number>
-void resize(const SharedScene& shared, KN<Number>* values) {
-  if (values) values->resize(shared.script.count);
+  Vector all(values->N());
+  for (Index i = 0; i < all.size(); ++i) all[i] = static_cast<Real>((*values)[i]);
+  shared.domain->update(all);
+  values->resize(shared.script.count);
+  for (long i = 0; i < values->N(); ++i) (*values)[i] = static_cast<Number>(all[i]);
 }
 
 /// The outputs of a call: of own dofs as in one process, of ghosts as their owners have them.
 inline void write_together(const SharedScene& shared, const Solution& local, const PointLaws& laws,
                            const Progress& progress, const Outputs& out) {
   write_outputs(*shared.scene, local, laws, progress, out);
-  update(*shared.domain, out.force);
-  update(*shared.domain, out.state);
-  update(*shared.domain, out.normals);
-  update(*shared.domain, out.distance);
-  resize(shared, out.force);
-  resize(shared, out.state);
-  resize(shared, out.normals);
-  resize(shared, out.distance);
+  update(shared, out.force);
+  update(shared, out.state);
+  update(shared, out.normals);
+  update(shared, out.distance);
 }
 
 /// A vector of the script with the values of guests. Between two bodies all that is shared is its
@@ -158,8 +149,7 @@ inline KN_<double> solve_together(Stack stack, const Call& call, SharedScene& sh
   KN<double>* u = Add2StackOfPtr2Free(stack, new KN<double>(n));
   if (speaks) warn_of_large_displacements(shared, field, verb);
   for (long i = 0; i < n; ++i) (*u)[i] = field[i];
-  update(domain, u);
-  resize(shared, u);
+  update(shared, u);
   return *u;
 }
 

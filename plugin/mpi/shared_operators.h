@@ -11,23 +11,18 @@ inline PointLaws with_ghosts(PointLaws laws, const SharedScene& shared) {
   constexpr Index most = 3;  // points of a node
   const std::vector<BoundaryNode>& nodes = shared.scene->nodes;
   const Index all = static_cast<Index>(nodes.size());
-  std::map<Index, std::vector<Index>> points;
-  for (Index k = 0; k < all; ++k) points[nodes[k].point.dof[0]].push_back(k);
-  laws.gap.conservativeResize(all);
-  const auto each = [&](Index dof, const auto& take) {
-    const auto found = points.find(dof);
-    if (found == points.end()) return;
-    for (std::size_t k = 0; k < found->second.size(); ++k) take(k, laws.gap[found->second[k]]);
+  Eigen::MatrixXd gap = Eigen::MatrixXd::Zero(most, shared.domain->dofs());
+  const auto for_each_point = [&](const auto& visit) {
+    std::vector<Index> seen(shared.domain->dofs(), 0);
+    for (Index k = 0; k < all; ++k) {
+      const Index dof = nodes[k].point.dof[0];
+      visit(laws.gap[k], gap(seen[dof]++, dof));
+    }
   };
-  shared.domain->update(
-      most,
-      [&](Index dof, Real* out) {
-        std::fill(out, out + most, 0);
-        each(dof, [&](std::size_t k, Real& gap) { out[k] = gap; });
-      },
-      [&](Index dof, const Real* in) {
-        each(dof, [&](std::size_t k, Real& gap) { gap = in[k]; });
-      });
+  laws.gap.conservativeResize(all);
+  for_each_point([](Real of_law, Real& sent) { sent = of_law; });
+  shared.domain->update(gap);
+  for_each_point([](Real& of_law, Real received) { of_law = received; });
   if (laws.law == Law::frictionless) return laws;
   for (Vector* values :
        {laws.law == Law::coulomb ? &laws.mu : &laws.g, &laws.cohesion, &laws.cap}) {

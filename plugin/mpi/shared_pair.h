@@ -39,19 +39,15 @@ inline InterfacePart interface_part(Stack stack, const Arguments& args, const Sc
 /// macro_ddm.idp tells nodes by their places: faces that lie on each other when a mesh is
 /// decomposed may get each other's nodes for ghosts.   Collective.
 inline void refuse_exchanged_faces(const Domain& domain, const InterfacePart& part) {
-  std::vector<int> sides(domain.dofs(), 0);
+  Eigen::MatrixXd sides = Eigen::MatrixXd::Zero(2, domain.dofs());
   for (const mortar::Pair& pair : part.pairs)
     for (int side = 0; side < 2; ++side)
       for (const mortar::Facet& f : (side == 0 ? pair.slave : pair.master).facets)
         for (Index i : f.node)
-          if (i >= 0) sides[part.dof[i][0]] |= 1 << side;
-  bool exchanged = false;
-  domain.update(
-      1, [&](Index dof, Real* out) { *out = sides[dof]; },
-      [&](Index dof, const Real* in) {
-        exchanged = exchanged || (sides[dof] & ~static_cast<int>(*in)) != 0;
-      });
-  if (domain.largest(exchanged) > 0)
+          if (i >= 0) sides(side, part.dof[i][0]) = 1;
+  Eigen::MatrixXd of_owners = sides;
+  domain.update(of_owners);
+  if (domain.largest((sides.array() > of_owners.array()).any()) > 0)
     throw IllegalInput(
         "the domain takes nodes of slave and master for each other, which lie at the same places; "
         "decompose the mesh while the faces are apart, and move them together by movemesh after "
@@ -163,17 +159,15 @@ inline Vector gap_of_all(Stack stack, const Arguments& args, const SharedScene& 
 inline void place_guests(const Domain& domain, Scene& scene) {
   const Index n = static_cast<Index>(scene.ndof()), d = scene.d;
   std::vector<NodePlace> places = scene.places();
-  std::vector<std::array<Real, 4>> at(domain.dofs());
-  for (const NodePlace& p : places) at[p.dof[0]] = {p.x[0], p.x[1], p.x[2], Real(p.body)};
-  domain.update(
-      4, [&](Index dof, Real* out) { std::copy(at[dof].begin(), at[dof].end(), out); },
-      [&](Index dof, const Real* in) { std::copy(in, in + 4, at[dof].begin()); });
+  Eigen::MatrixXd at = Eigen::MatrixXd::Zero(4, domain.dofs());
+  for (const NodePlace& p : places) at.col(p.dof[0]) << position(p), Real(p.body);
+  domain.update(at);
   Index node = 0;
   for (Index of_part : scene.mesh_node) node = std::max(node, of_part + 1);
   for (Index i = n; i < domain.dofs(); i += d, ++node) {
     NodePlace p;
-    p.x = {at[i][0], at[i][1], at[i][2]};
-    p.body = static_cast<Index>(at[i][3]);
+    p.x = {at(0, i), at(1, i), at(2, i)};
+    p.body = static_cast<Index>(at(3, i));
     for (Index c = 0; c < d; ++c) {
       p.dof[c] = i + c;
       scene.mesh_node.push_back(node);
