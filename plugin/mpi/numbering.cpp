@@ -24,34 +24,24 @@ Numbering::Numbering(const Domain& domain, const LocalSystem& local,
   const auto owned = [&](const std::vector<Index>& dofs) {
     return domain.owns(basis.origin[dofs.front()]);
   };
+  std::map<Index, Index> start_of;  // own nodes, from `first` on
   for (const auto& [node, dofs] : by_node)
-    if (owned(dofs)) at.push_back(dofs);
+    if (owned(dofs)) {
+      start_of[node] = static_cast<Index>(at.size()) * dimension;
+      at.push_back(dofs);
+    }
   nodes = static_cast<Index>(at.size());
   first = static_cast<PetscInt>(domain.sum_before(nodes)) * dimension;
 
   Vector start = Vector::Constant(domain.dofs(), -1);  // of the node, at each dof of the script
-  PetscInt next = first;
-  std::map<Index, PetscInt> start_of;
-  for (const auto& [node, dofs] : by_node)
-    if (owned(dofs)) {
-      start_of[node] = next;
-      next += dimension;
-    }
   for (Index i = 0; i < domain.dofs(); ++i) {
     const auto found = start_of.find(mesh_node[i]);
-    if (found != start_of.end()) start[i] = double(found->second);
+    if (found != start_of.end()) start[i] = Real(first + found->second);
   }
   domain.update(start);
   for (const auto& [node, dofs] : by_node)
     for (std::size_t k = 0; k < dofs.size(); ++k)
       slot[dofs[k]] = static_cast<PetscInt>(start[basis.origin[dofs[k]]]) + PetscInt(k);
-
-  for (Index i = 0, place = 0; i < domain.dofs(); ++i) {
-    place = i > 0 && mesh_node[i] == mesh_node[i - 1] ? place + 1 : 0;
-    const auto found = by_node.find(mesh_node[i]);
-    const bool stands = found != by_node.end() && place < Index(found->second.size());
-    at_place.push_back(stands ? found->second[place] : -1);
-  }
   find_own(*local.system());
 }
 
@@ -65,14 +55,6 @@ void Numbering::find_own(const System& system) {
     for (Index p = system.first[i]; p < system.first[i + 1]; ++p) own.push_back(p);
   }
   own_first.push_back(static_cast<Index>(own.size()));
-}
-
-void Numbering::update(const Domain& domain, Vector& local) const {
-  domain.update(
-      1, [&](Index dof, Real* out) { *out = at_place[dof] < 0 ? 0 : local[at_place[dof]]; },
-      [&](Index dof, const Real* in) {
-        if (at_place[dof] >= 0) local[at_place[dof]] = *in;
-      });
 }
 
 }  // namespace frictioncg

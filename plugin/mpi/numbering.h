@@ -24,9 +24,6 @@ struct Numbering {
   /// Of own contact dof c.
   PetscInt contact_slot(std::size_t c) const { return slot[own[own_first.front() + c]]; }
 
-  /// Values of ghosts (local dofs) as their owners have them.   Collective.
-  void update(const Domain& domain, Vector& local) const;
-
   Index dimension = 2;
   Index nodes = 0;                     ///< that this process owns
   PetscInt first = 0;                  ///< its first slot
@@ -35,9 +32,6 @@ struct Numbering {
   std::vector<Index> own;              ///< local dofs owned: interior, then contact node by node
   std::vector<Index> own_nodes;        ///< contact nodes owned, by their place in the local system
   std::vector<Index> own_first;        ///< as in System, among `own`
-  /// Of each dof of the script: the local dof that has its place among those of the node, or -1. A
-  /// local dof stands for another one of the script where there are frames.
-  std::vector<Index> at_place;
 
  private:
   void find_own(const System& local);

@@ -74,5 +74,6 @@ using MatHandle = Handle<Mat, MatDestroy>;
 using VecHandle = Handle<Vec, VecDestroy>;
 using PCHandle = Handle<PC, PCDestroy>;
 using KSPHandle = Handle<KSP, KSPDestroy>;
+using ScatterHandle = Handle<VecScatter, VecScatterDestroy>;
 
 }  // namespace frictioncg

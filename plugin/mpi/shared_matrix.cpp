@@ -16,6 +16,16 @@ SharedMatrix::SharedMatrix(std::shared_ptr<const Domain> domain, Numbering numbe
   find_bodies(local);
   check(MatCreateVecs(A_.get(), x_.fill(), Ax_.fill()));
   check(VecSet(x_.get(), 0));
+  make_scatter();
+}
+
+void SharedMatrix::make_scatter() {
+  const PetscInt n = static_cast<PetscInt>(numbering_.slot.size());
+  IS slots;
+  check(ISCreateGeneral(PETSC_COMM_SELF, n, numbering_.slot.data(), PETSC_USE_POINTER, &slots));
+  check(VecCreateSeq(PETSC_COMM_SELF, n, on_local_.fill()));
+  check(VecScatterCreate(x_.get(), slots, on_local_.get(), nullptr, to_local_.fill()));
+  check(ISDestroy(&slots));
 }
 
 namespace {
@@ -137,10 +147,15 @@ Vector SharedMatrix::own_part(const Vector& local) const {
 }
 
 Vector SharedMatrix::on_local(const Vector& own) const {
-  Vector local = Vector::Zero(static_cast<Index>(numbering_.slot.size()));
-  for (Index k = 0; k < own.size(); ++k) local[numbering_.own[k]] = own[k];
-  numbering_.update(*domain_, local);
-  return local;
+  Vec local = on_local_.get();
+  const Real* values;
+  to_slots(own, x_.get());
+  check(VecScatterBegin(to_local_.get(), x_.get(), local, INSERT_VALUES, SCATTER_FORWARD));
+  check(VecScatterEnd(to_local_.get(), x_.get(), local, INSERT_VALUES, SCATTER_FORWARD));
+  check(VecGetArrayRead(local, &values));
+  const Vector x = Eigen::Map<const Vector>(values, static_cast<Index>(numbering_.slot.size()));
+  check(VecRestoreArrayRead(local, &values));
+  return x;
 }
 
 void SharedMatrix::multiply(const Vector& x, Vector& Ax) const {

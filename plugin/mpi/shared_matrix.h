@@ -42,13 +42,15 @@ class SharedMatrix {
   void assemble(const System& local);
   void find_contact(const System& local);
   MatHandle matrix_of(const Rows& rows) const;
+  void make_scatter();
   void find_bodies(const LocalSystem& local);
 
   std::shared_ptr<const Domain> domain_;
   Numbering numbering_;
   SystemPtr local_;
   MatHandle A_, B_;
-  VecHandle x_, Ax_;
+  VecHandle x_, Ax_, on_local_;
+  ScatterHandle to_local_;  ///< of slots to all local dofs
   Bodies bodies_;
 };
 
