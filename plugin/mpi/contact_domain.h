@@ -18,24 +18,16 @@ inline std::vector<std::string> command_line() {
 }
 
 /// What a script's variable of type contactdomain stands for. FreeFEM allots its bytes without a
-/// constructor, and calls init() and destroy().
+/// constructor, and calls destroy() in place of the destructor.
 class ContactDomainVariable {
  public:
-  ~ContactDomainVariable() { destroy(); }
-  void init() { domain_ = nullptr; }
-  void destroy() {
-    delete domain_;
-    domain_ = nullptr;
-  }
-  void set(std::shared_ptr<const Domain> domain) {
-    destroy();
-    domain_ = new std::shared_ptr<const Domain>(std::move(domain));
-  }
+  void destroy() { domain_.reset(); }
+  void set(std::shared_ptr<const Domain> domain) { domain_ = std::move(domain); }
   /// Null where createMat was not called: one process.
-  std::shared_ptr<const Domain> get() const { return domain_ ? *domain_ : nullptr; }
+  std::shared_ptr<const Domain> get() const { return domain_; }
 
  private:
-  std::shared_ptr<const Domain>* domain_ = nullptr;
+  std::shared_ptr<const Domain> domain_;
 };
 
 /// [C1, C2]: the domains of two spaces, whose dofs follow each other in a call.
@@ -49,7 +41,6 @@ class JoinedDomains : public E_F0mps {
       throw IllegalInput(std::string("domain = [C1, C2]: the ") + (a ? "second" : "first") +
                          " is a contactdomain that is not set; let createMat(Th, C, Pk) set both");
     auto* joined = new ContactDomainVariable;
-    joined->init();
     if (a) joined->set(std::make_shared<const Domain>(*a, *b));
     return SetAny<C>(Add2StackOfPtr2Free(stack, joined));
   }
@@ -127,7 +118,7 @@ inline void register_contactdomain() {
   using C = ContactDomainVariable*;
   Dcl_Type<C>(
       [](Stack, const AnyType& x) -> AnyType {
-        GetAny<C>(x)->init();
+        new (GetAny<C>(x)) ContactDomainVariable;
         return x;
       },
       ::Destroy<ContactDomainVariable>);
