@@ -24,9 +24,8 @@ void SharedHierarchy::set_mask(const std::vector<char>& fixed) {
   Real* mask;
   check(VecSet(mask_.get(), 1));
   check(VecGetArray(mask_.get(), &mask));
-  const Numbering& N = A_->numbering();
   for (std::size_t c = 0; c < fixed.size(); ++c)
-    if (fixed[c]) mask[N.contact_slot(c) - N.first] = 0;
+    if (fixed[c]) mask[A_->numbering().contact_slot(c)] = 0;
   check(VecRestoreArray(mask_.get(), &mask));
 }
 
@@ -35,14 +34,15 @@ void SharedHierarchy::fill_contact_part(const std::vector<TangentialStiffness>& 
                                         const Vector& springs) {
   Mat B = A_->contact(), E = E_.get();
   const Numbering& N = A_->numbering();
+  const auto slot = [&](Index c) { return N.first + N.contact_slot(c); };
   check(MatCopy(B, E, SAME_NONZERO_PATTERN));
   for (const TangentialStiffness& w : W) {
     const Index c = w.first - N.own_first.front();
-    const PetscInt slots[] = {N.contact_slot(c), N.contact_slot(c + 1)};
+    const PetscInt slots[] = {slot(c), slot(c + 1)};
     check(MatSetValues(E, 2, slots, 2, slots, w.M.data(), ADD_VALUES));
   }
   for (Index c = 0; c < springs.size(); ++c)
-    check(MatSetValue(E, N.contact_slot(c), N.contact_slot(c), springs[c], ADD_VALUES));
+    check(MatSetValue(E, slot(c), slot(c), springs[c], ADD_VALUES));
   check(MatAssemblyBegin(E, MAT_FINAL_ASSEMBLY));
   check(MatAssemblyEnd(E, MAT_FINAL_ASSEMBLY));
   check(MatDiagonalScale(E, mask_.get(), mask_.get()));

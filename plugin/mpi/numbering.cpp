@@ -55,6 +55,7 @@ void Numbering::find_own(const System& system) {
     for (Index p = system.first[i]; p < system.first[i + 1]; ++p) own.push_back(p);
   }
   own_first.push_back(static_cast<Index>(own.size()));
+  for (Index p : own) own_slot.push_back(slot[p] - first);
 }
 
 }  // namespace frictioncg

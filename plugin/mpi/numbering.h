@@ -21,8 +21,8 @@ struct Numbering {
     return slot[local_dof] >= first && slot[local_dof] < first + slots();
   }
 
-  /// Of own contact dof c.
-  PetscInt contact_slot(std::size_t c) const { return slot[own[own_first.front() + c]]; }
+  /// Of own contact dof c, from `first` on.
+  Index contact_slot(std::size_t c) const { return own_slot[own_first.front() + c]; }
 
   Index dimension = 2;
   Index nodes = 0;                     ///< that this process owns
@@ -30,6 +30,7 @@ struct Numbering {
   std::vector<PetscInt> slot;          ///< of each local dof
   std::vector<std::vector<Index>> at;  ///< local dofs of each owned node, slot by slot
   std::vector<Index> own;              ///< local dofs owned: interior, then contact node by node
+  std::vector<Index> own_slot;         ///< of each of these, from `first` on
   std::vector<Index> own_nodes;        ///< contact nodes owned, by their place in the local system
   std::vector<Index> own_first;        ///< as in System, among `own`
 

@@ -126,24 +126,15 @@ void SharedMatrix::find_bodies(const LocalSystem& local) {
 void SharedMatrix::to_slots(const Vector& x, Vec slots) const {
   Real* values;
   check(VecGetArray(slots, &values));
-  for (std::size_t k = 0; k < numbering_.own.size(); ++k)
-    values[numbering_.slot[numbering_.own[k]] - numbering_.first] = x[static_cast<Index>(k)];
+  Eigen::Map<Vector>(values, numbering_.slots())(numbering_.own_slot) = x;
   check(VecRestoreArray(slots, &values));
 }
 
 void SharedMatrix::from_slots(Vec slots, Vector& x) const {
   const Real* values;
-  x.resize(static_cast<Index>(numbering_.own.size()));
   check(VecGetArrayRead(slots, &values));
-  for (std::size_t k = 0; k < numbering_.own.size(); ++k)
-    x[static_cast<Index>(k)] = values[numbering_.slot[numbering_.own[k]] - numbering_.first];
+  x = Eigen::Map<const Vector>(values, numbering_.slots())(numbering_.own_slot);
   check(VecRestoreArrayRead(slots, &values));
-}
-
-Vector SharedMatrix::own_part(const Vector& local) const {
-  Vector own(static_cast<Index>(numbering_.own.size()));
-  for (Index k = 0; k < own.size(); ++k) own[k] = local[numbering_.own[k]];
-  return own;
 }
 
 Vector SharedMatrix::on_local(const Vector& own) const {

@@ -34,7 +34,7 @@ class SharedMatrix {
   void to_slots(const Vector& x, Vec slots) const;
   void from_slots(Vec slots, Vector& x) const;
   /// The values of own dofs in a vector over the local ones.
-  Vector own_part(const Vector& local) const;
+  Vector own_part(const Vector& local) const { return local(numbering_.own); }
   /// Own values over the local dofs, those of ghosts by their owners.   Collective.
   Vector on_local(const Vector& own) const;
 

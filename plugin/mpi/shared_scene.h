@@ -82,9 +82,7 @@ inline Eigen::MatrixXd body_motions(const SharedScene& shared,
 /// Motions in the dofs of the script, as those of the own dofs.
 inline Eigen::MatrixXd own_modes(const SharedScene& shared, const Eigen::MatrixXd& M) {
   const Eigen::MatrixXd local = shared.scene->system->basis().W * M;
-  Eigen::MatrixXd own(static_cast<Index>(shared.numbering().own.size()), M.cols());
-  for (Index k = 0; k < M.cols(); ++k) own.col(k) = shared.A->own_part(local.col(k));
-  return own;
+  return local(shared.numbering().own, Eigen::all);
 }
 
 /// The part of the local system that this process owns; finds the extent.   Collective.
@@ -224,11 +222,8 @@ inline Real check_data(const SharedScene& shared, const Vector& b, const Vector&
 /// The increment over the own dofs and nodes, from that of the local system.   Collective.
 inline Increment own_increment(const SharedScene& shared, const LocalIncrement& local,
                                const LocalLoad& load) {
-  const Numbering& numbering = shared.numbering();
-  const auto of_nodes = [&](const Vector& all) {
-    Vector own(all.size() > 0 ? static_cast<Index>(numbering.own_nodes.size()) : 0);
-    for (Index k = 0; k < own.size(); ++k) own[k] = all[numbering.own_nodes[k]];
-    return own;
+  const auto of_nodes = [&](const Vector& all) -> Vector {
+    return all.size() > 0 ? Vector(all(shared.numbering().own_nodes)) : all;
   };
   Increment own = local.increment;
   own.gap = of_nodes(local.increment.gap);
