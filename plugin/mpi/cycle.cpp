@@ -1,4 +1,4 @@
-#include "cycle.h"
+#include "levels.h"
 
 #include <cmath>
 #include <string>
@@ -9,10 +9,12 @@ namespace {
 
 constexpr Real overshoot = 1.7;  ///< of the smoother's correction, which diverges from 2 on
 
-bool of_several(Mat A) {
+MPI_Comm communicator_of(Mat A) { return PetscObjectComm(reinterpret_cast<PetscObject>(A)); }
+
+PetscMPIInt processes_of(Mat A) {
   PetscMPIInt processes;
-  MPI_Comm_size(PetscObjectComm(reinterpret_cast<PetscObject>(A)), &processes);
-  return processes > 1;
+  MPI_Comm_size(communicator_of(A), &processes);
+  return processes;
 }
 
 void set_iteration(KSP ksp, Mat A, KSPType type, PetscInt iterations) {
@@ -26,7 +28,8 @@ void set_iteration(KSP ksp, Mat A, KSPType type, PetscInt iterations) {
 /// aggregates are larger, and one more where each process sweeps its own part alone.
 void set_smoother(KSP smoother, Mat A, Index dimension) {
   PC pc;
-  set_iteration(smoother, A, KSPRICHARDSON, static_cast<PetscInt>(dimension) + of_several(A));
+  set_iteration(smoother, A, KSPRICHARDSON,
+                static_cast<PetscInt>(dimension) + (processes_of(A) > 1));
   check(KSPGetPC(smoother, &pc));
   check(PCSetType(pc, PCSOR));
   check(PCSORSetSymmetric(pc, SOR_LOCAL_SYMMETRIC_SWEEP));
@@ -59,7 +62,7 @@ Real largest_eigenvalue(KSP smoother, Mat A) {
   KSPHandle cg;
   VecHandle x, b;
   Real largest, least;
-  check(KSPCreate(PetscObjectComm(reinterpret_cast<PetscObject>(A)), cg.fill()));
+  check(KSPCreate(communicator_of(A), cg.fill()));
   PC correction;
   set_iteration(cg.get(), A, KSPCG, few);
   check(KSPGetPC(smoother, &correction));
@@ -79,13 +82,11 @@ void set_coarsest(KSP solver, const Level& coarsest, Index dimension) {
   Mat A = coarsest.truncated.get();
   if (!coarsest.exact) return set_smoother(solver, A, dimension);
   PC pc;
-  PetscMPIInt processes;
-  MPI_Comm_size(PetscObjectComm(reinterpret_cast<PetscObject>(A)), &processes);
   check(KSPSetOperators(solver, A, A));
   check(KSPSetType(solver, KSPPREONLY));
   check(KSPGetPC(solver, &pc));
   check(PCSetType(pc, PCTELESCOPE));
-  check(PCTelescopeSetReductionFactor(pc, processes));
+  check(PCTelescopeSetReductionFactor(pc, processes_of(A)));
 }
 
 /// On the one process, once the cycle is set up, which makes its solver there.
@@ -109,7 +110,7 @@ PCHandle make_cycle(const std::vector<Level>& levels, Index dimension) {
   const PetscInt count = static_cast<PetscInt>(levels.size());
   Mat fine = levels.front().truncated.get();
   PCHandle cycle;
-  check(PCCreate(PetscObjectComm(reinterpret_cast<PetscObject>(fine)), cycle.fill()));
+  check(PCCreate(communicator_of(fine), cycle.fill()));
   PC pc = cycle.get();
   check(PCSetOptionsPrefix(pc, petsc_prefix));
   check(PCSetType(pc, PCMG));
@@ -135,7 +136,7 @@ void settle(PC cycle, const std::vector<Level>& levels) {
   const PetscInt count = static_cast<PetscInt>(levels.size());
   for (PetscInt l = 0; l < count; ++l) {
     Mat A = levels[count - 1 - l].truncated.get();
-    if (!of_several(A)) continue;
+    if (processes_of(A) == 1) continue;
     const std::vector<KSP> all = smoothers(cycle, l);
     if (!may_be_damped(all[0])) continue;
     const Real most = largest_eigenvalue(all[0], A);

@@ -1,7 +1,5 @@
 #include "hierarchy.h"
 
-#include "cycle.h"
-
 namespace frictioncg {
 
 /// Of diagonal entries over what they were: nothing is left.
