@@ -4,23 +4,13 @@
 
 namespace frictioncg {
 
-namespace {
-
-/// The local dofs of each mesh node, in ascending order: the same on every process that has it.
-std::map<Index, std::vector<Index>> dofs_by_node(const Basis& basis,
-                                                 const std::vector<Index>& mesh_node) {
-  std::map<Index, std::vector<Index>> nodes;
-  for (Index p = 0; p < basis.local_dofs(); ++p) nodes[mesh_node[basis.origin[p]]].push_back(p);
-  return nodes;
-}
-
-}  // namespace
-
 Numbering::Numbering(const Domain& domain, const LocalSystem& local,
                      const std::vector<Index>& mesh_node)
     : dimension(local.system()->dimension), slot(local.basis().local_dofs()) {
   const Basis& basis = local.basis();
-  const auto by_node = dofs_by_node(basis, mesh_node);
+  // of each mesh node in ascending order: the same on every process that has it
+  std::map<Index, std::vector<Index>> by_node;
+  for (Index p = 0; p < basis.local_dofs(); ++p) by_node[mesh_node[basis.origin[p]]].push_back(p);
   const auto owned = [&](const std::vector<Index>& dofs) {
     return domain.owns(basis.origin[dofs.front()]);
   };

@@ -175,13 +175,11 @@ inline std::vector<Leftover> leftovers_of_all(const SharedScene& shared, const V
     if (domain.owns(n.dof[0])) left[n.body].add(*shared.scene, b, n);
   Eigen::Matrix<Real, 2, Eigen::Dynamic> counts(2, bodies);
   Eigen::Matrix<Real, of_body, Eigen::Dynamic> most(of_body, bodies);
+  using Components = Eigen::Map<Eigen::Vector3d>;
   for (Index k = 0; k < bodies; ++k) {
     counts.col(k) << left[k].loaded, left[k].empty;
-    most(0, k) = left[k].most;
-    for (int c = 0; c < 3; ++c) {
-      most(1 + c, k) = left[k].largest[c];
-      most(4 + c, k) = -left[k].least[c];
-    }
+    most.col(k) << left[k].most, Components(left[k].largest.data()),
+        -Components(left[k].least.data());
   }
   domain.sum(counts.data(), static_cast<Index>(counts.size()));
   domain.largest(most.data(), static_cast<Index>(most.size()));
@@ -189,10 +187,8 @@ inline std::vector<Leftover> leftovers_of_all(const SharedScene& shared, const V
     left[k].loaded = counts(0, k);
     left[k].empty = counts(1, k);
     left[k].most = most(0, k);
-    for (int c = 0; c < 3; ++c) {
-      left[k].largest[c] = most(1 + c, k);
-      left[k].least[c] = -most(4 + c, k);
-    }
+    Components(left[k].largest.data()) = most.col(k).segment<3>(1);
+    Components(left[k].least.data()) = -most.col(k).tail<3>();
   }
   return left;
 }
