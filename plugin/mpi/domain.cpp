@@ -6,19 +6,14 @@ namespace {
 
 constexpr int message_tag = 1412;
 
-struct Message {
-  int rank;
-  std::vector<Real> values;
-};
-
-/// All messages out and in at once; the sizes of those received are known.
-void exchange(MPI_Comm communicator, const std::vector<Message>& out, std::vector<Message>& in) {
+/// All letters out and in at once; the sizes of those received are known.
+void exchange(MPI_Comm communicator, const Domain::Letters& out, Domain::Letters& in) {
   std::vector<MPI_Request> requests;
-  for (Message& m : in)
-    MPI_Irecv(m.values.data(), static_cast<int>(m.values.size()), MPI_DOUBLE, m.rank, message_tag,
+  for (auto& [rank, values] : in)
+    MPI_Irecv(values.data(), static_cast<int>(values.size()), MPI_DOUBLE, rank, message_tag,
               communicator, &requests.emplace_back());
-  for (const Message& m : out)
-    MPI_Isend(m.values.data(), static_cast<int>(m.values.size()), MPI_DOUBLE, m.rank, message_tag,
+  for (const auto& [rank, values] : out)
+    MPI_Isend(values.data(), static_cast<int>(values.size()), MPI_DOUBLE, rank, message_tag,
               communicator, &requests.emplace_back());
   MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
 }
@@ -100,20 +95,19 @@ void Domain::check_neighbours(const std::vector<Neighbour>& neighbours) const {
 }
 
 void Domain::choose_owners(const std::vector<Neighbour>& neighbours, const Vector& D) {
-  std::vector<Message> out, in;
+  Letters out, in;
   for (const Neighbour& n : neighbours) {
-    out.push_back({n.rank, {}});
-    for (Index dof : n.shared) out.back().values.push_back(D[dof]);
-    in.push_back({n.rank, std::vector<Real>(n.shared.size())});
+    std::vector<Real>& shares = out[n.rank];
+    for (Index dof : n.shared) shares.push_back(D[dof]);
+    in[n.rank].resize(n.shared.size());
   }
   exchange(*communicator_, out, in);
   std::vector<int> owner(dofs(), rank_);
   Vector most = D;
-  for (std::size_t k = 0; k < neighbours.size(); ++k)
-    for (std::size_t s = 0; s < neighbours[k].shared.size(); ++s) {
-      const Index dof = neighbours[k].shared[s];
-      const Real share = in[k].values[s];
-      const int rank = neighbours[k].rank;
+  for (const auto& [rank, shared] : neighbours)
+    for (std::size_t s = 0; s < shared.size(); ++s) {
+      const Index dof = shared[s];
+      const Real share = in[rank][s];
       if (share < most[dof] || (share == most[dof] && rank > owner[dof])) continue;
       most[dof] = share;
       owner[dof] = rank;
@@ -142,22 +136,20 @@ void Domain::make_exchanges(const std::vector<Neighbour>& neighbours,
 /// Both processes have their lists in the same order.
 void Domain::transfer(List from, List to, Index width, const Pack& pack,
                       const Unpack& unpack) const {
-  std::vector<Message> out, in;
-  std::vector<const std::vector<Index>*> arriving;
+  Letters out, in;
   for (const auto& [rank, e] : exchanges_) {
     const std::vector<Index>&sent = e.*from, &received = e.*to;
-    if (!sent.empty()) {
-      out.push_back({rank, std::vector<Real>(sent.size() * width)});
-      for (std::size_t s = 0; s < sent.size(); ++s) pack(sent[s], &out.back().values[s * width]);
-    }
-    if (received.empty()) continue;
-    in.push_back({rank, std::vector<Real>(received.size() * width)});
-    arriving.push_back(&received);
+    if (!received.empty()) in[rank].resize(received.size() * width);
+    if (sent.empty()) continue;
+    std::vector<Real>& values = out[rank];
+    values.resize(sent.size() * width);
+    for (std::size_t s = 0; s < sent.size(); ++s) pack(sent[s], &values[s * width]);
   }
   exchange(*communicator_, out, in);
-  for (std::size_t k = 0; k < in.size(); ++k)
-    for (std::size_t s = 0; s < arriving[k]->size(); ++s)
-      unpack((*arriving[k])[s], &in[k].values[s * width]);
+  for (const auto& [rank, values] : in) {
+    const std::vector<Index>& received = exchanges_.at(rank).*to;
+    for (std::size_t s = 0; s < received.size(); ++s) unpack(received[s], &values[s * width]);
+  }
 }
 
 /// What a third process owns is sent by it alone.
@@ -246,16 +238,10 @@ Vector Domain::combined(Vector own,
 /// Their lengths first.
 Domain::Letters Domain::delivered(const Letters& out) const {
   std::map<int, int> lengths;
-  std::vector<Message> sent, received;
-  for (const auto& [rank, values] : out) {
-    lengths[rank] = static_cast<int>(values.size());
-    sent.push_back({rank, values});
-  }
-  for (const auto& [rank, length] : told(lengths))
-    received.push_back({rank, std::vector<Real>(length)});
-  exchange(*communicator_, sent, received);
   Letters in;
-  for (Message& m : received) in[m.rank] = std::move(m.values);
+  for (const auto& [rank, values] : out) lengths[rank] = static_cast<int>(values.size());
+  for (const auto& [rank, length] : told(lengths)) in[rank].resize(length);
+  exchange(*communicator_, out, in);
   return in;
 }
 
