@@ -183,12 +183,10 @@ std::vector<Real> Domain::lists(const PackList& pack) const {
 
 void Domain::sum(Real* values, Index count) const {
   MPI_Allreduce(MPI_IN_PLACE, values, count, MPI_DOUBLE, MPI_SUM, *communicator_);
-  reductions_ += 1;
 }
 
 void Domain::largest(Real* values, Index count) const {
   MPI_Allreduce(MPI_IN_PLACE, values, count, MPI_DOUBLE, MPI_MAX, *communicator_);
-  reductions_ += 1;
 }
 
 Real Domain::largest(Real value) const {
@@ -199,7 +197,6 @@ Real Domain::largest(Real value) const {
 Real Domain::sum_before(Real value) const {
   Real before = 0;
   MPI_Exscan(&value, &before, 1, MPI_DOUBLE, MPI_SUM, *communicator_);
-  reductions_ += 1;
   return rank_ == 0 ? 0 : before;
 }
 
@@ -211,7 +208,6 @@ Vector Domain::gathered(const Vector& own) const {
   Vector all(starts.back() + counts.back());
   MPI_Allgatherv(own.data(), count, MPI_DOUBLE, all.data(), counts.data(), starts.data(),
                  MPI_DOUBLE, *communicator_);
-  reductions_ += 2;
   return all;
 }
 
@@ -231,7 +227,6 @@ Vector Domain::combined(Vector own,
     own = both(own, other);
   }
   MPI_Bcast(own.data(), count, MPI_DOUBLE, 0, *communicator_);
-  reductions_ += 1;
   return own;
 }
 

@@ -69,8 +69,6 @@ class Domain {
   using Letters = std::map<int, std::vector<Real>>;
   Letters delivered(const Letters& out) const;
 
-  double reductions() const { return reductions_; }  ///< over all processes, so far
-
   /// Runs what one process does by itself. Where it throws on any of them, all throw IllegalInput
   /// with the message of the lowest rank that failed.
   void agree(const std::function<void()>& body) const;
@@ -95,7 +93,6 @@ class Domain {
   Index first_ = 0;
   std::vector<char> owned_;            ///< n
   std::map<int, Exchange> exchanges_;  ///< by rank
-  mutable double reductions_ = 0;
 };
 
 }  // namespace frictioncg

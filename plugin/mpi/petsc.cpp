@@ -82,15 +82,6 @@ Timed::~Timed() {
   if (!failed) PetscLogEventEnd(event_, nullptr, nullptr, nullptr, nullptr);
 }
 
-Traffic petsc_traffic() {
-#if defined(PETSC_USE_LOG)
-  return {petsc_isend_ct + petsc_send_ct, petsc_isend_len + petsc_send_len,
-          petsc_allreduce_ct + petsc_gather_ct + petsc_scatter_ct};
-#else
-  return {};
-#endif
-}
-
 void end_petsc() {
   if (ours) PetscFinalize();
 }

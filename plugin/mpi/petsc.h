@@ -34,18 +34,6 @@ class Timed {
   PetscLogEvent event_;
 };
 
-/// What one process sends, and takes part in.
-struct Traffic {
-  double messages = 0, bytes = 0;
-  double reductions = 0;  ///< over all processes
-};
-inline Traffic operator-(const Traffic& a, const Traffic& b) {
-  return {a.messages - b.messages, a.bytes - b.bytes, a.reductions - b.reductions};
-}
-
-/// Of PETSc's own on this process so far; 0 where it does not count.
-Traffic petsc_traffic();
-
 /// An object of PETSc's that is destroyed with its owner; not after an error, which leaves objects
 /// half made.
 template <class Object, PetscErrorCode (*destroy)(Object*)>

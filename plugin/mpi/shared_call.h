@@ -129,16 +129,13 @@ inline KN_<double> solve_together(Stack stack, const Call& call, SharedScene& sh
   const bool speaks = domain.largest(static_cast<Real>(verb)) > 0;
   if (speaks) report_plan(shared, problem, verb);
   Progress progress(problem, verb, out.history);
-  const Traffic before = traffic_so_far(domain);
   Solution solution = solve_together(shared, problem, call, start_of(call, shared),
                                      out.history || speaks ? &progress : nullptr);
-  const Traffic traffic = traffic_so_far(domain) - before;
   Solution local = on_local_dofs(shared, solution);
   const Vector field = shared.scene->system->to_global(local.x, now.u0);
   const std::string turned = runaway(shared, solution, field);
   if (!turned.empty()) solution.status = local.status = Status::runaway;
   if (verb > 0) report_end(solution);
-  report_traffic(domain, traffic, solution.iterations, verb);
   std::string unheld = report_motions(shared, solution, verb);
   if (!turned.empty()) unheld = turned;
   if (verb > 0 && !turned.empty()) line() << turned << std::endl;

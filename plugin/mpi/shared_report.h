@@ -33,23 +33,6 @@ inline void report_plan(const SharedScene& shared, const ContactProblem& problem
   report_large_friction(mu);
 }
 
-/// Of PETSc's and the laws' own so far: in the iteration nothing else is sent.
-inline Traffic traffic_so_far(const Domain& domain) {
-  Traffic all = petsc_traffic();
-  all.reductions += domain.reductions();
-  return all;
-}
-
-/// What a process sends on average in one iteration, updates of the faces included.   Collective.
-inline void report_traffic(const Domain& domain, const Traffic& all, Index iterations, long verb) {
-  Real sums[] = {all.messages, all.bytes};
-  domain.sum(sums, 2);
-  if (verb < 3) return;
-  const Real count = std::max<Index>(iterations, 1), each = count * domain.size();
-  line() << "traffic of a process in an iteration: " << sums[0] / each << " messages, "
-         << sums[1] / each / 1e3 << " kB, " << all.reductions / count << " reductions" << std::endl;
-}
-
 /// As in one process, for the mesh as a whole.   Collective.
 inline void warn_of_large_displacements(const SharedScene& shared, const Vector& field, long verb) {
   const Domain& domain = *shared.domain;
