@@ -26,46 +26,26 @@ inline Vector global_numbers(const Domain& domain) {
   return number;
 }
 
-/// A facet as it is sent: label, normal, and number and place of each of its 2 or 3 vertices.
-class NumberedFacet {
- public:
+/// A facet as it is sent, in columns: label and normal, then number and place of each of its 2 or 3
+/// vertices.
+struct NumberedFacet {
   using Key = std::array<Real, 3>;  ///< the numbers in ascending order
-  static constexpr std::size_t width = 16;
+  using Columns = Eigen::Matrix<Real, 4, 4, Eigen::DontAlign>;
 
-  explicit NumberedFacet(const Real* sent) : was_sent_(true) {
-    std::copy(sent, sent + width, values_.begin());
-  }
-  NumberedFacet(int d, const Boundary& boundary, const BoundaryFacet& f, const Vector& number) {
-    values_.fill(-1);
-    set(0, Real(f.label), f.normal);
-    for (int v = 0; v < d; ++v) {
-      const SharedNode& n = boundary.nodes[f.node[v]];
-      set(v + 1, number[n.dof[0]], n.x);
-    }
-  }
-  bool was_sent() const { return was_sent_; }  ///< by another process
-  const std::array<Real, width>& values() const { return values_; }
-  long label() const { return static_cast<long>(values_[0]); }
+  Columns values = Columns::Constant(-1);
+  bool was_sent = false;  ///< by another process
+
+  long label() const { return static_cast<long>(values(0, 0)); }
   Fem2D::R3 normal() const { return place(0); }
-  Real number(int v) const { return values_[4 * (v + 1)]; }
+  Real number(int v) const { return values(0, v + 1); }
   Fem2D::R3 x(int v) const { return place(v + 1); }
+  Fem2D::R3 place(int k) const { return {values(1, k), values(2, k), values(3, k)}; }
+  void set(int k, Real first, const Fem2D::R3& x) { values.col(k) << first, x.x, x.y, x.z; }
   Key key() const {
     Key sorted{{number(0), number(1), number(2)}};
     std::sort(sorted.begin(), sorted.end());
     return sorted;
   }
-
- private:
-  void set(int part, Real first, const Fem2D::R3& x) {
-    const Real four[] = {first, x.x, x.y, x.z};
-    std::copy(four, four + 4, values_.begin() + 4 * part);
-  }
-  Fem2D::R3 place(int part) const {
-    const Real* four = &values_[4 * part];
-    return Fem2D::R3(four[1], four[2], four[3]);
-  }
-  std::array<Real, width> values_;
-  bool was_sent_ = false;
 };
 
 /// The facets of the contact boundary that a process knows: at first those of its part.
@@ -74,7 +54,15 @@ class KnownFacets {
   using Facets = std::map<NumberedFacet::Key, const NumberedFacet*>;
   /// d: vertices of a facet.
   KnownFacets(int d, const Boundary& boundary, const Vector& number) : d_(d) {
-    for (const BoundaryFacet& f : boundary.facets) add(NumberedFacet(d, boundary, f, number));
+    for (const BoundaryFacet& f : boundary.facets) {
+      NumberedFacet facet;
+      facet.set(0, Real(f.label), f.normal);
+      for (int v = 0; v < d; ++v) {
+        const SharedNode& n = boundary.nodes[f.node[v]];
+        facet.set(v + 1, number[n.dof[0]], n.x);
+      }
+      add(facet);
+    }
   }
   void add(const NumberedFacet& f) {
     const auto [place, is_new] = facets_.emplace(f.key(), f);
@@ -105,17 +93,18 @@ class KnownFacets {
 /// number: as global_numbers.   Collective.
 inline void learn_facets(const Domain& domain, int rings, const Vector& number,
                          KnownFacets& known) {
+  constexpr std::size_t width = NumberedFacet::Columns::SizeAtCompileTime;
   for (int round = 1; round < rings; ++round) {
     const std::vector<Real> sent = domain.lists([&](const std::vector<Index>& dofs) {
       std::set<Real> vertices;
       for (Index dof : dofs) vertices.insert(number[dof]);
       std::vector<Real> list;
       for (const auto& [key, facet] : known.within(round, vertices))
-        list.insert(list.end(), facet->values().begin(), facet->values().end());
+        list.insert(list.end(), facet->values.data(), facet->values.data() + width);
       return list;
     });
-    for (std::size_t k = 0; k < sent.size(); k += NumberedFacet::width)
-      known.add(NumberedFacet(&sent[k]));
+    for (std::size_t k = 0; k < sent.size(); k += width)
+      known.add({Eigen::Map<const NumberedFacet::Columns>(&sent[k]), true});
   }
 }
 
@@ -135,7 +124,7 @@ inline void add_facets_of_others(const Domain& domain, int d, Boundary& boundary
   KnownFacets known(d, boundary, number);
   learn_facets(domain, rings, number, known);
   for (const auto& [key, sent] : known.within(rings, own)) {
-    if (!sent->was_sent()) continue;
+    if (!sent->was_sent) continue;
     BoundaryFacet facet{sent->label(), sent->normal(), {}};
     for (int v = 0; v < d; ++v) {
       const auto [entry, is_new] = node_of.emplace(sent->number(v), boundary.nodes.size());
