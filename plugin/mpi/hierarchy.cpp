@@ -52,28 +52,22 @@ void SharedHierarchy::truncate(const std::vector<char>& fixed,
   const Timed timed(Phase::faces);
   set_mask(fixed);
   fill_contact_part(W, springs);
-  truncate_fine();
-  truncate_coarse();
+  truncate_levels();
   if (!settled_) settle(cycle_.get(), level_);
   settled_ = true;
 }
 
-void SharedHierarchy::truncate_fine() {
-  const Level& fine = level_.front();
-  Mat A = fine.truncated.get();
-  check(MatCopy(fine.A.get(), A, SAME_NONZERO_PATTERN));
-  check(MatAXPY(A, 1, E_.get(), SUBSET_NONZERO_PATTERN));
-  fill_empty_rows(fine);
-}
-
-void SharedHierarchy::truncate_coarse() {
-  for (Index l = 1; l < levels(); ++l) {
+void SharedHierarchy::truncate_levels() {
+  Mat change = E_.get();
+  for (Index l = 0; l < levels(); ++l) {
     Level& level = level_[l];
-    Mat change = l == 1 ? E_.get() : level_[l - 1].change.get();
-    const MatReuse reuse = level.change.get() ? MAT_REUSE_MATRIX : MAT_INITIAL_MATRIX;
-    check(MatPtAP(change, level_[l - 1].P.get(), reuse, PETSC_DEFAULT, level.change.fill()));
+    if (l > 0) {
+      const MatReuse reuse = level.change.get() ? MAT_REUSE_MATRIX : MAT_INITIAL_MATRIX;
+      check(MatPtAP(change, level_[l - 1].P.get(), reuse, PETSC_DEFAULT, level.change.fill()));
+      change = level.change.get();
+    }
     check(MatCopy(level.A.get(), level.truncated.get(), SAME_NONZERO_PATTERN));
-    check(MatAXPY(level.truncated.get(), 1, level.change.get(), SUBSET_NONZERO_PATTERN));
+    check(MatAXPY(level.truncated.get(), 1, change, SUBSET_NONZERO_PATTERN));
     fill_empty_rows(level);
   }
 }

@@ -29,8 +29,7 @@ class SharedHierarchy final : public Hierarchy {
 
  private:
   void fill_contact_part(const std::vector<TangentialStiffness>& W, const Vector& springs);
-  void truncate_fine();
-  void truncate_coarse();
+  void truncate_levels();
   void fill_empty_rows(const Level& level);
   void set_mask(const std::vector<char>& fixed);
   void drop_fixed(Vector& v) const;

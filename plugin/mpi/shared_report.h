@@ -68,12 +68,7 @@ class Sample {
   }
   const std::vector<NodePlace>& nodes() const { return nodes_; }  ///< of all processes
   /// A field at these: `d` values a node.   Collective.
-  Vector of(const Vector& field) const {
-    Vector own(d_ * static_cast<Index>(own_.size()));
-    for (Index k = 0; k < own.size(); ++k)
-      own[k] = field[own_[static_cast<std::size_t>(k / d_)].dof[k % d_]];
-    return domain_.gathered(own);
-  }
+  Vector of(const Vector& field) const { return domain_.gathered(field(own_dofs_)); }
 
  private:
   using Matrix4 = Eigen::Matrix<Real, 4, Eigen::Dynamic>;
@@ -86,12 +81,16 @@ class Sample {
     const Index count = std::max<Index>(static_cast<Index>(bodies.size()), 1);
     const std::size_t most = std::max(least, of_all / (domain_.size() * count));
     for (const auto& [number, body] : bodies)
-      for (std::size_t k = 0; k < body.size(); k += 1 + body.size() / most) own_.push_back(body[k]);
+      for (std::size_t k = 0; k < body.size(); k += 1 + body.size() / most) {
+        own_.push_back(body[k]);
+        own_dofs_.insert(own_dofs_.end(), body[k].dof.begin(), body[k].dof.begin() + d_);
+      }
   }
 
   const Domain& domain_;
   const int d_;
   std::vector<NodePlace> own_, nodes_;
+  std::vector<Index> own_dofs_;
 };
 
 /// A motion of the own dofs in words.   Collective.
