@@ -157,10 +157,6 @@ void Domain::update(Index width, const Pack& pack, const Unpack& unpack) const {
   transfer(&Exchange::sent, &Exchange::received, width, pack, unpack);
 }
 
-void Domain::collect(Index width, const Pack& pack, const Unpack& unpack) const {
-  transfer(&Exchange::received, &Exchange::sent, width, pack, unpack);
-}
-
 void Domain::update(Eigen::Ref<Eigen::MatrixXd> values) const {
   const Index width = static_cast<Index>(values.rows());
   update(
@@ -170,6 +166,14 @@ void Domain::update(Eigen::Ref<Eigen::MatrixXd> values) const {
 
 void Domain::update(Vector& values) const {
   update(Eigen::Map<Eigen::MatrixXd>(values.data(), 1, values.size()));
+}
+
+/// What others have goes to the owners first.
+void Domain::least(Vector& values) const {
+  transfer(
+      &Exchange::received, &Exchange::sent, 1, [&](Index dof, Real* out) { *out = values[dof]; },
+      [&](Index dof, const Real* in) { values[dof] = std::min(values[dof], *in); });
+  update(values);
 }
 
 std::vector<Real> Domain::lists(const PackList& pack) const {

@@ -51,8 +51,7 @@ class Domain {
   void update(Index width, const Pack& pack, const Unpack& unpack) const;
   void update(Eigen::Ref<Eigen::MatrixXd> values) const;  ///< a column each dof
   void update(Vector& values) const;                      ///< one value a dof
-  /// The other way: what all others have for a dof goes to its owner, one after the other.
-  void collect(Index width, const Pack& pack, const Unpack& unpack) const;
+  void least(Vector& values) const;  ///< of what all processes have for a dof, on all of them
   /// Lists of any length, from the owner of dofs to each process that shares them. What arrives.
   using PackList = std::function<std::vector<Real>(const std::vector<Index>& dofs)>;
   std::vector<Real> lists(const PackList& pack) const;

@@ -10,19 +10,18 @@ namespace {
 /// The names of the parts become the least of what each hangs together with: they go back and forth
 /// between the processes that share dofs, until none changes. All ask each other for that after 1,
 /// 2, 4, ... rounds.
-void spread(const Domain& domain, const std::vector<DofOfPart>& dofs, std::vector<Real>& name) {
+void spread(const Domain& domain, const std::vector<Index>& dofs, const std::vector<Index>& part,
+            std::vector<Real>& name) {
   Vector least(domain.dofs());
-  const auto pack = [&](Index dof, Real* out) { *out = least[dof]; };
-  const auto unpack = [&](Index dof, const Real* in) { least[dof] = std::min(least[dof], *in); };
   const auto round = [&] {
     Real changes = 0;
     least.setConstant(INFINITY);
-    for (const auto& [dof, part] : dofs) least[dof] = std::min(least[dof], name[part]);
-    domain.collect(1, pack, unpack);
-    domain.update(least);
-    for (const auto& [dof, part] : dofs) {
-      if (!(least[dof] < name[part])) continue;
-      name[part] = least[dof];
+    for (std::size_t k = 0; k < dofs.size(); ++k)
+      least[dofs[k]] = std::min(least[dofs[k]], name[part[k]]);
+    domain.least(least);
+    for (std::size_t k = 0; k < dofs.size(); ++k) {
+      if (!(least[dofs[k]] < name[part[k]])) continue;
+      name[part[k]] = least[dofs[k]];
       changes = 1;
     }
     return changes;
@@ -37,12 +36,12 @@ void spread(const Domain& domain, const std::vector<DofOfPart>& dofs, std::vecto
 
 }  // namespace
 
-Wholes join_parts(const Domain& domain, const std::vector<DofOfPart>& dofs, Index parts) {
-  const Real first = domain.sum_before(parts);
-  std::vector<Real> name(parts), own;
-  for (Index p = 0; p < parts; ++p) name[p] = first + p;
-  spread(domain, dofs, name);
-  for (Index p = 0; p < parts; ++p)
+Bodies join_parts(const Domain& domain, const std::vector<Index>& dofs, const Bodies& parts) {
+  const Real first = domain.sum_before(parts.count);
+  std::vector<Real> name(parts.count), own;
+  for (Index p = 0; p < parts.count; ++p) name[p] = first + p;
+  spread(domain, dofs, parts.of, name);
+  for (Index p = 0; p < parts.count; ++p)
     if (name[p] == first + p) own.push_back(name[p]);
   // the names that are left, in ascending order
   const Index before = static_cast<Index>(domain.sum_before(Real(own.size())));
@@ -51,10 +50,10 @@ Wholes join_parts(const Domain& domain, const std::vector<DofOfPart>& dofs, Inde
   Vector all = Vector::Zero(static_cast<Index>(count));
   std::copy(own.begin(), own.end(), all.data() + before);
   domain.sum(all.data(), static_cast<Index>(all.size()));
-  Wholes wholes{{}, static_cast<Index>(count)};
-  for (Real n : name)
-    wholes.of_part.push_back(
-        static_cast<Index>(std::lower_bound(all.begin(), all.end(), n) - all.begin()));
+  Bodies wholes{{}, static_cast<Index>(count)};
+  for (Index p : parts.of)
+    wholes.of.push_back(
+        static_cast<Index>(std::lower_bound(all.begin(), all.end(), name[p]) - all.begin()));
   return wholes;
 }
 

@@ -1,23 +1,12 @@
 #pragma once
-#include <vector>
-
 #include "domain.h"
+#include "model/system.h"
 
 namespace frictioncg {
 
 /// What hangs together on several processes, from the parts of each that hang together: those with
-/// a dof in common are one whole.
-struct Wholes {
-  std::vector<Index> of_part;  ///< of each part here
-  Index count = 0;             ///< on all processes
-};
-
-/// A dof of the domain that one of the parts here has.
-struct DofOfPart {
-  Index dof, part;
-};
-
-/// parts: how many there are here.   Collective.
-Wholes join_parts(const Domain& domain, const std::vector<DofOfPart>& dofs, Index parts);
+/// a dof in common are one whole. parts.of: of some dofs of the domain, the part here that each
+/// belongs to, and their wholes in what is returned.   Collective.
+Bodies join_parts(const Domain& domain, const std::vector<Index>& dofs, const Bodies& parts);
 
 }  // namespace frictioncg

@@ -115,11 +115,8 @@ void SharedMatrix::find_contact(const System& local) {
 
 void SharedMatrix::find_bodies(const LocalSystem& local) {
   const Bodies parts = bodies_of(local.system()->entries());
-  const std::vector<Index>& origin = local.basis().origin;
-  std::vector<DofOfPart> dofs;
-  for (std::size_t p = 0; p < origin.size(); ++p) dofs.push_back({origin[p], parts.of[p]});
-  const Wholes wholes = join_parts(*domain_, dofs, parts.count);
-  for (Index p : numbering_.own) bodies_.of.push_back(wholes.of_part[parts.of[p]]);
+  const Bodies wholes = join_parts(*domain_, local.basis().origin, parts);
+  for (Index p : numbering_.own) bodies_.of.push_back(wholes.of[p]);
   bodies_.count = wholes.count;
 }
 

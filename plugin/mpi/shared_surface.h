@@ -143,14 +143,15 @@ inline void add_facets_of_others(const Domain& domain, int d, Boundary& boundary
 /// Gives the scene's nodes, wherever it is asked for them, and their bodies as all processes call
 /// them. Returns how many bodies there are.   Collective.
 inline Index name_bodies(const Domain& domain, std::vector<NodePlace> places, Scene& scene) {
-  Index parts = 0;
-  std::vector<DofOfPart> dofs;
+  Bodies parts;
+  std::vector<Index> dofs;
   for (const NodePlace& n : places) {
-    parts = std::max(parts, n.body + 1);
-    dofs.push_back({n.dof[0], n.body});
+    dofs.push_back(n.dof[0]);
+    parts.of.push_back(n.body);
+    parts.count = std::max(parts.count, n.body + 1);
   }
-  const Wholes bodies = join_parts(domain, dofs, parts);
-  for (NodePlace& n : places) n.body = bodies.of_part[n.body];
+  const Bodies bodies = join_parts(domain, dofs, parts);
+  for (std::size_t k = 0; k < places.size(); ++k) places[k].body = bodies.of[k];
   scene.places = [places = std::move(places)] { return places; };
   return bodies.count;
 }
