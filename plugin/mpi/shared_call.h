@@ -37,7 +37,7 @@ inline Solution solve_together(SharedScene& shared, const ContactProblem& proble
 
 /// A solution over the own dofs as one over the local ones, ghosts by their owners.   Collective.
 inline Solution on_local_dofs(const SharedScene& shared, const Solution& own) {
-  const System &local = *shared.scene->system->system(), &system = *shared.system;
+  const System &local = *shared.scene->system->system(), &system = *shared.A;
   Solution s = own;
   s.x = shared.A->on_local(own.x);
   s.certificate.r = shared.A->on_local(own.certificate.r);
@@ -122,7 +122,7 @@ inline KN_<double> solve_together(Stack stack, const Call& call, SharedScene& sh
                                   PointLaws laws) {
   const Domain& domain = *shared.domain;
   const Outputs out(stack, call.args);
-  ContactProblem problem{shared.system, {}};
+  ContactProblem problem{shared.A, {}};
   if (domain.largest(problem.nodes()) == 0) laws.law = Law::frictionless;
   const LocalIncrement now = increment_together(call, shared, laws, problem);
   const long verb = domain.rank() == 0 ? call.verb : 0;

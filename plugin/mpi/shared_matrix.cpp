@@ -11,6 +11,10 @@ namespace frictioncg {
 SharedMatrix::SharedMatrix(std::shared_ptr<const Domain> domain, Numbering numbering,
                            const LocalSystem& local)
     : domain_(std::move(domain)), numbering_(std::move(numbering)), local_(local.system()) {
+  dimension = local_->dimension;
+  D = own_part(local_->D);
+  weight = own_part(local_->weight);
+  first = numbering_.own_first;
   assemble(*local_);
   find_contact(*local_);
   find_bodies(local);
@@ -160,14 +164,14 @@ Vector SharedMatrix::multiply_sized(const Vector& x, Vector& Ax) const {
   return own_part(sizes);
 }
 
-void SharedSystem::move_contact(const Vector& dx_C, Vector& r) const {
+void SharedMatrix::move_contact(const Vector& dx_C, Vector& r) const {
   Vector dx = Vector::Zero(dofs()), Adx;
   dx.tail(dx_C.size()) = dx_C;
   multiply(dx, Adx);
   r -= Adx;
 }
 
-const Matrix& SharedSystem::entries() const {
+const Matrix& SharedMatrix::entries() const {
   throw std::logic_error("the entries of A are shared by processes");
 }
 

@@ -13,15 +13,23 @@ struct Rows {
   void end_row() { start.push_back(static_cast<PetscInt>(columns.size())); }
 };
 
-/// A of all processes as a matrix of PETSc's.
-class SharedMatrix {
+/// A of all processes as a matrix of PETSc's, and what this process owns of the system.
+class SharedMatrix final : public System {
  public:
   /// Collective. local: the overlapping system of this process, its own rows complete.
   SharedMatrix(std::shared_ptr<const Domain> domain, Numbering numbering, const LocalSystem& local);
 
-  void multiply(const Vector& x, Vector& Ax) const;          ///< own rows of A x
-  Vector multiply_sized(const Vector& x, Vector& Ax) const;  ///< the same; own rows of |A||x|
-  const Bodies& bodies() const { return bodies_; }           ///< in the graph of A
+  void multiply(const Vector& x, Vector& Ax) const override;
+  Vector multiply_sized(const Vector& x, Vector& Ax) const override;
+  void move_contact(const Vector& dx_C, Vector& r) const override;
+  Bodies bodies() const override { return bodies_; }
+  const Matrix& entries() const override;
+  void sum(Real* values, Index count) const override { domain_->sum(values, count); }
+  Real largest(Real value) const override { return domain_->largest(value); }
+  Vector gathered(const Vector& own) const override { return domain_->gathered(own); }
+  Vector combined(const Vector& own, const Both& both) const override {
+    return domain_->combined(own, both);
+  }
 
   const Domain& domain() const { return *domain_; }
   const Numbering& numbering() const { return numbering_; }
@@ -52,25 +60,6 @@ class SharedMatrix {
   VecHandle x_, Ax_, on_local_;
   ScatterHandle to_local_;  ///< of slots to all local dofs
   Bodies bodies_;
-};
-
-/// What this process owns of a system that several share.
-struct SharedSystem final : System {
-  std::shared_ptr<const SharedMatrix> A;
-
-  void multiply(const Vector& x, Vector& Ax) const override { A->multiply(x, Ax); }
-  Vector multiply_sized(const Vector& x, Vector& Ax) const override {
-    return A->multiply_sized(x, Ax);
-  }
-  void move_contact(const Vector& dx_C, Vector& r) const override;
-  Bodies bodies() const override { return A->bodies(); }
-  const Matrix& entries() const override;
-  void sum(Real* values, Index count) const override { A->domain().sum(values, count); }
-  Real largest(Real value) const override { return A->domain().largest(value); }
-  Vector gathered(const Vector& own) const override { return A->domain().gathered(own); }
-  Vector combined(const Vector& own, const Both& both) const override {
-    return A->domain().combined(own, both);
-  }
 };
 
 }  // namespace frictioncg

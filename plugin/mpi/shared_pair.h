@@ -202,7 +202,7 @@ inline void share_grown(const GrownPart& grown, SharedScene& shared) {
 inline void check_transformed(const Triplets& A, const Domain& part, const SharedScene& shared) {
   constexpr Real rounding = 1e-9;
   const LocalSystem& local = *shared.scene->system;
-  Vector x(shared.system->dofs()), Ax;
+  Vector x(shared.A->dofs()), Ax;
   for (Index k = 0; k < x.size(); ++k) x[k] = std::sin(Real(1 + k + shared.numbering().first));
   Vector u = local.to_global(shared.A->on_local(x), Vector::Zero(shared.scene->ndof()));
   shared.domain->update(u);
@@ -212,9 +212,9 @@ inline void check_transformed(const Triplets& A, const Domain& part, const Share
   });
   shared.domain->update(f);
   const Vector by_parts = shared.A->own_part(local.basis().T.transpose() * f);
-  shared.system->multiply(x, Ax);
-  Real sums[] = {(by_parts - Ax).cwiseAbs2().cwiseQuotient(shared.system->D).sum(),
-                 Ax.cwiseAbs2().cwiseQuotient(shared.system->D).sum()};
+  shared.A->multiply(x, Ax);
+  Real sums[] = {(by_parts - Ax).cwiseAbs2().cwiseQuotient(shared.A->D).sum(),
+                 Ax.cwiseAbs2().cwiseQuotient(shared.A->D).sum()};
   shared.domain->sum(sums, 2);
   if (!(sums[0] <= rounding * rounding * sums[1]))
     throw IllegalInput(

@@ -109,10 +109,10 @@ inline std::string runaway(SharedScene& shared, const Solution& own, const Vecto
   const Sample sample(shared);
   const auto field_in_sample = [&](const Vector& w) { return sample.of(field_of(shared, w)); };
   const auto held = [&](const LargeTurn& turn, const DenseMatrix& V) {
-    return held_by_contact(*shared.scene, shared.numbering().own_nodes, own.state, *shared.system,
-                           turn, V);
+    return held_by_contact(*shared.scene, shared.numbering().own_nodes, own.state, *shared.A, turn,
+                           V);
   };
-  return runaway(sample.nodes(), d, sample.of(field), *shared.system, field_in_sample, held);
+  return runaway(sample.nodes(), d, sample.of(field), *shared.A, field_in_sample, held);
 }
 
 /// The motions that a call leaves open; the first of them that nothing holds, or empty. Collective.

@@ -17,8 +17,7 @@ struct SharedScene {
   std::shared_ptr<Scene> scene;           ///< overlapping; contact points of ghosts included
   std::size_t own_points = 0;             ///< of the contact points; those of ghosts follow
   std::unique_ptr<PatchedMatrix> patch;   ///< supports of ghosts
-  std::shared_ptr<const SharedMatrix> A;  ///< of all processes
-  SystemPtr system;                       ///< what this process owns
+  std::shared_ptr<const SharedMatrix> A;  ///< of all processes: what this one owns
   Coarsening coarsening = Coarsening::aggregation;
   std::unique_ptr<MultigridSolver> solver;
   Extent extent;                 ///< of the nodes of all processes
@@ -85,25 +84,16 @@ inline Eigen::MatrixXd own_modes(const SharedScene& shared, const Eigen::MatrixX
   return local(shared.numbering().own, Eigen::all);
 }
 
-/// The part of the local system that this process owns; finds the extent.   Collective.
-inline SystemPtr own_system(SharedScene& shared) {
-  const LocalSystem& local = *shared.scene->system;
-  const Numbering& numbering = shared.numbering();
-  const auto own = std::make_shared<SharedSystem>();
-  own->dimension = shared.scene->d;
-  own->D = shared.A->own_part(local.system()->D);
-  own->weight = shared.A->own_part(local.system()->weight);
-  own->first = numbering.own_first;
-  own->A = shared.A;
+/// Gives the own system the motions of the bodies; finds the extent.   Collective.
+inline void set_motions(SharedScene& shared, System& own) {
   const std::vector<NodePlace> places = shared.scene->places();
   shared.extent = extents_of_all(*shared.domain, {places}).front();
   const Eigen::MatrixXd modes = own_modes(shared, motions(shared, places, shared.extent));
-  own->rigid_modes = [modes] { return modes; };
+  own.rigid_modes = [modes] { return modes; };
   if (shared.interface)  // of many bodies they take much memory
-    own->body_modes = [&shared] {
+    own.body_modes = [&shared] {
       return own_modes(shared, body_motions(shared, shared.scene->places()));
     };
-  return own;
 }
 
 /// A node has tangents where some process asks for friction.   Collective.
@@ -117,16 +107,16 @@ inline void agree_on_tangents(SharedScene& shared, PointLaws& laws) {
 inline void set_solver(SharedScene& shared, Coarsening coarsening) {
   shared.coarsening = coarsening;
   shared.solver = std::make_unique<MultigridSolver>(
-      shared.system,
-      std::make_unique<SharedHierarchy>(shared.A, shared.system->rigid_modes(), coarsening));
+      shared.A, std::make_unique<SharedHierarchy>(shared.A, shared.A->rigid_modes(), coarsening));
 }
 
 /// The matrix of all, from the local systems, and the multigrid on it.   Collective.
 inline void make_solver(SharedScene& shared) {
   Scene& scene = *shared.scene;
-  shared.A = std::make_shared<SharedMatrix>(
+  const auto own = std::make_shared<SharedMatrix>(
       shared.domain, Numbering(*shared.domain, *scene.system, scene.mesh_node), *scene.system);
-  shared.system = own_system(shared);
+  shared.A = own;
+  set_motions(shared, *own);
   set_solver(shared, Coarsening::aggregation);
 }
 
@@ -151,7 +141,7 @@ inline void share(const Triplets& A, SharedScene& shared) {
 /// As scales_of, but for the extent, which is that of the body.   Collective.
 inline Scales scales_of_all(const SharedScene& shared, const Vector& b) {
   const Domain& domain = *shared.domain;
-  const Vector& D = shared.system->D;
+  const Vector& D = shared.A->D;
   Real load = 0, diagonal[] = {D.sum(), Real(D.size())};
   for (Index i = 0; i < domain.dofs(); ++i)
     if (domain.owns(i) && !shared.scene->held[i]) load = std::max(load, std::abs(b[i]));
@@ -232,7 +222,7 @@ inline Increment own_increment(const SharedScene& shared, const LocalIncrement& 
   own_load.total = shared.A->own_part(load.total);
   own_load.F = shared.A->own_part(load.F);
   own_load.sizes = shared.A->own_part(load.sizes);
-  set_load(own_load, *shared.system, own);
+  set_load(own_load, *shared.A, own);
   return own;
 }
 
