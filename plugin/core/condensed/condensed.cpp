@@ -263,21 +263,20 @@ const DenseMatrix& CondensedSolver::rigid_motions_of_A(Run& run) {
 /// Takes out of x the rigid motions that nothing determines, where the laws allow it.
 void CondensedSolver::settle(Run& run) {
   Solution& s = run.s;
-  if (run.undetermined || system_->border.cols() > 0 || may_be_idle(run)) {
-    const auto branches = branches_of(run.problem, s.x, s.certificate);
+  const Branches branches = branches_of(run.problem, s.x, s.certificate);
+  if (run.undetermined || system_->border.cols() > 0 || may_be_idle(branches) ||
+      touches_without_force(run.problem, s.x, s.certificate))
     s.undetermined = left_free(rigid_motions_of_A(run), run.problem, branches);
-  } else {
+  else
     s.undetermined = elimination_->floating();
-  }
   leave_least(run.problem, run.settings.tol, s);
 }
 
 /// Whether some body among those that can touch is held by no force at all: then stick put it where
 /// it is. Nodes that S couples belong to one body.
-bool CondensedSolver::may_be_idle(const Run& run) const {
+bool CondensedSolver::may_be_idle(const Branches& branches) const {
   const DenseMatrix& S = elimination_->S();
-  const auto branches = branches_of(run.problem, run.s.x, run.s.certificate);
-  const Index nodes = run.problem.nodes(), interior = run.problem.interior();
+  const Index nodes = system_->nodes(), interior = system_->interior();
   const auto place = [&](Index i) { return system_->first[i] - interior; };
   std::vector<char> seen(nodes, 0);
   for (Index i = 0; i < nodes; ++i) {

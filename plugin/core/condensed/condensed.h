@@ -51,7 +51,7 @@ class CondensedSolver {
   bool unheld_by_anything(Run& run, const CondensedProblem& condensed);
   const DenseMatrix& rigid_motions_of_A(Run& run);
   void settle(Run& run);
-  bool may_be_idle(const Run& run) const;
+  bool may_be_idle(const Branches& branches) const;
 
   SystemPtr system_;
   bool same_pattern_ = false;  ///< as the matrix that was factored last

@@ -22,6 +22,16 @@ DenseMatrix of_all_processes(const System& system, const DenseMatrix& R) {
   return system.combined(R.reshaped(), both).reshaped(k, k);
 }
 
+/// A force below it is none, over the root of its weight; and so is a distance, times that weight.
+Real no_force(const Certificate& certificate) {
+  return std::max(forceless, margin * certificate.attainable) * certificate.scale;
+}
+
+/// The distance by which node i, whose normal dof is N, is open, times its weight.   [force]
+Real closing_of(const ContactProblem& problem, const Vector& x, Index N, Index i) {
+  return problem.system->weight[N] * (problem.increment.gap[i] - x[N]);
+}
+
 }  // namespace
 
 DenseMatrix left_free(const DenseMatrix& W, const ContactProblem& problem,
@@ -48,11 +58,11 @@ Branches branches_of(const ContactProblem& problem, const Vector& x,
                      const Certificate& certificate) {
   const System& system = *problem.system;
   const Vector& r = certificate.r;
-  const Real none = std::max(forceless, margin * certificate.attainable) * certificate.scale;
+  const Real none = no_force(certificate);
   Branches branches(problem.nodes());
   for (Index i = 0; i < problem.nodes(); ++i) {
     const Index N = system.first[i], size = problem.tangents(i) + 1;
-    const Real closing = system.weight[N] * (problem.increment.gap[i] - x[N]);
+    const Real closing = closing_of(problem, x, N, i);
     const Real touch = none * std::sqrt(system.weight[N]);
     const NodeLaw law = law_of(problem.increment, i);
     const Real shear = r.segment(N + 1, size - 1).norm();
@@ -61,6 +71,17 @@ Branches branches_of(const ContactProblem& problem, const Vector& x,
                             x.segment(N, size), r.segment(N, size), system.weight[N + size - 1]);
   }
   return branches;
+}
+
+bool touches_without_force(const ContactProblem& problem, const Vector& x,
+                           const Certificate& certificate) {
+  const Real none = no_force(certificate);
+  for (Index i = 0; i < problem.nodes(); ++i) {
+    const Index N = problem.system->first[i];
+    const Real touch = none * std::sqrt(problem.system->weight[N]);
+    if (std::abs(closing_of(problem, x, N, i)) <= touch && certificate.r[N] <= touch) return true;
+  }
+  return false;
 }
 
 void leave_least(const ContactProblem& problem, Real tol, Solution& s) {

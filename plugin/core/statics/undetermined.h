@@ -14,6 +14,11 @@ DenseMatrix left_free(const DenseMatrix& W, const ContactProblem& problem,
 Branches branches_of(const ContactProblem& problem, const Vector& x,
                      const Certificate& certificate);
 
+/// Whether a node is closed without a force: a method may have kept it so, and what it alone held
+/// is free.
+bool touches_without_force(const ContactProblem& problem, const Vector& x,
+                           const Certificate& certificate);
+
 /// Takes the undetermined motions of s out of s.x, where the laws allow it within tol.
 void leave_least(const ContactProblem& problem, Real tol, Solution& s);
 

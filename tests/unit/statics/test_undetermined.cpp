@@ -99,6 +99,21 @@ TEST(Undetermined, TheMethodsOnANameItTooAndReturnTheSameField) {
     }
 }
 
+TEST(Undetermined, WhatTouchesWithoutAForceHoldsNothing) {
+  for (int d : {2, 3}) {
+    BlockOptions o;
+    o.d = d;
+    o.cells = 3;
+    ContactProblem p = problem_of(o);
+    p.increment.F.setZero();
+    p.increment.F[p.interior()] = 1;  // passes into the obstacle at the node that it acts on
+    const Solution s = solve(p, Settings());
+    EXPECT_EQ(s.status, Status::converged);
+    EXPECT_EQ(s.layer, Layer::newton);
+    EXPECT_EQ(s.undetermined.cols(), d == 2 ? 1 : 3);
+  }
+}
+
 TEST(Undetermined, AnUnloadedBodyAboveTheObstacleStaysWhereItIs) {
   std::vector<Way> ways = ways_on_A();
   ways.push_back({"auto", Settings(), Layer::newton});
