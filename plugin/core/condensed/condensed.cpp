@@ -87,8 +87,7 @@ void CondensedSolver::refine(Run& run, Vector start) {
     recover(run, a);
     if (from_last && a.solved && run.best > doubtful) {
       start_over(run);
-      --pass;
-      continue;
+      return refine(run, {});
     }
     start = run.x_C;
     if (run.best <= run.settings.tol || run.best > worth * before || !a.solved) break;
