@@ -122,7 +122,7 @@ Solver::~Solver() = default;
 
 void Solver::renew(SystemPtr system) {
   validate(*system);
-  const bool dofs = same_dofs(*system_, *system), pattern = dofs && same_pattern(*system_, *system);
+  const bool dofs = same_dofs(*system_, *system), pattern = same_pattern(*system_, *system);
   system_ = std::move(system);
   floating_ = FloatingMotions(system_);
   poor_ = dofs && (poor_ || (multigrid_ && (factored_ || sparse_)));
