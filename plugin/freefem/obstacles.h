@@ -115,11 +115,11 @@ inline void refuse_far_pivots(const Scene& scene, const MovingObstacles& moving)
   }
 }
 
-/// The obstacles that the arguments let move; null where they let none.
-inline std::unique_ptr<MovingObstacles> read_obstacles(Stack stack, const Arguments& args,
-                                                       const Scene& scene) {
-  if (!args.has_any(of_moving_obstacle)) return nullptr;
-  auto moving = std::make_unique<MovingObstacles>();
+/// The obstacles that the arguments let move; none where they let none.
+inline std::optional<MovingObstacles> read_obstacles(Stack stack, const Arguments& args,
+                                                     const Scene& scene) {
+  if (!args.has_any(of_moving_obstacle)) return std::nullopt;
+  std::optional<MovingObstacles> moving(std::in_place);
   moving->labels = copy_of_longs(stack, args, p_obstacles);
   if (args.has(p_obstacles) && moving->labels.empty())
     throw IllegalInput("obstacles is empty; name the label of each obstacle that moves");

@@ -49,7 +49,7 @@ std::shared_ptr<Scene> pair_scene(const Placement<FESpaceType>& Vh, const PairLa
   InterfaceBuilder faces(labels.pairs, labels.of_part);
   faces.add_slave(BoundaryNodes<FESpaceType>(space, labels.slave));
   faces.add_master(BoundaryNodes<FESpaceType>(space, labels.master), 0);
-  scene->pairing = std::make_unique<Pairing>(faces.take());
+  scene->pairing.emplace(faces.take());
   observe(Vh, *scene);
   return scene;
 }
@@ -108,7 +108,7 @@ std::shared_ptr<Scene> pair_scene(const Placement<FESpaceType>& V1,
       BoundaryNodes<FESpaceType>({V1, "V1", "the mesh of V1", pair_inside}, labels.slave));
   faces.add_master(
       BoundaryNodes<FESpaceType>({V2, "V2", "the mesh of V2", pair_inside}, labels.master), offset);
-  scene->pairing = std::make_unique<Pairing>(faces.take());
+  scene->pairing.emplace(faces.take());
   observe(V1, *scene);
   for (Index node : mesh_nodes(V2.space())) scene->mesh_node.push_back(V1.space().NbOfNodes + node);
   scene->go_to = [V1, V2](MeshPoint* mp, const BoundaryNode& node) {

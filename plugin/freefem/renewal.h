@@ -102,7 +102,6 @@ inline PosedProblem renewed(Stack stack, const Arguments& args, const Expression
   const Triplets matrix = read_matrix(stack, A, scene);
   assemble(matrix, scene, read_verb(stack, args),
            [&](const Triplets& M) { scene.assemble_after(before, M, alone); });
-  scene.unnamed_radius = before.unnamed_radius;
   return posed;
 }
 

@@ -22,10 +22,8 @@ struct MovingObstacles {
   RigidObstacles rigid;
 };
 
-/// One body or more with their contact nodes, as the script posed them: the system in local frames,
-/// and the solver that keeps the factorization. Independent of the script's A and spaces once it is
-/// made. The laws are not part of it: they belong to each call.
-struct Scene {
+/// One body or more with their contact nodes, as the script posed them, but for what is made of A.
+struct Geometry {
   int d = 2;
   DofCount dofs;
   std::vector<BoundaryNode> nodes;    ///< contact points, one per normal of a node
@@ -41,12 +39,27 @@ struct Scene {
   /// Where the nodal values of a displacement are.
   std::function<std::vector<NodePlace>()> places;
   std::function<std::vector<LabelledNode>()> labelled;  ///< facet by facet
-  std::unique_ptr<Pairing> pairing;  ///< of two bodies; null where there is an obstacle alone
-  mortar::Options facing;            ///< of the two bodies, as the script has chosen them
-  std::unique_ptr<MovingObstacles> moving;  ///< null where all obstacles stand still
+  std::optional<Pairing> pairing;         ///< of two bodies; none where there is an obstacle alone
+  mortar::Options facing;                 ///< of the two bodies, as the script has chosen them
+  std::optional<MovingObstacles> moving;  ///< none where all obstacles stand still
+  Displacement at;                        ///< of the geometry (ndof)
+
+  /// Of its bodies, by the mesh; found when it is first asked for.
+  Real least_gyration() const {
+    if (!gyration_) gyration_ = frictioncg::least_gyration(places(), d);
+    return *gyration_;
+  }
+
+ private:
+  mutable std::optional<Real> gyration_;
+};
+
+/// A geometry with its system in local frames, and the solver that keeps the factorization.
+/// Independent of the script's A and spaces once it is made. The laws are not part of it: they
+/// belong to each call.
+struct Scene : Geometry {
   std::unique_ptr<LocalSystem> system;
   std::unique_ptr<Solver> solver;
-  Displacement at;  ///< of the geometry (ndof)
   /// Of the forces of contact that turn with the geometry; null where A is as it is.
   std::unique_ptr<Stiffened> stiffened;
   double copy_seconds = 0;
@@ -61,12 +74,6 @@ struct Scene {
   /// Whether contact node k is the first at its node of the mesh: a corner has several.
   bool starts_node(Index k) const {
     return k == 0 || contact_point(k).point.dof[0] != contact_point(k - 1).point.dof[0];
-  }
-
-  /// Of its bodies, by the mesh; found when it is first asked for.
-  Real least_gyration() const {
-    if (!gyration_) gyration_ = frictioncg::least_gyration(places(), d);
-    return *gyration_;
   }
 
   /// Finds the contact nodes of two bodies, beside those on an obstacle.
@@ -92,8 +99,6 @@ struct Scene {
  private:
   void make_system(const Triplets& A, const LocalSystem* before);
 
-  mutable std::optional<Real> gyration_;
-
   /// make(), whose refusals of a contact point get the place of its node.
   template <class Make>
   auto placed(const Make& make) const {
@@ -117,23 +122,7 @@ inline std::vector<char> held_dofs(const Basis& basis) {
 
 inline std::shared_ptr<Scene> Scene::posed_anew() const {
   auto scene = std::make_shared<Scene>();
-  scene->d = d;
-  scene->dofs = dofs;
-  scene->nodes = nodes;
-  scene->on_mesh = on_mesh;
-  scene->beside_pairs = beside_pairs;
-  scene->averted = averted;
-  scene->given_normals = given_normals;
-  scene->tangents = tangents;
-  scene->mesh_node = mesh_node;
-  scene->go_to = go_to;
-  scene->places = places;
-  scene->labelled = labelled;
-  scene->at = at;
-  scene->facing = facing;
-  if (pairing) scene->pairing = std::make_unique<Pairing>(*pairing);
-  if (moving) scene->moving = std::make_unique<MovingObstacles>(*moving);
-  scene->gyration_ = gyration_;
+  static_cast<Geometry&>(*scene) = *this;
   return scene;
 }
 
