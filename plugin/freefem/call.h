@@ -14,13 +14,6 @@
 
 namespace frictioncg {
 
-/// A script's vector as it is now: what is evaluated after it may change the script's.
-inline Vector copy_of(const KN_<double>& v) {
-  Vector copy(v.N());
-  for (long i = 0; i < v.N(); ++i) copy[i] = v[i];
-  return copy;
-}
-
 /// What a call says beside geometry and laws. Every expression of the script is evaluated before
 /// anything is solved or written: one of them may throw, or change what the call works on.
 struct Call {
@@ -35,15 +28,9 @@ struct Call {
         settings(read_settings(stack, arguments)),
         verb(read_verb(stack, arguments)),
         b(evaluated("b", [&] { return copy_of(GetAny<KN_<double>>((*load)(stack))); })),
-        u_old(given(stack, p_uold)),
-        u_init(given(stack, args.start())),
+        u_old(vector_of(stack, args, p_uold)),
+        u_init(vector_of(stack, args, args.start())),
         motions(stack, args) {}
-
- private:
-  Vector given(Stack stack, Parameter p) const {
-    if (!args.has(p)) return {};
-    return copy_of(args.value<KN_<double>>(stack, p));
-  }
 };
 
 /// The script's matrix as it is now.
@@ -63,13 +50,13 @@ inline void face_bodies(Stack stack, const Arguments& args, const Expression A, 
   const Triplets matrix = read_matrix(stack, A, scene);
   refuse_exchanged_blocks(scene, matrix);
   if (args.has(p_forceold)) {
-    const Vector force = copy_of(args.value<KN_<double>>(stack, p_forceold));
+    const Vector force = vector_of(stack, args, p_forceold);
     check_vector(force, parameters[p_forceold].name, scene.dofs);
     options.force = scene.pairing->at_nodes(force, scene.d);
   }
   Vector u_old;  // where the increment of a geometry that moves began
   if (scene.at && args.has(p_uold)) {
-    u_old = copy_of(args.value<KN_<double>>(stack, p_uold));
+    u_old = vector_of(stack, args, p_uold);
     check_vector(u_old, "uold", scene.dofs);
   }
   constexpr Parameter chosen[] = {p_maxgap, p_smooth, p_normal, p_weight};
@@ -115,7 +102,7 @@ inline PointLaws read_point_laws(Stack stack, const Arguments& args, bool everyw
 /// Where the geometry of a call is; null where it is that of the mesh.
 inline Displacement read_at(Stack stack, const Arguments& args) {
   if (!args.has(p_at)) return nullptr;
-  return std::make_shared<const Vector>(copy_of(args.value<KN_<double>>(stack, p_at)));
+  return std::make_shared<const Vector>(vector_of(stack, args, p_at));
 }
 
 /// Reads the problem: geometry, laws, and the matrix in local frames. lasts: for further calls,

@@ -22,6 +22,17 @@ class PointGuard {
   MeshPoint saved_;
 };
 
+/// A script's vector as it is now: what is evaluated after it may change the script's.
+inline Vector copy_of(const KN_<double>& v) {
+  Vector copy(v.N());
+  for (long i = 0; i < v.N(); ++i) copy[i] = v[i];
+  return copy;
+}
+/// Empty where it is not given.
+inline Vector vector_of(Stack stack, const Arguments& args, Parameter p) {
+  return args.has(p) ? copy_of(args.value<KN_<double>>(stack, p)) : Vector();
+}
+
 /// Refuses a value at a node, which is named.
 inline void check_value(Parameter p, double x, const BoundaryNode& node, int d) {
   const bool is_gap = p == p_gap || p == p_obstaclegap;

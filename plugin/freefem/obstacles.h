@@ -150,12 +150,12 @@ struct Motions {
   KN<double>* force = nullptr;   ///< out, likewise
 
   Motions(Stack stack, const Arguments& args)
-      : motion(args.output<KN<double>>(stack, p_motion)),
+      : load(vector_of(stack, args, p_motionload)),
+        before(vector_of(stack, args, p_motionold)),
+        motion(args.output<KN<double>>(stack, p_motion)),
         force(args.output<KN<double>>(stack, p_motionforce)),
         has_load_(args.has(p_motionload)) {
-    if (motion) guess = copied(*motion);
-    if (has_load_) load = copied(args.value<KN_<double>>(stack, p_motionload));
-    if (args.has(p_motionold)) before = copied(args.value<KN_<double>>(stack, p_motionold));
+    if (motion) guess = copy_of(*motion);
   }
 
   /// Sizes, and values; fills what is not given.
@@ -187,11 +187,6 @@ struct Motions {
   }
 
  private:
-  static Vector copied(const KN_<double>& v) {
-    Vector copy(v.N());
-    for (long i = 0; i < v.N(); ++i) copy[i] = v[i];
-    return copy;
-  }
   [[noreturn]] static void refuse(Parameter p, Index k, Real value, const char* why,
                                   const MovingObstacles& moving, int d) {
     std::ostringstream m;
