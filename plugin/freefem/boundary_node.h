@@ -63,6 +63,12 @@ struct BoundaryNode {
   std::vector<AdjacentFacet> facets;  ///< of this normal; none between two bodies
 };
 
+/// The dofs of a node of the second of two spaces among those of both.
+inline std::array<Index, 3> shifted(Index offset, int d, std::array<Index, 3> dof) {
+  for (int c = 0; c < d; ++c) dof[c] += offset;
+  return dof;
+}
+
 inline Fem2D::R3 as_R3(const std::array<Real, 3>& a) { return Fem2D::R3(a[0], a[1], a[2]); }
 
 /// Coordinates for messages: (x, y) or (x, y, z).

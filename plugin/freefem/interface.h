@@ -110,8 +110,7 @@ class InterfaceBuilder {
 
   /// The number of a node, a new one if need be.
   Index node(const SharedNode& n, int d, Index dof_offset) {
-    std::array<Index, 3> dof = n.dof;
-    for (int c = 0; c < d; ++c) dof[c] += dof_offset;
+    const std::array<Index, 3> dof = shifted(dof_offset, d, n.dof);
     const auto [entry, is_new] = number_.emplace(dof[0], static_cast<Index>(all_.X.size()));
     if (is_new) {
       all_.X.emplace_back(n.x.x, n.x.y, n.x.z);

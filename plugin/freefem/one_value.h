@@ -54,7 +54,7 @@ inline std::size_t count_value(const Scene& scene, const Vector& b, int c, Real 
 inline void check_one_value(const Scene& scene, const Vector& b, long verb) {
   const bool refused = scene.system->dirichlet().has_unit_rows();
   if (!refused && verb == 0) return;
-  const std::vector<LabelledNode> nodes = scene.labelled();
+  const std::vector<LabelledNode>& nodes = scene.labelled();
   for (int c = 0; c < scene.d; ++c)
     for (const auto& [value, one] : labels_of_one_value(scene, b, c, nodes)) {
       if (!one.like_data() || one.share.size() != count_value(scene, b, c, value)) continue;

@@ -86,7 +86,7 @@ std::vector<BoundaryNode> obstacle_points(const Placement<FESpaceType>& V1,
   std::vector<BoundaryNode> points =
       obstacle_points(before_obstacle(V1, "V1", "the mesh of V1"), first);
   for (BoundaryNode& p : obstacle_points(before_obstacle(V2, "V2", "the mesh of V2"), second)) {
-    for (int c = 0; c < Dimension<FESpaceType>::d; ++c) p.point.dof[c] += V1.space().NbOfDF;
+    p.point.dof = shifted(V1.space().NbOfDF, Dimension<FESpaceType>::d, p.point.dof);
     p.space = 1;
     points.push_back(std::move(p));
   }
@@ -114,29 +114,26 @@ std::shared_ptr<Scene> pair_scene(const Placement<FESpaceType>& V1,
   scene->go_to = [V1, V2](MeshPoint* mp, const BoundaryNode& node) {
     go_to(mp, node.space == 0 ? V1 : V2, node);
   };
-  const auto known = std::make_shared<std::vector<NodePlace>>();
-  scene->places = [of_first = scene->places, V2, known, offset, d = scene->d] {
-    if (!known->empty()) return *known;
+  scene->places = once([of_first = scene->places, V2, offset, d = scene->d] {
     std::vector<NodePlace> places = of_first();
     Index bodies = 0;
     for (const NodePlace& n : places) bodies = std::max(bodies, n.body + 1);
     for (NodePlace n : node_places(V2)) {
       n.body += bodies;
-      for (int c = 0; c < d; ++c) n.dof[c] += offset;
+      n.dof = shifted(offset, d, n.dof);
       places.push_back(n);
     }
-    *known = places;
     return places;
-  };
-  scene->labelled = [of_first = scene->labelled, V2, offset, d = scene->d] {
+  });
+  scene->labelled = once([of_first = scene->labelled, V2, offset, d = scene->d] {
     std::vector<LabelledNode> all = of_first();
     for (LabelledNode n : labelled_nodes(V2)) {
       n.space = 1;
-      for (int c = 0; c < d; ++c) n.dof[c] += offset;
+      n.dof = shifted(offset, d, n.dof);
       all.push_back(n);
     }
     return all;
-  };
+  });
   return scene;
 }
 

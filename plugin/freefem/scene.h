@@ -38,7 +38,7 @@ struct Geometry {
   std::function<void(MeshPoint*, const BoundaryNode&)> go_to;
   /// Where the nodal values of a displacement are.
   std::function<std::vector<NodePlace>()> places;
-  std::function<std::vector<LabelledNode>()> labelled;  ///< facet by facet
+  std::function<const std::vector<LabelledNode>&()> labelled;  ///< facet by facet
   std::optional<Pairing> pairing;         ///< of two bodies; none where there is an obstacle alone
   mortar::Options facing;                 ///< of the two bodies, as the script has chosen them
   std::optional<MovingObstacles> moving;  ///< none where all obstacles stand still

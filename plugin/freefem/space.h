@@ -60,17 +60,23 @@ void go_to(MeshPoint* mp, const Placement<FESpaceType>& Vh, const BoundaryNode& 
   Dimension<FESpaceType>::set_point(mp, Vh.mesh(), node, Vh(node.element, node.hat) + node.aside);
 }
 
+/// make(), by whichever copy is called first, for all of them.
+template <class Make>
+auto once(Make make) {
+  const auto made = std::make_shared<std::optional<decltype(make())>>();
+  return [make = std::move(make), made]() -> const decltype(make())& {
+    if (!*made) *made = make();
+    return **made;
+  };
+}
+
 /// How to evaluate expressions at the nodes of a space, and where they are.
 template <class FESpaceType>
 void observe(const Placement<FESpaceType>& Vh, Scene& scene) {
   scene.mesh_node = mesh_nodes(Vh.space());
   scene.go_to = [Vh](MeshPoint* mp, const BoundaryNode& node) { frictioncg::go_to(mp, Vh, node); };
-  const auto places = std::make_shared<std::vector<NodePlace>>();  // found when first asked for
-  scene.places = [Vh, places] {
-    if (places->empty()) *places = node_places(Vh);
-    return *places;
-  };
-  scene.labelled = [Vh] { return labelled_nodes(Vh); };
+  scene.places = once([Vh] { return node_places(Vh); });
+  scene.labelled = once([Vh] { return labelled_nodes(Vh); });
 }
 
 /// Normals that motions of a body leave tangential, as far as the mesh can tell, do so exactly.
