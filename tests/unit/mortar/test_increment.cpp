@@ -122,6 +122,69 @@ TEST(MortarIncrement, TheLargerOfTwoPatchesStaysTheOneThatOwnsTheirNode) {
       hold_facing);
 }
 
+TEST(MortarIncrement, ANormalThatIsHeldStaysSo) {
+  for (int d : {2, 3})
+    expect_continuous(
+        [&](Real t) {
+          Surfaces s(d);
+          const Real slope = std::tan(std::asin(0.02)) + t;  // ownership.cpp
+          s.pairs[0].slave = s.sheet(
+              4, -1,
+              [=](const Vec3& x) {
+                Vec3 y = x;
+                y[d - 1] = 0.1 + slope * x[0];
+                return y;
+              },
+              2);
+          s.nodes.held.assign(s.nodes.X.size(), 0);
+          s.nodes.held[2] = 1;
+          s.pairs[0].master = s.sheet(5, 1, lifted(d, 0, 0, 1), 1);
+          s.nodes.held.resize(s.nodes.X.size(), 0);
+          return s;
+        },
+        hold_facing);
+}
+
+namespace {
+
+/// The first facet of a slave, covered by so much of it.
+Surfaces barely_covered(int d, Real fraction) {
+  Surfaces s(d);
+  const Real share = d == 2 ? fraction : 1 - std::sqrt(1 - fraction);
+  s.pairs[0].slave = s.sheet(4, -1, lifted(d, 0.1, 0, 1), 2);
+  s.pairs[0].master = s.sheet(5, 1, lifted(d, 0, 0.25 * (1 - share), 1), 1);
+  for (Index i : {0, 1, 2}) s.nodes.X[i][d - 1] += 0.01 * Real(i * i);
+  return s;
+}
+
+/// The largest change of a gap, or of a row of G, of nodes that have laws in both: one that nothing
+/// but a sliver covers enters with a weight that grows from zero.
+Real change_of_common(const Mortar& a, const Mortar& b) {
+  Real most = 0;
+  for (std::size_t k = 0, l = 0; k < a.nodes().size(); ++k) {
+    while (l < b.nodes().size() && b.nodes()[l].node < a.nodes()[k].node) ++l;
+    if (l == b.nodes().size() || b.nodes()[l].node != a.nodes()[k].node) return 1;
+    most = std::max({most, std::abs(a.nodes()[k].gap - b.nodes()[l].gap),
+                     DenseMatrix(a.relative().row(Index(k)) - b.relative().row(Index(l)))
+                         .cwiseAbs()
+                         .maxCoeff()});
+  }
+  return most;
+}
+
+}  // namespace
+
+TEST(MortarIncrement, WhatIsBarelyCoveredPassesToAllOfItsVerticesWithoutAJump) {
+  for (int d : {2, 3})
+    for (Real threshold : {1e-3, 2e-3}) {
+      const Mortar below = barely_covered(d, threshold * (1 - 1e-9)).mortar(),
+                   above = barely_covered(d, threshold * (1 + 1e-9)).mortar(),
+                   beyond = barely_covered(d, threshold * 1.2).mortar();
+      EXPECT_LT(change_of_common(below, above), 1e-9) << d << " " << threshold;
+      EXPECT_GT(change_of_common(below, beyond), 1e-6) << d << " " << threshold;
+    }
+}
+
 TEST(MortarIncrement, BodiesThatTurnFarKeepWhatTheyFace) {
   const Surfaces start = [] {
     Surfaces s(3);

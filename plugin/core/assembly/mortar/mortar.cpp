@@ -56,6 +56,8 @@ class Assembly {
  private:
   Index size() const { return static_cast<Index>(nodes_.X.size()); }
   void add_facet(const Part& part, const Moments& moments, const Ownership::Carriers& carriers);
+  void add_kept(const Part& part, const Moments& moments, const std::array<bool, 3>& kept,
+                Real share);
   void add_multiplier(Index i, const Eigen::RowVector3d& psi, const Part& part,
                       const Moments& moments, const std::array<bool, 3>& kept);
   void add_edges(const Side& slave, Index f, const Moments& moments);
@@ -97,15 +99,22 @@ void Assembly::add_pair(Index p, const Side& slave, const Side& master, const Co
 
 void Assembly::add_facet(const Part& part, const Moments& moments,
                          const Ownership::Carriers& carriers) {
-  const DualBasis dual = dual_basis(part.slave.d, moments.vertices, carriers.kept);
-  for (int v = 0; v < part.slave.d; ++v) {
-    if (!carriers.kept[v]) continue;
-    D_[part.node(v)] += dual.d[v];
-    add_multiplier(part.node(v), dual.psi.row(v), part, moments, carriers.kept);
-  }
+  add_kept(part, moments, carriers.kept, 1 - carriers.alone);
+  if (carriers.alone > 0) add_kept(part, moments, carriers.strongest, carriers.alone);
   const Real share = 1. / static_cast<Real>(carriers.stand_in.size());
   for (Index i : carriers.stand_in)
     add_multiplier(i, Eigen::RowVector3d::Constant(share), part, moments, carriers.kept);
+}
+
+/// The multipliers of the kept vertices, `share` of them.
+void Assembly::add_kept(const Part& part, const Moments& moments, const std::array<bool, 3>& kept,
+                        Real share) {
+  const DualBasis dual = dual_basis(part.slave.d, moments.vertices, kept);
+  for (int v = 0; v < part.slave.d; ++v) {
+    if (!kept[v]) continue;
+    D_[part.node(v)] += share * dual.d[v];
+    add_multiplier(part.node(v), share * dual.psi.row(v), part, moments, kept);
+  }
 }
 
 /// psi: coefficients of the multiplier of node i over the lambda of the facet.

@@ -14,7 +14,8 @@ namespace frictioncg::mortar {
 
 namespace {
 
-/// One vertex stands for a facet of which less than this share is covered.
+/// One vertex stands for a facet of which less than this share is covered; from twice as much on
+/// each has its part, and between the two both ways share it: nothing jumps as bodies slide.
 constexpr Real barely = 1e-3;
 /// A held part of a normal up to this length is projected away; beyond it the node carries no law.
 constexpr Real mostly_free = 0.02;
@@ -22,6 +23,19 @@ constexpr Real mostly_free = 0.02;
 Index label_position(const Surface& surface, long label) {
   const auto at = std::find(surface.labels.begin(), surface.labels.end(), label);
   return static_cast<Index>(at - surface.labels.begin());
+}
+
+/// The normals by which it is decided whether Dirichlet conditions hold them: those where the
+/// increment began, or those of now.
+std::vector<Vec3> normals_before(const Nodes& nodes, const std::vector<Side>& slaves,
+                                 const Options& options, const Owns& owns,
+                                 const std::vector<Vec3>& now) {
+  if (nodes.before.empty() || !options.normals.empty()) return now;
+  Nodes before = nodes;
+  before.X = nodes.before;
+  std::vector<Side> sides;
+  for (const Side& slave : slaves) sides.emplace_back(slave, nodes.X, nodes.before);
+  return slave_normals(before, sides, options, owns);
 }
 
 }  // namespace
@@ -56,7 +70,8 @@ Ownership::Ownership(const Nodes& nodes, const std::vector<Side>& slaves,
     take_normals(nodes, options.normals);
   remove_shared(masters, covers);
   remove_taken(nodes.taken);
-  if (!nodes.held.empty()) remove_held(nodes, slaves);
+  if (!nodes.held.empty())
+    remove_held(nodes, slaves, normals_before(nodes, slaves, options, owns, normal));
   for (std::size_t p = 0; p < slaves.size(); ++p)
     choose_carriers(static_cast<Index>(p), slaves[p], covers[p]);
 }
@@ -108,8 +123,7 @@ void Ownership::own(const std::vector<Side>& slaves, const std::vector<Cover>& c
     for (Index f = 0; f < slaves[p].facets(); ++f)
       for (int v = 0; v < slaves[p].d; ++v) {
         const Index i = slaves[p].facet(f).node[v];
-        if (owner_[i] == rank_[p][f] && covers[p].fraction[f] >= barely)
-          covered[i] += covers[p].fraction[f] * slaves[p].planes[f].measure;
+        if (owner_[i] == rank_[p][f]) covered[i] += covers[p].measure[f];
       }
 }
 
@@ -169,13 +183,14 @@ void Ownership::remove_taken(const std::vector<char>& taken) {
     if (taken[i] && state[i] == State::kept) state[i] = State::taken;
 }
 
-void Ownership::remove_held(const Nodes& nodes, const std::vector<Side>& slaves) {
+void Ownership::remove_held(const Nodes& nodes, const std::vector<Side>& slaves,
+                            const std::vector<Vec3>& deciding) {
   for (std::size_t i = 0; i < owner_.size(); ++i) {
     if (state[i] != State::kept || nodes.held[i] == 0) continue;
-    Vec3 free = normal[i];
+    Vec3 free = normal[i], held = Vec3::Zero();
     for (int c = 0; c < nodes.dimension; ++c)
-      if (nodes.held[i] >> c & 1) free[c] = 0;
-    if ((normal[i] - free).norm() > mostly_free)
+      if (nodes.held[i] >> c & 1) free[c] = 0, held[c] = deciding[i][c];
+    if (held.norm() > mostly_free)
       state[i] = State::held;
     else
       normal[i] = free.normalized();
@@ -201,8 +216,7 @@ void Ownership::choose_carriers(Index p, const Side& slave, const Cover& cover) 
       kept[v] = state[i] == State::kept && owner_[i] == rank_[p][f];
       if (kept[v]) has_own[rank_[p][f]] = 1;
     }
-    // No law is extrapolated from a sliver.
-    if (cover.fraction[f] < barely) keep_strongest(slave.facet(f), kept);
+    if (kept[0] || kept[1] || kept[2]) thin_out(slave.facet(f), cover.fraction[f], carriers[p][f]);
   }
   find_stand_ins(p, slave, true);
   // A patch without nodes of its own leaves its traction to the nodes it shares with others.
@@ -212,16 +226,23 @@ void Ownership::choose_carriers(Index p, const Side& slave, const Cover& cover) 
   find_stand_ins(p, slave, false);
 }
 
-/// Keeps the vertex with the largest covered measure alone, and among equals the one of the highest
-/// number. Such an order has no circle, so that removed nodes cannot depend on each other in one.
-void Ownership::keep_strongest(const Facet& facet, std::array<bool, 3>& kept) const {
-  int strongest = -1;
+/// No law is extrapolated from a sliver: of its kept vertices the one with the largest covered
+/// measure stands for all, and among equals that of the highest number. Such an order has no
+/// circle, so that removed nodes cannot depend on each other in one.
+void Ownership::thin_out(const Facet& facet, Real fraction, Carriers& carriers) const {
+  const Real alone = std::clamp<Real>(2 - fraction / barely, 0, 1);
+  if (alone == 0) return;
+  int most = -1;
   const auto strength = [&](int v) {
     return std::make_pair(covered[facet.node[v]], facet.node[v]);
   };
   for (int v = 0; v < 3; ++v)
-    if (kept[v] && (strongest < 0 || strength(strongest) < strength(v))) strongest = v;
-  for (int v = 0; v < 3; ++v) kept[v] = v == strongest;
+    if (carriers.kept[v] && (most < 0 || strength(most) < strength(v))) most = v;
+  carriers.strongest = {most == 0, most == 1, most == 2};
+  if (alone < 1)
+    carriers.alone = alone;
+  else
+    carriers.kept = carriers.strongest;
 }
 
 /// A facet without carriers gets those of the nearest facet that has some, found breadth first over

@@ -24,11 +24,16 @@ struct Ownership {
   std::vector<long> label;      ///< per node
   std::vector<Vec3> normal;     ///< per node: given, or slave_normals()
   std::vector<char> of_master;  ///< per node: the normal is the master's, choose_common_normals()
-  std::vector<Real> covered;    ///< per node: measure covered on its well covered facets
+  /// Per node: measure covered around it, where it is decided what faces what.
+  std::vector<Real> covered;
 
   struct Carriers {
     std::array<bool, 3> kept{};   ///< vertices of the facet
     std::vector<Index> stand_in;  ///< nodes elsewhere, where none is kept
+    /// By so much the strongest of the kept stands for all: from 0 to less than 1. What is barely
+    /// covered has that one alone.
+    Real alone = 0;
+    std::array<bool, 3> strongest{};
   };
   std::vector<std::vector<Carriers>> carriers;  ///< per pair and slave facet
 
@@ -40,9 +45,10 @@ struct Ownership {
   void take_normals(const Nodes& nodes, const std::vector<Vec3>& normals);
   void remove_shared(const std::vector<Side>& masters, const std::vector<Cover>& covers);
   void remove_taken(const std::vector<char>& taken);
-  void remove_held(const Nodes& nodes, const std::vector<Side>& slaves);
+  void remove_held(const Nodes& nodes, const std::vector<Side>& slaves,
+                   const std::vector<Vec3>& deciding);
   void choose_carriers(Index p, const Side& slave, const Cover& cover);
-  void keep_strongest(const Facet& facet, std::array<bool, 3>& kept) const;
+  void thin_out(const Facet& facet, Real fraction, Carriers& carriers) const;
   void find_stand_ins(Index p, const Side& slave, bool within_patch);
 
   std::vector<std::vector<Index>> rank_;  ///< per pair and facet, of its patch: the lower one owns
