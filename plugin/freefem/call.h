@@ -92,10 +92,11 @@ inline PointLaws read_point_laws(Stack stack, const Arguments& args, bool everyw
                                  PointLaws begun) {
   PointLaws laws = read_laws(stack, args, scene, std::move(begun));
   if (args.has(p_mu2)) set_orthotropy(stack, args, laws.mu, scene);
-  if (laws.law != Law::frictionless)
-    for (std::size_t k = 0; k < scene.nodes.size(); ++k)
-      scene.tangents |= scene.nodes[k].point.friction =
-          everywhere || laws.rubs(static_cast<Index>(k));
+  if (laws.law == Law::frictionless) return laws;
+  scene.tangents |= everywhere;  // nothing may face the slave yet
+  for (std::size_t k = 0; k < scene.nodes.size(); ++k)
+    scene.tangents |= scene.nodes[k].point.friction =
+        everywhere || laws.rubs(static_cast<Index>(k));
   return laws;
 }
 

@@ -17,9 +17,9 @@ struct Scales {
 
 inline Scales scales_of(const Scene& scene, const Vector& b) {
   Scales s;
-  const Fem2D::R3 first = scene.nodes.front().x;
+  if (scene.nodes.empty()) s.extent = 2 * extent_of(scene.places()).radius;  // nothing faces
   for (const BoundaryNode& n : scene.nodes) {
-    s.extent = std::max(s.extent, Norme2(n.x - first));
+    s.extent = std::max(s.extent, Norme2(n.x - scene.nodes.front().x));
     s.extent = std::max(s.extent, std::pow(n.weight, 1.0 / (scene.d - 1)));
   }
   Real load = 0;

@@ -76,6 +76,11 @@ inline void report_large_friction(Real mu) {
 
 /// What faces what, in numbers.
 inline void report_faces(const mortar::Statistics& s, std::size_t slaves, std::size_t masters) {
+  if (s.facing == 0) {
+    std::cout << "none of " << counted(slaves, "slave facet") << " faces one of "
+              << counted(masters, "master facet") << ": open";
+    return;
+  }
   std::cout << counted(s.facing, "slave node") << " on " << counted(slaves, "facet") << " face "
             << counted(masters, "master facet") << ", gap " << s.least_gap << " to "
             << s.largest_gap << "; " << counted(s.partly_covered, "slave facet")
@@ -107,6 +112,8 @@ inline void report_pairs(const Scene& scene, long verb) {
   mortar::Statistics all = pairs.front().found;
   std::size_t slaves = 0, masters = 0;
   all.facing = all.removed = all.partly_covered = all.beyond_steps = 0;
+  all.least_gap = std::numeric_limits<Real>::infinity();
+  all.largest_gap = -all.least_gap;
   for (const FacingPair& pair : pairs) {
     const mortar::Statistics& s = pair.found;
     slaves += pair.slaves;
@@ -115,6 +122,7 @@ inline void report_pairs(const Scene& scene, long verb) {
     all.removed += s.removed;
     all.partly_covered += s.partly_covered;
     all.beyond_steps += s.beyond_steps;
+    if (s.facing == 0) continue;
     all.least_gap = std::min(all.least_gap, s.least_gap);
     all.largest_gap = std::max(all.largest_gap, s.largest_gap);
   }
@@ -152,7 +160,9 @@ inline void report_plan(const Arguments& args, const Scene& scene, const Contact
   if (const Index corners = nodes_in_corners(scene))
     std::cout << ", " << corners << (corners == 1 ? " node" : " nodes") << " in a corner";
   if (plan.nodes == 0)
-    std::cout << "; Dirichlet conditions hold every normal displacement: a plain linear solve";
+    std::cout << (scene.nodes.empty() ? "; nothing faces the slave"
+                                      : "; Dirichlet conditions hold every normal displacement")
+              << ": a plain linear solve";
   std::cout << "; " << name_of(s.method, methods);
   if (s.method == Method::automatic) report_choice(plan);
   if (plan.regularization) std::cout << ", " << name_of(s.reg, regularizations);

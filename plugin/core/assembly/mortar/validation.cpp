@@ -164,8 +164,10 @@ void validate_cover(const Nodes& nodes, const std::vector<Side>& slaves,
   for (std::size_t p = 0; p < slaves.size(); ++p) {
     const Cover& cover = covers[p];
     const auto is_empty = [](const std::vector<Cell>& cells) { return cells.empty(); };
-    if (std::all_of(cover.cells.begin(), cover.cells.end(), is_empty))
+    if (std::all_of(cover.cells.begin(), cover.cells.end(), is_empty)) {
+      if (!nodes.reference.empty()) continue;  // bodies that move may come apart
       refuse_nothing_faces(nodes, slaves[p], masters[p], cover, options);
+    }
     if (!options.weight.empty()) refuse_weightless(nodes, slaves[p], cover, options.weight);
     std::array<Index, Ownership::states> count{};
     for (const Facet& f : slaves[p].surface.facets)

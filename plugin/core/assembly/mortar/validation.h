@@ -13,9 +13,9 @@ std::string labels_of(const Surface& surface);
 /// together.
 void validate_pairs(const Nodes& nodes, const std::vector<Pair>& pairs, const Options& options);
 
-/// Refuses pairs where nothing faces, facets without weight, pairs where no slave node is left to
-/// carry a law, and facets that face the master of one pair while they are faced as the master of
-/// another.
+/// Refuses pairs where nothing faces, but for bodies that have moved (Nodes::reference), facets
+/// without weight, pairs where no slave node is left to carry a law, and facets that face the
+/// master of one pair while they are faced as the master of another.
 void validate_cover(const Nodes& nodes, const std::vector<Side>& slaves,
                     const std::vector<Side>& masters, const std::vector<Cover>& covers,
                     const Ownership& ownership, const Options& options);
