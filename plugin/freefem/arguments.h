@@ -38,8 +38,7 @@ class Arguments {
         refuse(p,
                "belongs to one body and an obstacle; of two bodies each moves by its own "
                "displacement");
-    if (has(p_forceold) && !has(p_at))
-      refuse(p_forceold, "is a force that turns with the geometry at X + U; name that, as in at=U");
+    refuse_force_of_nowhere();
     if (has(p_pivot)) components(p_pivot, d, "[x, y, z]", "[x, y]", vectors_[p_pivot]);
     for (Parameter p : {p_normal, p_obstaclenormal})
       if (has(p)) components(p, d, "[nx, ny, nz]", "[nx, ny]", vectors_[p]);
@@ -64,7 +63,7 @@ class Arguments {
   }
   /// The same with a new matrix, which may bring new normals along.
   static Arguments of_renewal(const basicAC_F0& args) {
-    Arguments a = of_contactproblem(args);
+    Arguments a = of_contactproblem(args, true);
     for (Parameter p : {p_normal, p_obstaclenormal})
       if (const auto* list = dynamic_cast<const E_Array*>(a.named_[p]))
         a.components(p, list->size() == 2 ? 2 : 3, "[nx, ny, nz]", "[nx, ny]", a.vectors_[p]);
@@ -113,12 +112,22 @@ class Arguments {
   }
 
  private:
-  static Arguments of_contactproblem(const basicAC_F0& args) {
+  static Arguments of_contactproblem(const basicAC_F0& args, bool renewed = false) {
     const Arguments a(args);
-    for (Parameter p : {p_at, p_forceold, p_mu2, p_direction, p_domain, p_obstacle, p_pivot,
-                        p_obstacles, p_motionfree})
+    for (Parameter p :
+         {p_mu2, p_direction, p_domain, p_obstacle, p_pivot, p_obstacles, p_motionfree})
       if (a.has(p)) refuse(p, "belongs to the contactproblem; give it there");
+    for (Parameter p : {p_at, p_forceold})
+      if (!renewed && a.has(p))
+        refuse(p,
+               "belongs to the contactproblem; give it there, or with another matrix, as in "
+               "frictionalContactCG(C, A, b, at=U)");
+    a.refuse_force_of_nowhere();
     return a;
+  }
+  void refuse_force_of_nowhere() const {
+    if (has(p_forceold) && !has(p_at))
+      refuse(p_forceold, "is a force that turns with the geometry at X + U; name that, as in at=U");
   }
   explicit Arguments(const basicAC_F0& args) {
     refuse_domain(args);

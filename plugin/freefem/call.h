@@ -106,16 +106,21 @@ inline Displacement read_at(Stack stack, const Arguments& args) {
   return std::make_shared<const Vector>(vector_of(stack, args, p_at));
 }
 
+/// The points on an obstacle with the weights and normals of the call.
+inline void read_obstacle_points(Stack stack, const Arguments& args, bool lasts, Scene& scene) {
+  set_weights(stack, args, scene);
+  scene.given_weight = args.has(p_weight);
+  if (lasts) scene.on_mesh = scene.nodes;
+  set_normals(stack, args, scene);
+}
+
 /// Reads the problem: geometry, laws, and the matrix in local frames. lasts: for further calls,
 /// which may name other laws, and other matrices.
 inline std::shared_ptr<Scene> read_scene(Stack stack, const Arguments& args, const Expression A,
                                          const Site& site, bool lasts, PointLaws& laws) {
   const Displacement at = read_at(stack, args);
   std::shared_ptr<Scene> scene = site.scene(stack, args.obstacle(stack), at);
-  scene->at = at;
-  set_weights(stack, args, *scene);
-  if (lasts) scene->on_mesh = scene->nodes;
-  set_normals(stack, args, *scene);
+  read_obstacle_points(stack, args, lasts, *scene);
   if (!scene->pairing) scene->moving = read_obstacles(stack, args, *scene);
   if (scene->nodes.empty() && !scene->averted.empty()) refuse_inward(*scene);
   if (scene->pairing) face_bodies(stack, args, A, *scene);

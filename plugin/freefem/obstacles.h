@@ -58,6 +58,7 @@ inline void find_obstacles(const Scene& scene, MovingObstacles& moving) {
       throw IllegalInput("obstacles has label " + std::to_string(label) +
                          ", on which there is no contact node; give labels of the contact");
   }
+  moving.rigid.of_point.clear();
   for (const BoundaryNode& node : scene.nodes) {
     const auto at = std::find(moving.labels.begin(), moving.labels.end(), node.label);
     const bool found = at != moving.labels.end();
@@ -68,8 +69,8 @@ inline void find_obstacles(const Scene& scene, MovingObstacles& moving) {
 }
 
 /// The pivots, which may depend on the label, as expressions at the contact points.
-inline void find_arms(Stack stack, const Arguments& args, const Scene& scene,
-                      MovingObstacles& moving) {
+inline void find_pivots(Stack stack, const Arguments& args, const Scene& scene,
+                        MovingObstacles& moving) {
   PointGuard guard(stack);
   std::vector<char> seen(moving.pivot.size(), 0);
   for (std::size_t k = 0; k < scene.nodes.size(); ++k) {
@@ -89,8 +90,17 @@ inline void find_arms(Stack stack, const Arguments& args, const Scene& scene,
     }
     if (o >= 0) moving.pivot[o] = at;
     if (o >= 0) seen[o] = 1;
-    moving.rigid.arm.push_back(
-        o < 0 ? at : Eigen::Vector3d(Eigen::Vector3d(node.x.x, node.x.y, node.x.z) - at));
+  }
+}
+
+/// The contact points' obstacles and arms, about pivots that are known.
+inline void set_arms(const Scene& scene, MovingObstacles& moving) {
+  moving.rigid.arm.clear();
+  for (std::size_t k = 0; k < scene.nodes.size(); ++k) {
+    const Fem2D::R3& x = scene.nodes[k].x;
+    const Index o = moving.rigid.of_point[k];
+    moving.rigid.arm.push_back(Eigen::Vector3d::Zero());
+    if (o >= 0) moving.rigid.arm[k] = Eigen::Vector3d(x.x, x.y, x.z) - moving.pivot[o];
   }
 }
 
@@ -127,7 +137,8 @@ inline std::optional<MovingObstacles> read_obstacles(Stack stack, const Argument
   const std::size_t count = std::max<std::size_t>(1, moving->labels.size());
   moving->pivot.assign(count, Eigen::Vector3d::Zero());
   moving->rigid.free.assign(count * rigid_components(scene.d), 0);
-  find_arms(stack, args, scene, *moving);
+  find_pivots(stack, args, scene, *moving);
+  set_arms(scene, *moving);
   refuse_far_pivots(scene, *moving);
   if (!args.has(p_motionfree)) return moving;
   const std::vector<long> free = copy_of_longs(stack, args, p_motionfree);

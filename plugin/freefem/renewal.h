@@ -28,7 +28,29 @@ inline void place_obstacle(Stack stack, const Arguments& args, Scene& scene) {
   scene.averted.clear();
   set_weights(stack, args, scene);
   set_normals(stack, args, scene);
-  if (scene.nodes.empty() && !scene.averted.empty()) refuse_inward(scene);
+}
+
+/// The geometry of C at the displacement of the call, which names anew what C was given at places.
+inline std::shared_ptr<Scene> moved(Stack stack, const Arguments& args, const Scene& before) {
+  const std::shared_ptr<Scene> scene = before.moved_to(read_at(stack, args));
+  const auto require = [&](Parameter p, bool given) {
+    if (given && !args.has(p))
+      throw IllegalInput(std::string("at moves the nodes of C, and ") + parameters[p].name +
+                         ", which C was made with, is not given; give both");
+  };
+  require(scene->pairing ? p_obstaclenormal : p_normal, before.given_normals);
+  require(p_normal, !before.facing.normals.empty());
+  require(p_weight, before.given_weight);
+  scene->tangents = before.tangents;
+  scene->unnamed_radius = before.unnamed_radius;
+  scene->facing = before.facing;
+  read_obstacle_points(stack, args, true, *scene);
+  scene->moving = before.moving;
+  if (scene->moving) {
+    find_obstacles(*scene, *scene->moving);
+    set_arms(*scene, *scene->moving);
+  }
+  return scene;
 }
 
 /// Points that have been found anew take from those before what no such call names.
@@ -67,15 +89,19 @@ inline PointLaws laws_at(const Arguments& args, const Scene& before, const Scene
   const bool of_meshes =
       scene.pairing && laws.gap.head(paired) == Vector(before.pairing->gap() + moved.head(paired));
   Vector gap = laws.gap - moved;  // what is left where the geometry is
+  const Vector rest = gap.tail(gap.size() - paired);
+  const Parameter gap_of_rest = scene.pairing ? p_obstaclegap : p_gap;
+  const bool has_gap = (args.has(p_gap) || of_meshes || gap.head(paired).isZero(0)) &&
+                       (args.has(gap_of_rest) || rest.isZero(0));
+  if (args.has(p_at) && !has_gap)
+    throw IllegalInput(
+        "at moves the nodes of C, which has a gap at them; name it in this call, too");
   if (same_points(before.nodes, scene.nodes)) {
     if (of_meshes) gap.head(paired) = scene.pairing->gap();
     laws.gap = gap + moved_along_normals(scene);
     return laws;
   }
-  const bool has_gap = args.has(p_gap) || of_meshes || gap.head(paired).isZero(0);
-  const Vector rest = gap.tail(gap.size() - paired);
-  const Parameter gap_of_rest = scene.pairing ? p_obstaclegap : p_gap;
-  if (!has_gap || !names_friction(args, laws) || !(rest.isZero(0) || args.has(gap_of_rest)))
+  if (!has_gap || !names_friction(args, laws))
     throw IllegalInput(
         "other nodes than those of C are to touch, by the normal or by the supports of the new "
         "matrix, and C has gap and friction at the latter alone; name them in this call, too");
@@ -91,9 +117,12 @@ inline PointLaws laws_at(const Arguments& args, const Scene& before, const Scene
 inline PosedProblem renewed(Stack stack, const Arguments& args, const Expression A,
                             const PosedProblem& C, bool alone, PointLaws& laws) {
   Scene& before = *C.scene;
-  PosedProblem posed{before.posed_anew(), {}};
+  const bool moves = args.has(p_at);
+  PosedProblem posed{moves ? moved(stack, args, before) : before.posed_anew(), {}};
   Scene& scene = *posed.scene;
-  place_obstacle(stack, args, scene);
+  if (!moves) place_obstacle(stack, args, scene);
+  scene.given_weight = scene.given_weight || args.has(p_weight);
+  if (scene.nodes.empty() && !scene.averted.empty()) refuse_inward(scene);
   if (scene.pairing) face_bodies(stack, args, A, scene);
   take_over(before, scene);
   posed.laws = laws_at(args, before, scene, C.laws);

@@ -22,6 +22,8 @@ struct MovingObstacles {
   RigidObstacles rigid;
 };
 
+struct Scene;
+
 /// One body or more with their contact nodes, as the script posed them, but for what is made of A.
 struct Geometry {
   int d = 2;
@@ -31,9 +33,10 @@ struct Geometry {
   std::size_t beside_pairs = 0;       ///< the last of them: on an obstacle beside pairs of bodies
   std::vector<BoundaryNode> averted;  ///< left out: they face away from the normal given
   bool given_normals = false;         ///< by the script, in place of the mesh's
-  bool tangents = false;              ///< some nodes have tangential laws
-  int unnamed_radius = -1;            ///< a component, where A looks axisymmetric without a weight
-  std::vector<Index> mesh_node;       ///< of each dof
+  bool given_weight = false;
+  bool tangents = false;         ///< some nodes have tangential laws
+  int unnamed_radius = -1;       ///< a component, where A looks axisymmetric without a weight
+  std::vector<Index> mesh_node;  ///< of each dof
   /// Makes a contact node the point at which expressions are evaluated.
   std::function<void(MeshPoint*, const BoundaryNode&)> go_to;
   /// Where the nodal values of a displacement are.
@@ -43,6 +46,8 @@ struct Geometry {
   mortar::Options facing;                 ///< of the two bodies, as the script has chosen them
   std::optional<MovingObstacles> moving;  ///< none where all obstacles stand still
   Displacement at;                        ///< of the geometry (ndof)
+  /// The nodes and faces of the same spaces at another displacement.
+  std::function<std::shared_ptr<Scene>(const Displacement&)> moved_to;
 
   /// Of its bodies, by the mesh; found when it is first asked for.
   Real least_gyration() const {

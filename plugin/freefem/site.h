@@ -26,6 +26,15 @@ inline void check_at(const Displacement& at, const DofCount& dofs) {
   if (at) check_vector(*at, "at", dofs);
 }
 
+/// make(at), which can be made at another displacement, too.
+template <class Make>
+std::shared_ptr<Scene> scene_at(const Displacement& at, const Make& make) {
+  std::shared_ptr<Scene> scene = make(at);
+  scene->at = at;
+  scene->moved_to = [make](const Displacement& other) { return scene_at(other, make); };
+  return scene;
+}
+
 /// The space that an expression of the script stands for, made anew where its mesh has changed.
 template <class V>
 const typename V::FESpace& space_of(Stack stack, Expression e, const char* name) {
@@ -69,8 +78,11 @@ class ObstacleSite final : public Site {
                                const Displacement& at) const override {
     const auto& Vh = space_of<V>(stack, Vh_, "Vh");
     refuse_part_of_mesh(Vh);
-    check_at(at, dofs_of(Vh.NbOfDF));
-    return obstacle_scene(Placement(Vh, at), labels_(stack, "labels"));
+    return scene_at(
+        at, [on_mesh = Placement(Vh), labels = labels_(stack, "labels")](const Displacement& U) {
+          check_at(U, dofs_of(on_mesh.space().NbOfDF));
+          return obstacle_scene(Placement(on_mesh.space(), U), labels);
+        });
   }
 
  private:
@@ -95,9 +107,12 @@ class OneSpaceSite final : public Site {
                                const Displacement& at) const override {
     const auto& Vh = space_of<V>(stack, Vh_, "Vh");
     refuse_part_of_mesh(Vh);
-    check_at(at, dofs_of(Vh.NbOfDF));
-    return pair_scene(Placement(Vh, at),
-                      PairLabels(slave_(stack, "slave"), master_(stack, "master")), obstacle);
+    return scene_at(at, [on_mesh = Placement(Vh), obstacle,
+                         labels = PairLabels(slave_(stack, "slave"), master_(stack, "master"))](
+                            const Displacement& U) {
+      check_at(U, dofs_of(on_mesh.space().NbOfDF));
+      return pair_scene(Placement(on_mesh.space(), U), labels, obstacle);
+    });
   }
 
  private:
@@ -125,9 +140,14 @@ class TwoSpaceSite final : public Site {
     const auto &V1 = space_of<V>(stack, V1_, "V1"), &V2 = space_of<V>(stack, V2_, "V2");
     refuse_part_of_mesh(V1);
     refuse_part_of_mesh(V2);
-    check_at(at, dofs_of(V1.NbOfDF, V2.NbOfDF));
-    return pair_scene(Placement(V1, at), Placement(V2, at, V1.NbOfDF),
-                      PairLabels(slave_(stack, "slave"), master_(stack, "master")), obstacle);
+    return scene_at(at, [first = Placement(V1), second = Placement(V2), obstacle,
+                         labels = PairLabels(slave_(stack, "slave"), master_(stack, "master"))](
+                            const Displacement& U) {
+      const Index n = first.space().NbOfDF;
+      check_at(U, dofs_of(n, second.space().NbOfDF));
+      return pair_scene(Placement(first.space(), U), Placement(second.space(), U, n), labels,
+                        obstacle);
+    });
   }
 
  private:
