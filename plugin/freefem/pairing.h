@@ -72,7 +72,7 @@ class Pairing {
       faced.add(m);
     }
     add_moved(*mortar_, between_.moved, contact);
-    if (u_old.size() > 0 && options.normals.empty()) add_slip(nodes, options, contact);
+    add_slip(*mortar_, nodes, between_.pairs, options, contact);
     for (const mortar::MidEdge& e : mortar_->edges()) add_edge(e, faced);
     for (std::size_t p = 0; p < between_.pairs.size(); ++p)
       faced.add(between_.pairs[p], mortar_->statistics(static_cast<Index>(p)), d, between_.X);
@@ -87,6 +87,23 @@ class Pairing {
     for (std::size_t k = 0; k < contact.size(); ++k)
       for (Matrix::InnerIterator G(mortar.relative(), static_cast<Index>(k)); G; ++G)
         for (int c = 0; c < 3; ++c) contact[k].moved[c] += G.value() * U[G.col()][c];
+  }
+
+  /// What their slip lacks of their motion, where the increment began elsewhere. Given normals are
+  /// those of now: the mortar of before cannot have them.
+  static void add_slip(const mortar::Mortar& mortar, const mortar::Nodes& now,
+                       const std::vector<mortar::Pair>& pairs, mortar::Options options,
+                       std::vector<BoundaryNode>& contact) {
+    if (now.before.empty() || !options.normals.empty()) return;
+    options.force.clear();
+    mortar::Nodes before = now;
+    const int d = now.dimension;
+    before.X = mortar::straightened(d, pairs, now.before);
+    before.before.clear();
+    const mortar::Mortar old(before, mortar::carried(d, pairs, now.X, before.X), options);
+    const auto c = mortar::slip_beside(mortar, now.X, old, now.before);
+    for (std::size_t k = 0; k < c.size(); ++k)
+      contact[k].slid = Fem2D::R3(c[k][0], c[k][1], c[k][2]);
   }
 
   /// Node i of the slave with what a mortar makes of it.
@@ -204,19 +221,6 @@ class Pairing {
     if (taken(e.a)) e.a = e.b;
     if (taken(e.b)) e.b = e.a;
     faced.edges.push_back(e);
-  }
-  /// Given normals are those of now: the mortar of before cannot have them.
-  void add_slip(const mortar::Nodes& now, mortar::Options options,
-                std::vector<BoundaryNode>& contact) const {
-    options.force.clear();
-    mortar::Nodes before = now;
-    const int d = now.dimension;
-    before.X = mortar::straightened(d, between_.pairs, now.before);
-    before.before.clear();
-    const mortar::Mortar old(before, mortar::carried(d, between_.pairs, now.X, before.X), options);
-    const auto c = mortar::slip_beside(*mortar_, now.X, old, now.before);
-    for (std::size_t k = 0; k < c.size(); ++k)
-      contact[k].slid = Fem2D::R3(c[k][0], c[k][1], c[k][2]);
   }
   /// A node of the slave as one of its facets sees it, of the label if there is one.
   BoundaryNode slave_node(Index i, long label) const {

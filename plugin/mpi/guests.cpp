@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <unordered_set>
 
 namespace frictioncg {
 
@@ -28,8 +29,13 @@ void sort_once(std::vector<T>& values) {
 class Growth {
  public:
   Growth(const Domain& part, const WholeInterface& interface, const InterfaceBasis& basis,
-         NodeNumbers& numbers, GrownPart& grown)
-      : part_(part), interface_(interface), basis_(basis), numbers_(numbers), grown_(grown) {}
+         const std::vector<NumberedEntry>& addend, NodeNumbers& numbers, GrownPart& grown)
+      : part_(part),
+        interface_(interface),
+        basis_(basis),
+        addend_(addend),
+        numbers_(numbers),
+        grown_(grown) {}
   void exchange_rows(const Triplets& A, const Dirichlet& of_A);
   void find_guests(const Triplets& A);
   void invite_guests();
@@ -38,13 +44,12 @@ class Growth {
 
  private:
   using Number = NodeNumbers::Number;
-  struct Entry {
-    Number i, j;
-    Real a;
-  };
+  using Entry = NumberedEntry;
   Domain::Letters packed_rows(const std::vector<Index>& place,
                               const std::vector<std::vector<Entry>>& rows) const;
   void add_received(const std::vector<char>& replaced);
+  void add_addend();
+  bool is_whole(Number row) const { return whole_.count(row) > 0; }
   void add_row(const Matrix& M, const std::vector<Index>& first, Index node, Index component,
                std::vector<Eigen::Triplet<Real, Index>>& entries) const;
   bool owns(Number node) const { return numbers_.owner(node) == part_.rank(); }
@@ -52,18 +57,21 @@ class Growth {
   const Domain& part_;
   const WholeInterface& interface_;
   const InterfaceBasis& basis_;
+  const std::vector<NumberedEntry>& addend_;
   NodeNumbers& numbers_;
   GrownPart& grown_;
   std::vector<Entry> received_;        ///< of rows of others
   std::vector<Number> received_rows_;  ///< dofs
   std::vector<Number> whole_rows_;     ///< of the interface: own ones, and those received
+  std::unordered_set<Number> whole_;   ///< the same
   std::vector<Number> guests_;         ///< nodes in ascending order: by owners
 };
 
 GrownPart::GrownPart(const Domain& part, const Triplets& A, const Dirichlet& of_A,
                      const WholeInterface& interface, const InterfaceBasis& basis,
-                     NodeNumbers& numbers) {
-  Growth growth(part, interface, basis, numbers, *this);
+                     const std::vector<NumberedEntry>& addend, NodeNumbers& numbers)
+    : has_addend(!addend.empty()) {
+  Growth growth(part, interface, basis, addend, numbers, *this);
   growth.exchange_rows(A, of_A);
   growth.find_guests(A);
   growth.invite_guests();
@@ -77,15 +85,20 @@ void GrownPart::put(Index i, Index j, Real a) {
   a_.push_back(a);
 }
 
-Triplets GrownPart::matrix() const {
+Triplets GrownPart::matrix(bool with_addend) const {
   Triplets A;
   A.n = domain->dofs();
-  A.size = a_.size();
+  A.size = with_addend ? a_.size() : plain_;
   A.i = i_.data();
   A.j = j_.data();
   A.a = a_.data();
   A.whole = own_.data();
   return A;
+}
+
+void GrownPart::multiply_addend(const Vector& u, Vector& f) const {
+  for (std::size_t k = plain_; k < a_.size(); ++k)
+    if (own_[i_[k]]) f[i_[k]] += a_[k] * u[j_[k]];
 }
 
 void Growth::exchange_rows(const Triplets& A, const Dirichlet& of_A) {
@@ -112,6 +125,7 @@ void Growth::exchange_rows(const Triplets& A, const Dirichlet& of_A) {
         received_.push_back({i, static_cast<Number>(in[0]), in[1]});
     }
   whole_rows_.insert(whole_rows_.end(), received_rows_.begin(), received_rows_.end());
+  whole_.insert(whole_rows_.begin(), whole_rows_.end());
 }
 
 /// Row i for the owners of all p that T_ip or W_ip couple it to: the number, how many entries,
@@ -151,6 +165,11 @@ void Growth::find_guests(const Triplets& A) {
     in_T.push_back(e.j);
     guests_.push_back(numbers_.node(e.j));
   }
+  for (const Entry& e : addend_)
+    if (is_whole(e.i)) {
+      in_T.push_back(e.j);
+      guests_.push_back(numbers_.node(e.j));
+    }
   for (Number i : received_rows_) guests_.push_back(numbers_.node(i));
   std::vector<char> wanted(interface_.nodes(), 0);
   const auto add_columns = [&](std::vector<Number>& dofs, const std::vector<Matrix>& M) {
@@ -219,6 +238,7 @@ void Growth::fill_matrix(const Triplets& A, const Dirichlet& of_A) {
   add_received(replaced);
   for (Index i = A.n; i < domain.dofs(); ++i)
     if (!replaced[i]) grown_.put(i, i, diagonal[i]);
+  add_addend();
 }
 
 void Growth::add_received(const std::vector<char>& replaced) {
@@ -226,6 +246,17 @@ void Growth::add_received(const std::vector<char>& replaced) {
     const Index i = numbers_.dof(e.i), j = numbers_.dof(e.j);
     grown_.put(i, j, e.a);
     if (!replaced[j] && !grown_.held[j]) grown_.put(j, i, e.a);
+  }
+}
+
+/// In the rows that are whole, and their mirror images.
+void Growth::add_addend() {
+  grown_.plain_ = grown_.a_.size();
+  for (const Entry& e : addend_) {
+    if (!is_whole(e.i)) continue;
+    const Index i = numbers_.dof(e.i), j = numbers_.dof(e.j);
+    grown_.put(i, j, e.a);
+    if (!is_whole(e.j)) grown_.put(j, i, e.a);
   }
 }
 

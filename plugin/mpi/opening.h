@@ -33,13 +33,6 @@ inline void refuse_obstacles(const Arguments& args) {
                          "domain=, or search over gap");
 }
 
-inline void refuse_at(const Arguments& args) {
-  if (args.has(p_at))
-    throw IllegalInput(
-        "at is of one process; with domain= move the meshes by movemesh, and take u, uold and b "
-        "from there");
-}
-
 /// What several processes do not do is refused by name.
 inline void refuse_options(const Arguments& args, bool two_bodies) {
   const auto refuse = [&](Parameter p, const char* why) {

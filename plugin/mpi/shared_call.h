@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "../core/answer.h"
+#include "shared_pair.h"
 #include "shared_report.h"
 
 namespace frictioncg {
@@ -82,10 +83,25 @@ inline Vector with_guests(const SharedScene& shared, const Vector& of_script) {
   return all;
 }
 
+/// A displacement as one from where the geometry is.   Collective.
+inline Vector from_geometry(const SharedScene& shared, const Vector& field) {
+  if (!shared.scene->at) return field;
+  return field - with_guests(shared, *shared.scene->at);
+}
+
+/// The load of a call, of A less the stiffness of forceold where the matrix is that.   Collective.
+inline Vector load_of(const Call& call, const SharedScene& shared) {
+  Vector b = with_guests(shared, call.b);
+  if (!shared.stiffened) return b;
+  shared.stiffened->multiply_addend(with_guests(shared, *shared.scene->at), b);
+  shared.domain->update(b);
+  return b;
+}
+
 /// A displacement in local dofs, ghosts by their owners: the rows of W are whole for own dofs
 /// alone. Collective.
 inline Vector local_state(const SharedScene& shared, const Vector& u) {
-  const Vector local = shared.scene->system->to_local(with_guests(shared, u));
+  const Vector local = shared.scene->slip_from(with_guests(shared, u));
   return shared.A->on_local(shared.A->own_part(local));
 }
 
@@ -95,7 +111,7 @@ inline LocalIncrement increment_together(const Call& call, const SharedScene& sh
   const Domain& domain = *shared.domain;
   const Scene& scene = *shared.scene;
   domain.agree([&] { check_vectors(call, shared.script); });
-  const Vector b = shared.patch->load(domain, with_guests(shared, call.b));
+  const Vector b = shared.patch->load(domain, load_of(call, shared));
   Vector w_old;
   if (call.args.has(p_uold)) w_old = local_state(shared, call.u_old);
   LocalIncrement local;
@@ -131,9 +147,14 @@ inline KN_<double> solve_together(Stack stack, const Call& call, SharedScene& sh
   Progress progress(problem, verb, out.history);
   Solution solution = solve_together(shared, problem, call, start_of(call, shared),
                                      out.history || speaks ? &progress : nullptr);
+  if (solution.status != Status::converged && shared.stiffened) {
+    assemble_plain(shared, verb);
+    return solve_together(stack, call, shared, laws);
+  }
+  if (shared.scene->at) accept_rounding(solution);
   Solution local = on_local_dofs(shared, solution);
   const Vector field = shared.scene->system->to_global(local.x, now.u0);
-  const std::string turned = runaway(shared, solution, field);
+  const std::string turned = runaway(shared, solution, from_geometry(shared, field));
   if (!turned.empty()) solution.status = local.status = Status::runaway;
   if (verb > 0) report_end(solution);
   std::string unheld = report_motions(shared, solution, verb);

@@ -47,7 +47,6 @@ inline std::shared_ptr<const Domain> opened(Opening& opening, Stack stack, const
     domain = domain_of(stack, args, site);
     if (!domain) return;
     refuse_obstacles(args);
-    refuse_at(args);
     opening.domain = domain->name();
     opening.labels = shared.labels(stack);
     opening.masters = shared.masters(stack);

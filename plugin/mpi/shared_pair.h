@@ -7,6 +7,18 @@
 
 namespace frictioncg {
 
+/// How the nodes have moved, where the geometry has.
+inline Motion motion_of_nodes(Stack stack, const Arguments& args, const Scene& scene) {
+  const Pairing& pairing = *scene.pairing;
+  const auto given = [&](Parameter p) {
+    Vector v = vector_of(stack, args, p);
+    if (args.has(p)) check_vector(v, parameters[p].name, scene.dofs);
+    if (!args.has(p)) v = Vector::Zero(scene.ndof());
+    return pairing.at_nodes(v, scene.d);
+  };
+  return {pairing.between().moved, given(p_uold), given(p_forceold)};
+}
+
 /// What a process knows of the faces, with normals and weights where the call gives them.
 inline InterfacePart interface_part(Stack stack, const Arguments& args, const Scene& scene,
                                     const Dirichlet& dirichlet) {
@@ -25,6 +37,8 @@ inline InterfacePart interface_part(Stack stack, const Arguments& args, const Sc
     const auto groups = faces.body_count.find(static_cast<Index>(i));
     part.groups.push_back(groups == faces.body_count.end() ? 1 : groups->second);
   }
+  part.is_moved = scene.at != nullptr;
+  if (part.is_moved) part.motion = motion_of_nodes(stack, args, scene);
   part.options.resize(faces.slave.size());
   if (args.has(p_normal)) {
     const std::vector<mortar::Vec3> normals = slave_normals(stack, args, scene);
@@ -80,11 +94,22 @@ class PartMatrix {
   std::unique_ptr<Dirichlet> dirichlet_;
 };
 
-/// The mortar between the whole faces: the same on all processes.   Collective.
-inline std::shared_ptr<const mortar::Mortar> mortar_of(const Arguments& args,
-                                                       const Opening& opening, const PartMatrix& A,
-                                                       const Scene& scene, const Domain& part,
-                                                       const WholeInterface& faces) {
+/// The nodes of the whole faces, and where they have been.
+inline mortar::Nodes nodes_of(const Arguments& args, const WholeInterface& faces) {
+  mortar::Nodes nodes{faces.d, faces.X, faces.held};
+  for (std::size_t i = 0; i < faces.motion.now.size(); ++i) {
+    nodes.reference.push_back(faces.X[i] - faces.motion.now[i]);
+    if (args.has(p_uold)) nodes.before.push_back(nodes.reference[i] + faces.motion.before[i]);
+  }
+  return nodes;
+}
+
+/// The mortar between the whole faces, and how its contact nodes have moved: the same on all
+/// processes.   Collective.
+inline std::vector<BoundaryNode> face_whole(const Arguments& args, const Opening& opening,
+                                            const PartMatrix& A, const Scene& scene,
+                                            const Domain& part, SharedScene& shared) {
+  const WholeInterface& faces = *shared.interface;
   mortar::Options options;
   if (args.has(p_maxgap)) options.maxgap = opening.maxgap;
   options.smooth = opening.smooth;
@@ -103,12 +128,19 @@ inline std::shared_ptr<const mortar::Mortar> mortar_of(const Arguments& args,
     return bodies.freedom();
   };
   options.element_groups = [&](Index i) { return faces.groups[i]; };
-  return std::make_shared<mortar::Mortar>(mortar::Nodes{faces.d, faces.X, faces.held}, faces.pairs,
-                                          options);
+  if (args.has(p_forceold)) options.force = faces.motion.force;
+  const mortar::Nodes nodes = nodes_of(args, faces);
+  shared.mortar = std::make_shared<mortar::Mortar>(nodes, faces.pairs, options);
+  std::vector<BoundaryNode> contact(shared.mortar->nodes().size());
+  if (!faces.motion.now.empty()) Pairing::add_moved(*shared.mortar, faces.motion.now, contact);
+  Pairing::add_slip(*shared.mortar, nodes, faces.pairs, options, contact);
+  return contact;
 }
 
-/// The contact points of own nodes, and what the outputs need of the mortar.
-inline void face_part(const NodeNumbers& numbers, const Domain& part, SharedScene& shared) {
+/// The contact points of own nodes, and what the outputs need of the mortar; contact: of all, how
+/// they have moved.
+inline void face_part(const NodeNumbers& numbers, const Domain& part,
+                      const std::vector<BoundaryNode>& contact, SharedScene& shared) {
   Scene& scene = *shared.scene;
   const WholeInterface& faces = *shared.interface;
   const mortar::NodeDofs& dof = scene.pairing->between().dof;
@@ -126,6 +158,8 @@ inline void face_part(const NodeNumbers& numbers, const Domain& part, SharedScen
     const Index i = local(nodes[k].node);
     if (!is_own(i)) continue;
     scene.nodes.push_back(scene.pairing->contact_node(i, nodes[k]));
+    scene.nodes.back().moved = contact[k].moved;
+    scene.nodes.back().slid = contact[k].slid;
     shared.in_mortar.push_back(static_cast<Index>(k));
     faced.add(nodes[k]);
   }
@@ -137,11 +171,12 @@ inline void face_part(const NodeNumbers& numbers, const Domain& part, SharedScen
   scene.pairing->set(std::move(faced));
 }
 
-/// The gap at the contact points of own nodes: between the meshes, or as the call gives it at the
-/// slave's nodes.   Collective.
+/// The gap at the contact points of own nodes, with what has been moved already: between the
+/// meshes, or as the call gives it at the slave's nodes.   Collective.
 inline Vector gap_of_all(Stack stack, const Arguments& args, const SharedScene& shared) {
   const Scene& scene = *shared.scene;
-  if (!args.has(p_gap)) return scene.pairing->gap();
+  const Vector moved = moved_along_normals(scene).head(static_cast<Index>(shared.in_mortar.size()));
+  if (!args.has(p_gap)) return scene.pairing->gap() + moved;
   Vector given;
   shared.domain->agree(
       [&] { given = at_nodes(stack, args, p_gap, scene, scene.pairing->slave_nodes()); });
@@ -151,7 +186,7 @@ inline Vector gap_of_all(Stack stack, const Arguments& args, const SharedScene& 
   at_faces.head(at_slaves.size()) = at_slaves;
   const Vector weighted = shared.mortar->weighted(at_faces);
   Vector own(static_cast<Index>(shared.in_mortar.size()));
-  for (Index k = 0; k < own.size(); ++k) own[k] = weighted[shared.in_mortar[k]];
+  for (Index k = 0; k < own.size(); ++k) own[k] = weighted[shared.in_mortar[k]] + moved[k];
   return own;
 }
 
@@ -177,16 +212,22 @@ inline void place_guests(const Domain& domain, Scene& scene) {
   scene.places = [places = std::move(places)] { return places; };
 }
 
-/// The local system of the grown part, and of all.   Collective.
+/// The grown part's nodes and contact points.   Collective.
 inline void share_grown(const GrownPart& grown, SharedScene& shared) {
   Scene& scene = *shared.scene;
-  const Domain& domain = *shared.domain;
-  place_guests(domain, scene);
-  scene.dofs.count = domain.dofs();
+  shared.domain = grown.domain;
+  place_guests(*shared.domain, scene);
+  scene.dofs.count = shared.domain->dofs();
   scene.held = grown.held;
   shared.own_points = scene.nodes.size();
-  add_ghost_points(domain, scene);
-  const Triplets A = grown.matrix();
+  add_ghost_points(*shared.domain, scene);
+}
+
+/// The local system of the grown part, and of all.   Collective.
+inline void assemble_grown(const GrownPart& grown, bool stiffened, SharedScene& shared) {
+  Scene& scene = *shared.scene;
+  const Domain& domain = *shared.domain;
+  const Triplets A = grown.matrix(stiffened);
   shared.patch = std::make_unique<PatchedMatrix>(domain, A, *grown.dirichlet);
   domain.agree([&] {
     std::vector<ContactPoint> points;
@@ -195,6 +236,19 @@ inline void share_grown(const GrownPart& grown, SharedScene& shared) {
                                                  *grown.dirichlet, grown.coupling);
   });
   make_solver(shared);
+}
+
+/// As assemble() in one process: the matrix is less the stiffness of forceold, or the plain one
+/// where the former has no answer.   Collective.
+inline void assemble_grown(std::shared_ptr<const GrownPart> grown, long verb, SharedScene& shared) {
+  if (!grown->has_addend) return assemble_grown(*grown, false, shared);
+  try {
+    assemble_grown(*grown, true, shared);
+    shared.stiffened = std::move(grown);
+  } catch (const IllegalInput&) {
+    report_plain(verb);
+    assemble_grown(*grown, false, shared);
+  }
 }
 
 /// T'AT x against T'(A(T x)), A by the own rows of the script's matrix: a certificate cannot see
@@ -210,6 +264,7 @@ inline void check_transformed(const Triplets& A, const Domain& part, const Share
   for_each_entry(A, [&](Index i, Index j, Real a) {
     if (part.owns(i) && !shared.scene->held[i]) f[i] += a * u[j];
   });
+  if (shared.stiffened) shared.stiffened->multiply_addend(u, f);
   shared.domain->update(f);
   const Vector by_parts = shared.A->own_part(local.basis().T.transpose() * f);
   shared.A->multiply(x, Ax);
@@ -220,6 +275,24 @@ inline void check_transformed(const Triplets& A, const Domain& part, const Share
     throw IllegalInput(
         "the matrix between the bodies is not that of A: some process does not have all elements "
         "around its nodes; make the domains by createMat(Th, C, Pk) of macro_ddm.idp");
+}
+
+/// Less the symmetric part of the derivative of forceold, between free dofs, as
+/// Pairing::stiffness.
+inline std::vector<NumberedEntry> less_stiffness(const WholeInterface& faces,
+                                                 const mortar::Mortar& mortar) {
+  std::vector<NumberedEntry> entries;
+  const auto is_held = [&](Index node, Index c) { return (faces.held[node] >> c & 1) != 0; };
+  for (const auto& [nodes, block] : mortar.stiffness())
+    for (Index a = 0; a < faces.d; ++a)
+      for (Index b = 0; b < faces.d; ++b) {
+        if (is_held(nodes.first, a) || is_held(nodes.second, b)) continue;
+        const auto i = faces.d * faces.number[nodes.first] + a,
+                   j = faces.d * faces.number[nodes.second] + b;
+        entries.push_back({i, j, -block(a, b) / 2});
+        entries.push_back({j, i, -block(a, b) / 2});
+      }
+  return entries;
 }
 
 /// The mortar of the whole faces, and this process's part of it; the grown part.   Collective.
@@ -234,13 +307,15 @@ inline std::unique_ptr<GrownPart> grow(Stack stack, const Arguments& args, const
   NodeNumbers numbers(part, scene.d, scene.mesh_node);
   shared.interface = std::make_shared<WholeInterface>(part, numbers, scene.d, faces);
   std::unique_ptr<InterfaceBasis> basis;
+  std::vector<NumberedEntry> stiffness;
   part.agree([&] {
-    shared.mortar = mortar_of(args, opening, A, scene, part, *shared.interface);
+    const auto contact = face_whole(args, opening, A, scene, part, shared);
     basis = std::make_unique<InterfaceBasis>(*shared.interface, *shared.mortar);
-    face_part(numbers, part, shared);
+    stiffness = less_stiffness(*shared.interface, *shared.mortar);
+    face_part(numbers, part, contact, shared);
   });
   return std::make_unique<GrownPart>(part, A.triplets(), A.dirichlet(), *shared.interface, *basis,
-                                     numbers);
+                                     stiffness, numbers);
 }
 
 /// Poses contact of two bodies, whose part is in the scene.   Collective.
@@ -249,13 +324,13 @@ inline void read_pair(Stack stack, const Arguments& args, const Expression A, bo
   const std::shared_ptr<const Domain> part = shared.domain;
   shared.script = shared.scene->dofs;
   const PartMatrix matrix(stack, A, *shared.scene, *part);
-  const auto grown = grow(stack, args, opening, matrix, shared);
+  const std::shared_ptr<const GrownPart> grown = grow(stack, args, opening, matrix, shared);
   laws = opening.laws;
   laws.gap = gap_of_all(stack, args, shared);
   part->agree([&] { laws = read_point_laws(stack, args, everywhere, *shared.scene, laws); });
   agree_on_tangents(shared, laws);
-  shared.domain = grown->domain;
   share_grown(*grown, shared);
+  assemble_grown(grown, part->rank() == 0 ? read_verb(stack, args) : 0, shared);
   check_transformed(matrix.triplets(), *part, shared);
 }
 

@@ -20,7 +20,10 @@ class SharedPairSite : public SharedSite {
   using FESpaceType = typename V::FESpace;
   /// V2: the master's space; null where it is V1.   Collective.
   std::shared_ptr<Scene> scene_of(const FESpaceType& V1, const FESpaceType* V2,
-                                  const Opening& opening, const Domain& domain) const {
+                                  const Opening& opening, const Domain& domain,
+                                  const Displacement& given) const {
+    const Displacement at =
+        with_ghosts(given, V2 ? dofs_of(V1.NbOfDF, V2->NbOfDF) : dofs_of(V1.NbOfDF), domain);
     std::shared_ptr<Scene> scene;
     std::vector<NodePlace> places;
     const auto here = [&](const FESpaceType& Vh, const std::vector<long>& labels,
@@ -38,8 +41,9 @@ class SharedPairSite : public SharedSite {
       labels.slave = slave;
       labels.master = master;
       labels.of_part = true;
-      scene = V2 ? pair_scene(Placement(V1), Placement(*V2), labels)
-                 : pair_scene(Placement(V1), labels);
+      scene = V2 ? pair_scene(Placement(V1, at), Placement(*V2, at, V1.NbOfDF), labels)
+                 : pair_scene(Placement(V1, at), labels);
+      scene->at = at;
       places = scene->places();
     });
     refuse_other_domain(domain, places);
@@ -59,14 +63,14 @@ class SharedOneSpaceSite final : public SharedPairSite<V> {
       : SharedPairSite<V>(Labels(args[first + 1], slave), Labels(args[first + 2], master)),
         Vh_(to<typename V::pfes*>(args[first])) {}
 
-  std::shared_ptr<Scene> scene(Stack stack, const Opening& opening,
-                               const Domain& domain) const override {
+  std::shared_ptr<Scene> scene(Stack stack, const Opening& opening, const Domain& domain,
+                               const Displacement& at) const override {
     const typename V::FESpace* Vh = nullptr;
     domain.agree([&] {
       Vh = &space_of<V>(stack, Vh_, "Vh");
       check_size(domain, Vh->NbOfDF);
     });
-    return this->scene_of(*Vh, nullptr, opening, domain);
+    return this->scene_of(*Vh, nullptr, opening, domain, at);
   }
 
  private:
@@ -82,15 +86,15 @@ class SharedTwoSpaceSite final : public SharedPairSite<V> {
         V1_(to<typename V::pfes*>(args[first])),
         V2_(to<typename V::pfes*>(args[first + 2])) {}
 
-  std::shared_ptr<Scene> scene(Stack stack, const Opening& opening,
-                               const Domain& domain) const override {
+  std::shared_ptr<Scene> scene(Stack stack, const Opening& opening, const Domain& domain,
+                               const Displacement& at) const override {
     const typename V::FESpace *V1 = nullptr, *V2 = nullptr;
     domain.agree([&] {
       V1 = &space_of<V>(stack, V1_, "V1");
       V2 = &space_of<V>(stack, V2_, "V2");
       check_sizes(domain, V1->NbOfDF, V2->NbOfDF);
     });
-    return this->scene_of(*V1, V2, opening, domain);
+    return this->scene_of(*V1, V2, opening, domain, at);
   }
 
  private:

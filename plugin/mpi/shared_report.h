@@ -35,6 +35,7 @@ inline void report_plan(const SharedScene& shared, const ContactProblem& problem
 
 /// As in one process, for the mesh as a whole.   Collective.
 inline void warn_of_large_displacements(const SharedScene& shared, const Vector& field, long verb) {
+  if (shared.scene->at) return;  // the geometry follows
   const Domain& domain = *shared.domain;
   const std::vector<NodePlace> places = shared.scene->places();
   const Real size = 2 * shared.extent.radius;

@@ -3,6 +3,7 @@
 
 #include "../freefem/call.h"
 #include "ghosts.h"
+#include "guests.h"
 #include "hierarchy.h"
 #include "multigrid/multigrid_solver.h"
 #include "whole_interface.h"
@@ -26,6 +27,8 @@ struct SharedScene {
   std::shared_ptr<const WholeInterface> interface;  ///< of two bodies, and their mortar; or null
   std::shared_ptr<const mortar::Mortar> mortar;
   std::vector<Index> in_mortar;  ///< of each own contact point, its number there
+  /// Where the matrix is less the stiffness of forceold; null where A is as it is.
+  std::shared_ptr<const GrownPart> stiffened;
 
   const Numbering& numbering() const { return A->numbering(); }
 };
@@ -193,7 +196,7 @@ inline Real check_data(const SharedScene& shared, const Vector& b, const Vector&
     refuse_huge_data(scene, b, u0, s);
   });
   const long i = largest_data(scene, b, u0);
-  if (!is_tiny(domain.largest(i < 0 ? 0 : std::abs(u0[i])), s)) return 0;
+  if (scene.at || !is_tiny(domain.largest(i < 0 ? 0 : std::abs(u0[i])), s)) return 0;
   Real most = 0;
   const std::vector<Leftover> all = leftovers_of_all(shared, b);
   domain.agree([&] {

@@ -16,9 +16,10 @@ class SharedSite {
   virtual bool two_bodies() const { return false; }
   virtual std::vector<long> labels(Stack stack) const = 0;
   virtual std::vector<long> masters(Stack) const { return {}; }
-  /// The part of this process; the labels of the opening are the same on all.   Collective.
-  virtual std::shared_ptr<Scene> scene(Stack stack, const Opening& opening,
-                                       const Domain& domain) const = 0;
+  /// The part of this process, moved by `at`; the labels of the opening are the same on all.
+  /// Collective.
+  virtual std::shared_ptr<Scene> scene(Stack stack, const Opening& opening, const Domain& domain,
+                                       const Displacement& at) const = 0;
 };
 
 /// Those of the labels that are on this part's boundary; each is on that of some.   Collective.
@@ -46,6 +47,16 @@ inline void check_size(const Domain& domain, long ndof) {
                      "; make it by createMat(Th, C, Pk) with the mesh and the elements of Vh");
 }
 
+/// As owners of nodes have it.   Collective.
+inline Displacement with_ghosts(const Displacement& at, const DofCount& dofs,
+                                const Domain& domain) {
+  domain.agree([&] { check_at(at, dofs); });
+  if (!at) return at;
+  Vector of_owners = *at;
+  domain.update(of_owners);
+  return std::make_shared<const Vector>(std::move(of_owners));
+}
+
 template <class V>
 class SharedObstacleSite final : public SharedSite {
  public:
@@ -55,8 +66,8 @@ class SharedObstacleSite final : public SharedSite {
 
   std::vector<long> labels(Stack stack) const override { return labels_(stack, "labels"); }
 
-  std::shared_ptr<Scene> scene(Stack stack, const Opening& opening,
-                               const Domain& domain) const override {
+  std::shared_ptr<Scene> scene(Stack stack, const Opening& opening, const Domain& domain,
+                               const Displacement& given) const override {
     const typename V::FESpace* Vh = nullptr;
     std::set<long> boundary;
     domain.agree([&] {
@@ -65,18 +76,21 @@ class SharedObstacleSite final : public SharedSite {
       boundary = labels_of_boundary(*Vh);
     });
     const std::vector<long> present = labels_here(domain, boundary, opening.labels, "the mesh");
+    const Displacement at = with_ghosts(given, dofs_of(Vh->NbOfDF), domain);
     Boundary surface;
     std::vector<NodePlace> places;
     domain.agree([&] {
-      surface = boundary_of(Placement(*Vh), present);
-      places = node_places(Placement(*Vh));
+      surface = boundary_of(Placement(*Vh, at), present);
+      places = node_places(Placement(*Vh, at));
     });
     refuse_other_domain(domain, places);
     const std::size_t own = surface.nodes.size();
     add_facets_of_others(domain, dimension(), surface);
     std::shared_ptr<Scene> scene;
-    domain.agree(
-        [&] { scene = obstacle_scene(Placement(*Vh), contact_points(dimension(), surface, own)); });
+    domain.agree([&] {
+      scene = obstacle_scene(Placement(*Vh, at), contact_points(dimension(), surface, own));
+    });
+    scene->at = at;
     keep_own_points(domain, *scene);
     follow_motions_of_all(domain, name_bodies(domain, std::move(places), *scene), *scene);
     return scene;

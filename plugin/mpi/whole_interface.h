@@ -4,6 +4,15 @@
 
 namespace frictioncg {
 
+/// Of each node of a geometry that is moved; empty where it is not.
+struct Motion {
+  std::vector<mortar::Vec3> now;     ///< the displacement that X has already
+  std::vector<mortar::Vec3> before;  ///< uold
+  std::vector<mortar::Vec3> force;   ///< forceold
+  std::array<std::vector<mortar::Vec3>*, 3> all() { return {&now, &before, &force}; }
+  std::array<const std::vector<mortar::Vec3>*, 3> all() const { return {&now, &before, &force}; }
+};
+
 /// What a process knows of the faces of two bodies: its own part with overlap.
 struct InterfacePart {
   std::vector<mortar::Vec3> X;
@@ -14,6 +23,8 @@ struct InterfacePart {
   std::vector<Index> body;                 ///< of each node, over all processes
   std::vector<Index> groups;               ///< of elements around it: mortar::Options
   std::vector<std::vector<Real>> options;  ///< of each slave node: normal and weight, where given
+  bool is_moved = false;                   ///< the same on all processes
+  Motion motion;
 };
 
 /// The faces of two bodies whole, the same on all processes in every bit and order: what they make
@@ -35,6 +46,7 @@ struct WholeInterface {
   std::vector<unsigned char> held;
   std::vector<Index> body, groups;
   std::vector<std::vector<Real>> options;  ///< of each slave node
+  Motion motion;
   std::vector<mortar::Pair> pairs;
 
  private:
