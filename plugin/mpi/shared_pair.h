@@ -251,6 +251,13 @@ inline void assemble_grown(std::shared_ptr<const GrownPart> grown, long verb, Sh
   }
 }
 
+/// A itself in place of what is stiffened.   Collective.
+inline void assemble_plain(SharedScene& shared, long verb) {
+  report_plain(verb);
+  const std::shared_ptr<const GrownPart> grown = std::move(shared.stiffened);
+  assemble_grown(*grown, false, shared);
+}
+
 /// T'AT x against T'(A(T x)), A by the own rows of the script's matrix: a certificate cannot see
 /// that a matrix is not the one that is meant.   Collective.
 inline void check_transformed(const Triplets& A, const Domain& part, const SharedScene& shared) {

@@ -40,8 +40,7 @@ void WholeInterface::gather_nodes(const Domain& domain, const NodeNumbers& numbe
       const auto number_of_node = numbers.node(numbers.of(part.dof[i][0]));
       own.insert(own.end(), {Real(number_of_node), x[0], x[1], x[2], Real(part.held[i]),
                              Real(part.body[i]), Real(part.groups[i])});
-      for (const std::vector<mortar::Vec3>* v : part.motion.all())
-        if (part.is_moved) own.insert(own.end(), (*v)[i].data(), (*v)[i].data() + 3);
+      if (part.is_moved) part.motion.send(i, own);
       if (i >= part.slaves) continue;
       own_slaves_.push_back(i);
       own.insert(own.end(), part.options[i].begin(), part.options[i].end());
@@ -59,11 +58,7 @@ void WholeInterface::gather_nodes(const Domain& domain, const NodeNumbers& numbe
       body.push_back(static_cast<Index>(in[4]));
       groups.push_back(static_cast<Index>(in[5]));
       in += 6;
-      for (std::vector<mortar::Vec3>* v : motion.all()) {
-        if (!part.is_moved) break;
-        v->emplace_back(in[0], in[1], in[2]);
-        in += 3;
-      }
+      if (part.is_moved) in = motion.receive(in);
       if (extra > 0) options.emplace_back(in, in + extra);
       in += extra;
     }

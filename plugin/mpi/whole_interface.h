@@ -9,8 +9,19 @@ struct Motion {
   std::vector<mortar::Vec3> now;     ///< the displacement that X has already
   std::vector<mortar::Vec3> before;  ///< uold
   std::vector<mortar::Vec3> force;   ///< forceold
-  std::array<std::vector<mortar::Vec3>*, 3> all() { return {&now, &before, &force}; }
-  std::array<const std::vector<mortar::Vec3>*, 3> all() const { return {&now, &before, &force}; }
+
+  void send(Index node, std::vector<Real>& out) const {
+    for (const std::vector<mortar::Vec3>* of : {&now, &before, &force})
+      out.insert(out.end(), (*of)[node].data(), (*of)[node].data() + 3);
+  }
+  /// Returns what follows.
+  const Real* receive(const Real* in) {
+    for (std::vector<mortar::Vec3>* of : {&now, &before, &force}) {
+      of->emplace_back(in[0], in[1], in[2]);
+      in += 3;
+    }
+    return in;
+  }
 };
 
 /// What a process knows of the faces of two bodies: its own part with overlap.
