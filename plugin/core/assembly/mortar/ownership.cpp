@@ -30,7 +30,8 @@ Index label_position(const Surface& surface, long label) {
 std::vector<Vec3> normals_before(const Nodes& nodes, const std::vector<Side>& slaves,
                                  const Options& options, const Owns& owns,
                                  const std::vector<Vec3>& now) {
-  if (nodes.before.empty() || !options.normals.empty()) return now;
+  const bool any = std::any_of(nodes.held.begin(), nodes.held.end(), [](auto h) { return h != 0; });
+  if (!any || nodes.before.empty() || !options.normals.empty()) return now;
   Nodes before = nodes;
   before.X = nodes.before;
   std::vector<Side> sides;
