@@ -2,6 +2,7 @@
 #include "freefem.h"
 
 #include "block_order.h"
+#include "newton_step.h"
 #include "node_values.h"
 #include "outputs.h"
 #include "motions.h"
@@ -214,6 +215,9 @@ inline KN_<double> solve(Stack stack, const Call& call, Scene& scene, const Poin
     scene.assemble_plain();
     return solve(stack, call, scene, laws);
   }
+  if (scene.stiffened)
+    solution = NewtonStep(scene, vectors.b, vectors.u_old, laws, !call.args.has(p_gap))
+                   .solve(std::move(solution), now.u0, call.settings);
   const Vector moved = scene.system->to_global(solution.x, now.u0),
                field = moved.head(scene.ndof());
   if (scene.at) accept_rounding(solution);

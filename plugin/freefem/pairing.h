@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "../core/assembly/mortar/geometric_stiffness.h"
 #include "../core/assembly/mortar/slip.h"
 #include "../core/assembly/mortar/validation.h"
 #include "freedom.h"
@@ -149,7 +150,7 @@ class Pairing {
   /// step does not change others.
   Matrix stiffness(Index n, int d) const {
     std::vector<Eigen::Triplet<Real, Index>> entries;
-    for (const auto& [nodes, block] : mortar_->stiffness())
+    for (const auto& [nodes, block] : mortar_->stiffness().forces)
       for (int a = 0; a < d; ++a)
         for (int b = 0; b < d; ++b) {
           const Index i = between_.dof[nodes.first][a], j = between_.dof[nodes.second][b];
@@ -160,6 +161,18 @@ class Pairing {
     Matrix S(n, n);
     S.setFromTriplets(entries.begin(), entries.end());
     return S;
+  }
+
+  /// How forces and gaps change to first order where U grows by v (n): forces on free dofs.
+  std::pair<Vector, Vector> change(const Vector& v, int d) const {
+    const std::vector<mortar::Vec3> of_node = at_nodes(v, d);
+    const mortar::Change of =
+        mortar::change(*mortar_, of_node, mortar::straightened(d, between_.pairs, of_node));
+    Vector force = Vector::Zero(v.size());
+    for (std::size_t i = 0; i < of.force.size(); ++i)
+      for (int c = 0; c < d; ++c)
+        if (const Index k = between_.dof[i][c]; !dirichlet_->holds(k)) force[k] += of.force[i][c];
+    return {force, of.gap};
   }
 
   const Interface& between() const { return between_; }

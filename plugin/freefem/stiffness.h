@@ -25,6 +25,8 @@ class Stiffened {
   Triplets less() const { return view(a_.size()); }
   /// b of A u = b at u = U, for A - S.
   Vector load(const Vector& b, const Vector& U) const { return b - S_ * U; }
+  /// S v
+  Vector force(const Vector& v) const { return S_ * v; }
 
  private:
   Triplets view(std::size_t size) const {

@@ -62,7 +62,7 @@ std::vector<Vec3> force(const Mortar& mortar, std::vector<Vec3> y,
 /// The stiffness of the forces at hand.
 NodeBlocks stiffness(Surfaces s, const std::vector<Vec3>& f) {
   s.options.force = f;
-  return s.mortar().stiffness();
+  return s.mortar().stiffness().forces;
 }
 
 /// How far the stiffness is off along motions of the nodes, from central differences: each node
@@ -94,6 +94,34 @@ Real error(const Surfaces& s, bool even = false) {
     for (const Vec3& f : off) worst = std::max(worst, f.norm() / size);
   }
   return worst;
+}
+
+/// How far the slopes of gaps are off along such a motion, and how large the largest is.
+Real error_of_gaps(const Surfaces& s, bool even = false) {
+  const Mortar mortar = s.mortar();
+  Surfaces loaded = s;
+  loaded.options.force = force(mortar, multipliers(s, mortar), mortar.nodes());
+  const Real h = 1e-6;
+  Surfaces up = s, down = s;
+  std::vector<Vec3> along(s.nodes.X.size(), Vec3::Zero());
+  for (std::size_t j = 0; j < along.size(); ++j)
+    for (int c = 0; c < s.nodes.dimension; ++c) {
+      along[j][c] = std::sin(even ? s.nodes.X[j].dot(Vec3(0.4, 0.6, 0.2)) + 3 * c : 7. * j + 3 * c);
+      up.nodes.X[j][c] += h * along[j][c], down.nodes.X[j][c] -= h * along[j][c];
+    }
+  const Mortar high = up.mortar(), low = down.mortar();
+  std::map<Index, Real> slope;
+  const Mortar sloped = loaded.mortar();
+  for (const auto& [kj, by] : sloped.stiffness().gaps) slope[kj.first] += by.dot(along[kj.second]);
+  EXPECT_GT(slope.size(), 2u);
+  Real worst = 0, size = 0;
+  for (const auto& [k, found] : slope) {
+    const Real exact = (high.nodes()[k].gap - low.nodes()[k].gap) / (2 * h);
+    worst = std::max(worst, std::abs(found - exact));
+    size = std::max(size, std::abs(exact));
+  }
+  EXPECT_GT(size, even ? 0.005 : 0.1);
+  return worst / size;
 }
 
 /// Normals that stay, those of the mesh.
@@ -128,6 +156,28 @@ TEST(GeometricStiffness, KnowsThatNormalsTurnIn3DToFirstOrder) {
     const Real coarse = error(bulges(3, quadratic, -0.3, 0.2), true);
     EXPECT_LT(coarse, 0.05) << "P" << 1 + quadratic;
     EXPECT_LT(error(bulges(3, quadratic, -0.3, 0.2, 12), true), 0.6 * coarse);
+  }
+}
+
+TEST(GeometricStiffness, KnowsHowGapsOfFacetsChangeBetweenNormalsThatStand) {
+  for (int d : {2, 3})
+    for (bool quadratic : {false, true}) {
+      Surfaces s = with_given_normals(bulges(d, quadratic, -0.3));
+      s.options.smooth = false;
+      EXPECT_LT(error_of_gaps(s), 1e-7) << d << "D P" << 1 + quadratic;
+    }
+}
+
+TEST(GeometricStiffness, KnowsHowGapsOfCurvedSurfacesChangeIn2DExactly) {
+  for (bool quadratic : {false, true})
+    EXPECT_LT(error_of_gaps(bulges(2, quadratic, -0.3, 0.1)), 1e-7) << "P" << 1 + quadratic;
+}
+
+TEST(GeometricStiffness, KnowsHowGapsOfCurvedSurfacesChangeIn3DToFirstOrder) {
+  for (bool quadratic : {false, true}) {
+    const Real coarse = error_of_gaps(bulges(3, quadratic, -0.3, 0.2), true);
+    EXPECT_LT(coarse, 0.05) << "P" << 1 + quadratic;
+    EXPECT_LT(error_of_gaps(bulges(3, quadratic, -0.3, 0.2, 12), true), 0.6 * coarse);
   }
 }
 

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "assembly/mortar/smooth_side.h"
-
 namespace frictioncg::mortar {
 
 namespace {
@@ -46,13 +44,12 @@ Vec3 arc(const Vec3& n_a, const Vec3& n_b, const Vec3& e) {
 }  // namespace
 
 CurvedOffset::CurvedOffset(const Side& side, const std::vector<Vec3>& X)
-    : edge_(side.facets()), d_(side.d) {
-  const SmoothSide smooth(side, X, smooth_joints(side));
+    : side_(side), X_(X), smooth_(side, X, smooth_joints(side)), edge_(side.facets()), d_(side.d) {
   for (Index f = 0; f < side.facets(); ++f)
     for (int k = 0; k < edges_of_facet(d_); ++k) {
       const auto [p, q] = edge_ends(d_, k);
       const Vec3 e = X[side.facet(f).node[q]] - X[side.facet(f).node[p]];
-      edge_[f][k] = arc(smooth.at(f, p).normal, smooth.at(f, q).normal, e);
+      edge_[f][k] = arc(smooth_.at(f, p).normal, smooth_.at(f, q).normal, e);
     }
 }
 
@@ -63,6 +60,49 @@ Vec3 CurvedOffset::at(Index facet, const Vec3& lambda) const {
     delta += lambda[a] * lambda[b] * edge_[facet][k];
   }
   return delta;
+}
+
+Mat3 CurvedOffset::slopes(Index facet, const Vec3& lambda) const {
+  Mat3 slopes = Mat3::Zero();
+  for (int k = 0; k < edges_of_facet(d_); ++k) {
+    const auto [a, b] = edge_ends(d_, k);
+    slopes.col(a) += lambda[b] * edge_[facet][k];
+    slopes.col(b) += lambda[a] * edge_[facet][k];
+  }
+  return slopes;
+}
+
+/// y.edge = q along,   along = y.(n_a + n_b) / (1 + n_a.n_b)
+void CurvedOffset::add_slopes(Index facet, int k, const Vec3& y, Sloped& to, Bends& bends) const {
+  const auto [p, q] = edge_ends(d_, k);
+  const Index a = side_.facet(facet).node[p], b = side_.facet(facet).node[q];
+  const Vec3 &n_a = smooth_.at(facet, p).normal, &n_b = smooth_.at(facet, q).normal;
+  const Real cosine = n_a.dot(n_b);
+  if (cosine < 0) return;
+  const Vec3 e = X_[b] - X_[a], turn = n_b - n_a;
+  const Real along = y.dot(n_a + n_b) / (1 + cosine), bow = turn.dot(e) / 2 / (1 + cosine);
+  const auto bend = [&](int v, const Vec3& by) {
+    bends.try_emplace(smooth_.fan(facet, v), Vec3::Zero()).first->second += by;
+  };
+  bend(p, bow * (y - along * n_b) - along / 2 * e);
+  bend(q, bow * (y - along * n_a) + along / 2 * e);
+  to.at(a) -= along / 2 * turn;
+  to.at(b) += along / 2 * turn;
+}
+
+void CurvedOffset::add_slopes(const Bends& bends, Sloped& to) const {
+  for (const auto& [fan, y] : bends)
+    for (const auto& [j, by] : turns(fan)) to.at(j) += by.transpose() * y;
+}
+
+const Turns& CurvedOffset::turns(Index fan) const {
+  const auto [at, is_new] = turns_.try_emplace(fan);
+  if (is_new) {
+    TurningNormal normal(smooth_.node(fan), smooth_.normal(fan), X_);
+    for (Index f : smooth_.facets(fan)) normal.add(side_, f);
+    at->second = normal.turns();
+  }
+  return at->second;
 }
 
 }  // namespace frictioncg::mortar

@@ -4,72 +4,12 @@
 #include <set>
 
 #include "assembly/mortar/moments.h"
-#include "assembly/mortar/smooth_side.h"
+#include "assembly/mortar/turning_normal.h"
 #include "linear_algebra.h"
 
 namespace frictioncg::mortar {
 
 namespace {
-
-using Mat3 = Eigen::Matrix3d;
-using Turns = std::map<Index, Mat3>;  ///< dn_i/dX_j by j
-
-Mat3 cross(const Vec3& a) {
-  Mat3 m;
-  m << 0, -a[2], a[1], a[2], 0, -a[0], -a[1], a[0], 0;
-  return m;
-}
-
-/// Of e / |e|^2.
-Mat3 slope_of_inverse(const Vec3& e) {
-  const Real square = e.squaredNorm();
-  return (Mat3::Identity() - 2 / square * e * e.transpose()) / square;
-}
-
-/// The sum that the normal n of a node is along, with its derivatives: over the facets of the
-/// slaves around it that are one surface with it.
-class TurningNormal {
- public:
-  TurningNormal(Index i, const Vec3& n, const std::vector<Vec3>& X) : i_(i), n_(n), X_(X) {}
-  void add(const Side& side, Index f) {
-    if (side.planes[f].normal.dot(n_) < sharp) return;
-    const auto& node = side.facet(f).node;
-    const int v =
-        static_cast<int>(std::find(node.begin(), node.begin() + side.d, i_) - node.begin());
-    const Index j = node[(v + 1) % side.d], k = node[(v + 2) % side.d];
-    const Vec3 e = X_[j] - X_[i_];
-    if (side.d == 2) return add(e, Vec3::UnitZ(), j, side.planes[f].normal);
-    add(e, (X_[k] - X_[i_]) / (X_[k] - X_[i_]).squaredNorm(), j, side.planes[f].normal);
-    const Mat3 by = sign_ * cross(e / e.squaredNorm()) * slope_of_inverse(X_[k] - X_[i_]);
-    slope(k) += by;
-    slope(i_) -= by;
-  }
-  Turns turns() const {
-    Turns turns = slopes_;
-    const Mat3 along = (Mat3::Identity() - n_ * n_.transpose()) / sum_.norm();
-    for (auto& [j, by] : turns) by = along * by;
-    return turns;
-  }
-
- private:
-  /// e/|e|^2 x other, of the sign of n_f
-  void add(const Vec3& e, const Vec3& other, Index j, const Vec3& n_f) {
-    const Vec3 term = (e / e.squaredNorm()).cross(other);
-    sign_ = term.dot(n_f) < 0 ? -1 : 1;
-    sum_ += sign_ * term;
-    const Mat3 by = -sign_ * cross(other) * slope_of_inverse(e);
-    slope(j) += by;
-    slope(i_) -= by;
-  }
-  Mat3& slope(Index j) { return slopes_.try_emplace(j, Mat3::Zero()).first->second; }
-
-  Index i_;
-  Vec3 n_;
-  const std::vector<Vec3>& X_;
-  Real sign_ = 1;
-  Vec3 sum_ = Vec3::Zero();
-  Turns slopes_;
-};
 
 /// One row of G with its derivatives, balanced as in moments.h:
 ///
@@ -80,6 +20,8 @@ class Row {
   Row(const SlopedRow& row, const ContactNode& at, const Turns& turns, const std::vector<Vec3>& X);
   /// Of the force y
   void add_to(NodeBlocks& blocks, const Vec3& y) const;
+  /// Of the gap n.(offset - arm)
+  const std::map<Index, Vec3>& gap() const { return gap_; }
 
  private:
   struct Place {
@@ -92,6 +34,7 @@ class Row {
   }
   void place_master(const std::map<Index, Sloped>& theirs);
   void balance(const std::map<Index, Sloped>& theirs);
+  void set_gap(const SlopedRow& row);
   void balance_slopes(const std::map<Index, Sloped>& theirs, Index j);
   Mat3 slope_of_arm(Index j) const;
   Mat3 slope_of_mean(const std::map<Index, Sloped>& theirs, Index j) const;
@@ -103,6 +46,7 @@ class Row {
   std::map<Index, Sloped> G_;
   std::set<Index> near_;  ///< nodes that the row depends on
   std::map<Index, Place> at_;
+  std::map<Index, Vec3> gap_;
   Real sum_ = 0;  ///< of w
   Vec3 arm_ = Vec3::Zero(), mean_ = Vec3::Zero(), b_ = Vec3::Zero();
   Mat3 T_, inverse_;  ///< of M
@@ -120,6 +64,8 @@ Row::Row(const SlopedRow& row, const ContactNode& at, const Turns& turns,
     arm_ += weight.value * (X_[c] - X_[i_]);
   }
   for (const auto& [j, by] : turns_) near_.insert(j);
+  for (const auto& [j, by] : row.offset.slope) near_.insert(j);
+  set_gap(row);
   balance(row.theirs);
 }
 
@@ -156,6 +102,12 @@ void Row::balance(const std::map<Index, Sloped>& theirs) {
   b_ = inverse_ * arm_;
   for (Index j : near_) balance_slopes(theirs, j);
   for (const auto& [l, p] : at_) G_[l].value -= p.w * b_.dot(p.q);
+}
+
+void Row::set_gap(const SlopedRow& row) {
+  for (Index j : near_)
+    gap_[j] = row.offset.by(j) - slope_of_arm(j).transpose() * n_ +
+              turn(j).transpose() * (row.between - arm_);
 }
 
 /// Of the weights before they are balanced.
@@ -222,11 +174,12 @@ DenseMatrix multipliers(const Mortar& mortar, const std::vector<Vec3>& force) {
 
 }  // namespace
 
-NodeBlocks geometric_stiffness(const Mortar& mortar, const Nodes& nodes,
-                               const std::vector<Side>& slaves,
-                               const std::map<Index, SlopedRow>& rows, const Options& options) {
-  NodeBlocks blocks;
-  if (options.force.empty()) return blocks;
+GeometricStiffness geometric_stiffness(const Mortar& mortar, const Nodes& nodes,
+                                       const std::vector<Side>& slaves,
+                                       const std::map<Index, SlopedRow>& rows,
+                                       const Options& options) {
+  GeometricStiffness found;
+  if (options.force.empty()) return found;
   const DenseMatrix y = multipliers(mortar, options.force);
   std::map<Index, Turns> turns;
   if (options.normals.empty()) turns = turns_of(nodes, slaves, mortar.nodes());
@@ -234,9 +187,27 @@ NodeBlocks geometric_stiffness(const Mortar& mortar, const Nodes& nodes,
     const ContactNode& at = mortar.nodes()[k];
     const auto row = rows.find(at.node);
     if (row == rows.end() || y.col(k).isZero(0)) continue;
-    Row(row->second, at, turns[at.node], nodes.X).add_to(blocks, y.col(k));
+    const Row sloped(row->second, at, turns[at.node], nodes.X);
+    sloped.add_to(found.forces, y.col(k));
+    for (const auto& [j, by] : sloped.gap()) found.gaps.push_back({{k, j}, by});
   }
-  return blocks;
+  return found;
+}
+
+Change change(const Mortar& mortar, const std::vector<Vec3>& v, const std::vector<Vec3>& x) {
+  Change found{std::vector<Vec3>(v.size(), Vec3::Zero()), Vector::Zero(mortar.relative().rows())};
+  for (const auto& [ij, block] : mortar.stiffness().forces)
+    found.force[ij.first] += block * x[ij.second];
+  Index last = -1;
+  for (const auto& [kj, slope] : mortar.stiffness().gaps) {
+    const auto [k, j] = kj;
+    found.gap[k] += slope.dot(x[j]);
+    if (k == last) continue;
+    last = k;
+    for (Matrix::InnerIterator G(mortar.relative(), k); G; ++G)
+      found.gap[k] += G.value() * mortar.nodes()[k].normal.dot(v[G.col()]);
+  }
+  return found;
 }
 
 }  // namespace frictioncg::mortar

@@ -4,17 +4,25 @@
 namespace frictioncg::mortar {
 
 /// d(G'y)/dX, where the forces y keep their parts along normals and tangents: both turn with the
-/// slave,
+/// slave (turning_normal.h),
 ///
-///   dy_i = (n_i x dn_i) x y_i,   n_i ~ sum_f n_f sin(alpha_f) / (|e_f| |e'_f|)
+///   dy_i = (n_i x dn_i) x y_i
 ///
-/// alpha_f the angle of facet f at i, between the edges e_f and e'_f (2D: n_f / |e_f|): exact on
-/// circles and spheres [Max]. Left out are the rims of what is covered, normals that the master
-/// gives or the caller, which are taken to stand still, and what across_gap changes.
+/// and dg_i/dX of the nodes that y loads. Left out are the rims of what is covered, normals that
+/// the master gives or the caller, which are taken to stand still, and what across_gap changes.
 ///
 /// y of Options::force are those of the mortar, whose rows are given; none where it is empty.
-NodeBlocks geometric_stiffness(const Mortar& mortar, const Nodes& nodes,
-                               const std::vector<Side>& slaves,
-                               const std::map<Index, SlopedRow>& rows, const Options& options);
+GeometricStiffness geometric_stiffness(const Mortar& mortar, const Nodes& nodes,
+                                       const std::vector<Side>& slaves,
+                                       const std::map<Index, SlopedRow>& rows,
+                                       const Options& options);
+
+/// To first order, where U grows by v, and by it the places of nodes by x: those of P2 edges stay
+/// between their ends.
+struct Change {
+  std::vector<Vec3> force;  ///< of G'y, at each node
+  Vector gap;  ///< of g + n.G U, the bound on n.G u at each contact node; 0 where y loads none
+};
+Change change(const Mortar& mortar, const std::vector<Vec3>& v, const std::vector<Vec3>& x);
 
 }  // namespace frictioncg::mortar

@@ -30,6 +30,10 @@ class Integration {
   /// Of a quadrature point, weighted.
   Real measure(const Part& part, const QuadraturePoint& point) const;
 
+  /// Of the slave and of the master; null where the gap is that of the facets.
+  const CurvedOffset* of_slave() const { return options_.smooth ? &slave_ : nullptr; }
+  const CurvedOffset* of_master() const { return options_.smooth ? &master_ : nullptr; }
+
  private:
   Real weight(const Part& part, const Vec3& lambda) const;
 

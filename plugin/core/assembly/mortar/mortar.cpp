@@ -45,7 +45,7 @@ class Assembly {
       : nodes_(nodes),
         options_(options),
         ownership_(ownership),
-        slopes_(nodes.X, options.force),
+        slopes_(nodes.X, options.force, ownership.normal),
         D_(Vector::Zero(size())),
         offset_(nodes.X.size(), Vec3::Zero()),
         faced_(nodes.X.size()) {}

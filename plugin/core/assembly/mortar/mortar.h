@@ -74,6 +74,13 @@ struct MidEdge {
 /// of the node of the column.
 using NodeBlocks = std::vector<std::pair<std::pair<Index, Index>, Eigen::Matrix3d>>;
 
+/// How contact changes with the places of nodes.
+struct GeometricStiffness {
+  NodeBlocks forces;  ///< d(G'y)/dX
+  /// dg_k/dX_j by (k, j), of the contact nodes k that a force loads.
+  std::vector<std::pair<std::pair<Index, Index>, Vec3>> gaps;
+};
+
 /// What the search has found of one pair.
 struct Statistics {
   Index facing = 0;          ///< contact nodes
@@ -104,8 +111,8 @@ class Mortar {
   const std::vector<ContactNode>& nodes() const { return nodes_; }  ///< m
   const std::vector<MidEdge>& edges() const { return edges_; }
   const Matrix& relative() const { return G_; }  ///< m x nodes; forces on both bodies are G'y
-  /// d(G'y)/dX of Options::force, whose y turn with the normals; see geometric_stiffness.h.
-  const NodeBlocks& stiffness() const { return stiffness_; }
+  /// Of Options::force, whose y turn with the normals; see geometric_stiffness.h.
+  const GeometricStiffness& stiffness() const { return stiffness_; }
   const Statistics& statistics(Index pair = 0) const { return statistics_[pair]; }
 
   /// T, nodes x nodes, with rows of the identity where held (empty: nowhere): for the components
@@ -127,7 +134,7 @@ class Mortar {
   Matrix N_, P_;                        ///< nodes x nodes, rows of contact nodes
   Matrix S_, G_;                        ///< m x nodes: (I + N) C^-1, and S - P
   std::vector<Statistics> statistics_;  ///< per pair
-  NodeBlocks stiffness_;
+  GeometricStiffness stiffness_;
 
   friend class Assembly;
 };

@@ -91,7 +91,10 @@ SmoothSide::SmoothSide(const Side& side, const std::vector<Vec3>& X,
     for (int v = 0; v < d; ++v) {
       const auto [at, is_new] =
           fan_of_root.emplace(corners.of(d * f + v), static_cast<Index>(surface.fans.size()));
-      if (is_new) surface.fans.emplace_back().vertex = surface.facets[f].vertex[v];
+      if (is_new) {
+        surface.fans.emplace_back().vertex = surface.facets[f].vertex[v];
+        node_.push_back(side.facet(f).node[v]);
+      }
       Fan& fan = surface.fans[at->second];
       fan.facets.push_back(f);
       fan.mean += side.planes[f].measure * side.planes[f].normal;
@@ -99,6 +102,7 @@ SmoothSide::SmoothSide(const Side& side, const std::vector<Vec3>& X,
     }
   for (Fan& fan : surface.fans) fan.mean.normalize();
   normal_ = smooth_normals(surface);
+  for (Fan& fan : surface.fans) facets_.push_back(std::move(fan.facets));
 }
 
 }  // namespace frictioncg::mortar

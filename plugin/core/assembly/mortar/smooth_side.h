@@ -21,10 +21,16 @@ class SmoothSide {
   const FanNormal& at(Index facet, int vertex) const { return normal_[fan_at_[facet][vertex]]; }
   /// A number of the surface at a vertex of a facet: facets around a vertex have the same one.
   Index fan(Index facet, int vertex) const { return fan_at_[facet][vertex]; }
+  /// The node that a surface of this number is at, and its facets there.
+  Index node(Index fan) const { return node_[fan]; }
+  const std::vector<Index>& facets(Index fan) const { return facets_[fan]; }
+  const Vec3& normal(Index fan) const { return normal_[fan].normal; }
 
  private:
   std::vector<std::array<Index, 3>> fan_at_;
   std::vector<FanNormal> normal_;
+  std::vector<Index> node_;
+  std::vector<std::vector<Index>> facets_;
 };
 
 }  // namespace frictioncg::mortar

@@ -28,8 +28,9 @@ Eigen::Matrix3d gradients(int d, const Plane& plane) {
   return grad;
 }
 
-/// Of one cell, and of each lambda_u of the slave's facet times phi^m_l(chi): the derivatives of
-/// the integral with respect to the vertices of the slave and of the master.
+/// Of one cell, and of each lambda_u of the slave's facet times phi^m_l(chi), and times the offset
+/// delta_m(chi) by components: the derivatives of the integral with respect to the vertices of the
+/// slave and of the master, where the arcs of the offset stay.
 class CellSlopes {
  public:
   CellSlopes(const Integration& integration, const Part& part, const Cell& cell,
@@ -41,15 +42,21 @@ class CellSlopes {
     Eigen::Matrix3d h;
     for (int v = 0; v < 3; ++v) h.col(v) = plane.B.transpose() * chi.lambda[v].g;
     const bool quadratic = part.master.surface.quadratic;
+    const CurvedOffset* offset = integration.of_master();
     std::vector<QuadraturePoint> points;
     quadrature(cell.part, points);
     for (const QuadraturePoint& point : points) {
       const Vec3 lambda = slave_coordinates(d_, point.xi), theirs = chi.at(point.xi);
       const Vec3 weighted = integration.measure(part, point) * lambda;
-      const Eigen::Matrix<Real, 6, 3> along =
-          shape_slopes(d_, quadratic, theirs) * h.transpose();  // row l: d phi_l / dx
+      Eigen::Matrix<Real, 9, 3> along = Eigen::Matrix<Real, 9, 3>::Zero();
+      along.topRows<6>() = shape_slopes(d_, quadratic, theirs) * h.transpose();  // d phi_l / dx
+      if (offset) along.bottomRows<3>() = offset->slopes(cell.master, theirs) * h.transpose();
+      for (int k = 0; k < edges_of_facet(d_); ++k) {
+        const auto [a, b] = edge_ends(d_, k);
+        arcs_.col(k) += theirs[a] * theirs[b] * weighted;
+      }
       const Real g = chi.distance(point.xi);
-      for (int l = 0; l < nodes_of_facet(d_, quadratic); ++l)
+      for (int l = 0; l < 9; ++l)
         for (int v = 0; v < d_; ++v) {
           const Vec3 H = along.row(l);
           const Vec3 of_slave = lambda[v] * H - g * H.dot(grad.col(v)) * plane.normal;
@@ -58,7 +65,9 @@ class CellSlopes {
         }
     }
   }
-  /// Adds the slopes of int psi phi_l(chi), psi given over the lambda_u.
+  /// int psi lambda_a lambda_b over edge k of the master.
+  Real arc(int k, const Eigen::RowVector3d& psi) const { return psi * arcs_.col(k); }
+  /// Adds the slopes of int psi phi_l(chi), psi given over the lambda_u; l = 6, 7, 8: delta_m.
   void add(const Part& part, const Facet& master, int l, const Eigen::RowVector3d& psi,
            Sloped& to) const {
     for (int v = 0; v < d_; ++v) {
@@ -68,7 +77,7 @@ class CellSlopes {
   }
 
  private:
-  using Table = std::array<std::array<Eigen::Matrix3d, 3>, 6>;  ///< by l and v: columns u
+  using Table = std::array<std::array<Eigen::Matrix3d, 3>, 9>;  ///< by l and v: columns u
   static Table zero() {
     Table table;
     for (auto& of_l : table) of_l.fill(Eigen::Matrix3d::Zero());
@@ -76,6 +85,7 @@ class CellSlopes {
   }
   int d_;
   Table slave_ = zero(), master_ = zero();
+  Eigen::Matrix3d arcs_ = Eigen::Matrix3d::Zero();
 };
 
 /// What one facet adds to the rows of the nodes that carry its multipliers.
@@ -83,14 +93,14 @@ class FacetSlopes {
  public:
   FacetSlopes(const Integration& integration, const Part& part, const Moments& moments,
               const std::vector<Vec3>& X)
-      : part_(part), moments_(moments) {
+      : part_(part), moments_(moments), integration_(integration) {
     measure_.value = 1;
     const Eigen::Matrix3d grad = gradients(part.slave.d, part.slave.planes[part.facet]);
     for (int v = 0; v < part.slave.d; ++v) measure_.slope[part.node(v)] = grad.col(v);
     for (const Cell& cell : part.cells) cells_.emplace_back(integration, part, cell, X);
   }
 
-  void add(const Eigen::RowVector3d& psi, const std::array<bool, 3>& kept, Real D,
+  void add(const Eigen::RowVector3d& psi, const std::array<bool, 3>& kept, Real D, const Vec3& n,
            SlopedRow& row) const {
     const int d = part_.slave.d;
     row.D.add(measure_, D);
@@ -106,6 +116,7 @@ class FacetSlopes {
         cells_[c].add(part_, master, l, psi, weight);
       }
     }
+    if (integration_.of_master()) add_offset(psi, n, row);
   }
 
  private:
@@ -115,25 +126,35 @@ class FacetSlopes {
     for (int end : edge_ends(part_.slave.d, k)) row.own[part_.node(end)].add(measure_, -weight / 2);
   }
 
+  void add_offset(const Eigen::RowVector3d& psi, const Vec3& n, SlopedRow& row) const {
+    const CurvedOffset &slave = *integration_.of_slave(), &master = *integration_.of_master();
+    CurvedOffset::Bends of_slave, of_master;
+    const Vec3 offset = (psi * moments_.offset).transpose();
+    row.between += offset;
+    row.offset.add(measure_, n.dot(offset));
+    for (int k = 0; k < edges_of_facet(part_.slave.d); ++k) {
+      slave.add_slopes(part_.facet, k, -psi.dot(moments_.edges.col(k)) / 4 * n, row.offset,
+                       of_slave);
+      for (std::size_t c = 0; c < cells_.size(); ++c)
+        master.add_slopes(part_.cells[c].master, k, cells_[c].arc(k, psi) * n, row.offset,
+                          of_master);
+    }
+    slave.add_slopes(of_slave, row.offset);
+    master.add_slopes(of_master, row.offset);
+    for (std::size_t c = 0; c < cells_.size(); ++c)
+      for (int l = 6; l < 9; ++l)
+        cells_[c].add(part_, part_.master.facet(part_.cells[c].master), l, n[l - 6] * psi,
+                      row.offset);
+  }
+
   const Part& part_;
   const Moments& moments_;
+  const Integration& integration_;
   Sloped measure_;  ///< over itself
   std::vector<CellSlopes> cells_;
 };
 
 }  // namespace
-
-void Sloped::add(const Sloped& f, Real factor) {
-  value += factor * f.value;
-  for (const auto& [node, by] : f.slope) at(node) += factor * by;
-}
-
-Vec3& Sloped::at(Index node) { return slope.try_emplace(node, Vec3::Zero()).first->second; }
-
-Vec3 Sloped::by(Index node) const {
-  const auto found = slope.find(node);
-  return found == slope.end() ? Vec3(Vec3::Zero()) : found->second;
-}
 
 void WeightSlopes::add(const Part& part, const Moments& moments, const Integration& integration,
                        const Ownership::Carriers& carriers) {
@@ -145,21 +166,27 @@ void WeightSlopes::add(const Part& part, const Moments& moments, const Integrati
   const FacetSlopes facet(integration, part, moments, X_);
   const DualBasis dual = dual_basis(part.slave.d, moments.vertices, carriers.kept);
   for (int v = 0; v < part.slave.d; ++v)
-    if (carriers.kept[v]) facet.add(dual.psi.row(v), carriers.kept, dual.d[v], sums_[part.node(v)]);
+    if (carriers.kept[v])
+      facet.add(dual.psi.row(v), carriers.kept, dual.d[v], normals_[part.node(v)],
+                sums_[part.node(v)]);
   const Real share = 1. / static_cast<Real>(carriers.stand_in.size());
   for (Index i : carriers.stand_in)
-    facet.add(Eigen::RowVector3d::Constant(share), carriers.kept, 0, sums_[i]);
+    facet.add(Eigen::RowVector3d::Constant(share), carriers.kept, 0, normals_[i], sums_[i]);
 }
 
 std::map<Index, SlopedRow> WeightSlopes::rows() const {
   std::map<Index, SlopedRow> rows = sums_;
-  for (auto& [node, row] : rows)
-    for (auto* side : {&row.own, &row.theirs})  // D > 0: a node that stands in has facets, too
-      for (auto& [column, weight] : *side) {
-        weight.value /= row.D.value;
-        for (const auto& [j, by] : row.D.slope) weight.at(j) -= weight.value * by;
-        for (auto& [j, by] : weight.slope) by /= row.D.value;
-      }
+  for (auto& [node, row] : rows) {  // D > 0: a node that stands in has facets, too
+    const auto divide = [&D = row.D](Sloped& weight) {
+      weight.value /= D.value;
+      for (const auto& [j, by] : D.slope) weight.at(j) -= weight.value * by;
+      for (auto& [j, by] : weight.slope) by /= D.value;
+    };
+    for (auto* side : {&row.own, &row.theirs})
+      for (auto& [column, weight] : *side) divide(weight);
+    divide(row.offset);
+    row.between /= row.D.value;
+  }
   return rows;
 }
 

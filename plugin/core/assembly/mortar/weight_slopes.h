@@ -1,26 +1,17 @@
 #pragma once
-#include <map>
-
 #include "assembly/mortar/integration.h"
 #include "assembly/mortar/ownership.h"
+#include "assembly/mortar/sloped.h"
 
 namespace frictioncg::mortar {
-
-/// A number with its derivatives with respect to the places of nodes.
-struct Sloped {
-  Real value = 0;
-  std::map<Index, Vec3> slope;  ///< by node; 0 of others
-
-  void add(const Sloped& f, Real factor);
-  Vec3& at(Index node);
-  Vec3 by(Index node) const;
-};
 
 /// The weights of one contact node i, before they are balanced: row i of (I + N) C^-1 but for the 1
 /// of i itself, and of P, by columns.
 struct SlopedRow {
   Sloped D;
   std::map<Index, Sloped> own, theirs;
+  Vec3 between = Vec3::Zero();  ///< int psi_i (delta_m(chi) - delta_s) / D_i
+  Sloped offset;                ///< the same along a normal n_i that stands
 };
 
 /// Rows of the contact nodes that the last contact force loads. The facet of slave f adds, by
@@ -35,14 +26,17 @@ struct SlopedRow {
 class WeightSlopes {
  public:
   /// force: at each node, or empty: there are no rows.
-  WeightSlopes(const std::vector<Vec3>& X, const std::vector<Vec3>& force) : X_(X), force_(force) {}
+  /// normals: of the laws, at each node.
+  WeightSlopes(const std::vector<Vec3>& X, const std::vector<Vec3>& force,
+               const std::vector<Vec3>& normals)
+      : X_(X), force_(force), normals_(normals) {}
   void add(const Part& part, const Moments& moments, const Integration& integration,
            const Ownership::Carriers& carriers);
   /// By node, once all facets are added.
   std::map<Index, SlopedRow> rows() const;
 
  private:
-  const std::vector<Vec3>&X_, &force_;
+  const std::vector<Vec3>&X_, &force_, &normals_;
   std::map<Index, SlopedRow> sums_;
 };
 
