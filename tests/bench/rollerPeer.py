@@ -167,4 +167,5 @@ def main(table):
                 out.flush()
 
 
-main(*sys.argv[1:])
+if __name__ == "__main__":
+    main(*sys.argv[1:])
