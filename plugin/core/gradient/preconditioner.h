@@ -66,4 +66,7 @@ class Preconditioner {
 /// Throws IllegalInput where multigrid is asked for and the system allows no hierarchy.
 std::unique_ptr<Preconditioner> make_preconditioner(const System& system, Precon kind, Real omega);
 
+/// C = omega/(2-omega) (D/omega + E) D^{-1} (D/omega + E)', eq. (16), with D of A or of J''.
+std::unique_ptr<Preconditioner> make_ssor(const System& system, bool on_hessian, Real omega);
+
 }  // namespace frictioncg

@@ -1,7 +1,7 @@
 // The preconditioner precon="multigrid" of the paper's methods.
 #include <gtest/gtest.h>
 
-#include "core/gradient/multigrid.h"
+#include "core/gradient/preconditioner.h"
 #include "core/model/validate.h"
 #include "core/solver.h"
 #include "../multigrid/scene_in_blocks.h"
@@ -57,24 +57,28 @@ struct OnAFace {
   }
 };
 
+std::unique_ptr<Preconditioner> multigrid(const System& system) {
+  return make_preconditioner(system, Precon::multigrid, 1);
+}
+
 }  // namespace
 
 TEST(MultigridPreconditioner, IsCloseToTheInverseOnTheFreeFaceAndZeroWhereHeld) {
   for (int cells : {3, 7}) {  // one level, and several
     const OnAFace f(cells);
-    MultigridPreconditioner P(f.system);
-    P.start(f.r);
-    P.set_contact(f.r_C(), f.part);
+    const auto P = multigrid(f.system);
+    P->start(f.r);
+    P->set_contact(f.r_C(), f.part);
     Vector z = Vector::Zero(f.system.dofs());
-    P.direction(0, z);
+    P->direction(0, z);
     for (Index c = 0; c < f.system.contact_dofs(); ++c)
       EXPECT_TRUE(f.part.free[c] || z[f.system.interior() + c] == 0) << c;
     const Vector exact = f.J().ldlt().solve(f.r), away = z - exact;
     EXPECT_LT(std::sqrt(away.dot(f.J() * away) / exact.dot(f.r)), 0.5) << cells;
-    EXPECT_NEAR(P.r_z(), f.r.dot(z), 1e-12 * P.r_z());
-    EXPECT_NEAR(P.r_v(z), f.r.dot(z), 1e-12 * P.r_z());
-    EXPECT_NEAR(P.free_norm(), norm_D(f.system, f.r), 1e-12 * P.free_norm());
-    const Curvature k = P.curvature(z);
+    EXPECT_NEAR(P->r_z(), f.r.dot(z), 1e-12 * P->r_z());
+    EXPECT_NEAR(P->r_v(z), f.r.dot(z), 1e-12 * P->r_z());
+    EXPECT_NEAR(P->free_norm(), norm_D(f.system, f.r), 1e-12 * P->free_norm());
+    const Curvature k = P->curvature(z);
     EXPECT_NEAR(k.A, z.dot(f.system.entries() * z), 1e-9 * k.D);
     EXPECT_NEAR(k.D, z.dot(f.system.D.cwiseProduct(z)), 1e-12 * k.D);
   }
@@ -82,43 +86,43 @@ TEST(MultigridPreconditioner, IsCloseToTheInverseOnTheFreeFaceAndZeroWhereHeld) 
 
 TEST(MultigridPreconditioner, KeepsResidualsAndProductsWhileXAndFacesChange) {
   OnAFace f(7);
-  MultigridPreconditioner P(f.system);
-  P.start(f.r);
-  P.set_contact(f.r_C(), f.part);
+  const auto P = multigrid(f.system);
+  P->start(f.r);
+  P->set_contact(f.r_C(), f.part);
   const Index interior = f.system.interior(), m = f.system.contact_dofs();
   Vector v = Vector::Zero(f.system.dofs()), x = v, r = f.r;
   for (int step = 0; step < 3; ++step) {
     const Vector before = v;
-    P.direction(0.5, v);
-    P.curvature(v);
-    const Real r_z = P.r_z();
-    P.advance(0.1, v, x);
-    EXPECT_EQ(P.r_z(), r_z);  // of the last set_contact
+    P->direction(0.5, v);
+    P->curvature(v);
+    const Real r_z = P->r_z();
+    P->advance(0.1, v, x);
+    EXPECT_EQ(P->r_z(), r_z);  // of the last set_contact
     const Vector r_before = r;
     r -= 0.1 * (f.system.entries() * v);
     if (step == 1) {
       Vector dx = Vector::Zero(f.system.dofs());
       dx[interior + 13] = 1e-3;
-      P.move_contact(dx.tail(m));
+      P->move_contact(dx.tail(m));
       r -= f.system.entries() * dx;
       f.part.free[14] = 0;
     }
     for (Index c = 0; c < m; ++c)
       if (!f.part.free[c]) r[interior + c] = 0;
-    P.set_contact(r.tail(m), f.part);
+    P->set_contact(r.tail(m), f.part);
     // what is made anew from r is the same
-    MultigridPreconditioner fresh(f.system);
-    fresh.start(r);
-    fresh.set_contact(r.tail(m), f.part);
+    const auto fresh = multigrid(f.system);
+    fresh->start(r);
+    fresh->set_contact(r.tail(m), f.part);
     Vector z = Vector::Zero(r.size()), same = z;
-    fresh.direction(0, z);
-    P.direction(0, same);
+    fresh->direction(0, z);
+    P->direction(0, same);
     EXPECT_LT((same - z).norm(), 1e-5 * z.norm()) << step;
-    EXPECT_NEAR(P.r_z(), r.dot(same), 1e-9 * P.r_z());
+    EXPECT_NEAR(P->r_z(), r.dot(same), 1e-9 * P->r_z());
     if (step != 1) {
-      EXPECT_NEAR(P.dr_z(), (r - r_before).dot(same), 1e-9 * r.norm() * same.norm());
+      EXPECT_NEAR(P->dr_z(), (r - r_before).dot(same), 1e-9 * r.norm() * same.norm());
     }
-    EXPECT_NEAR(P.free_norm(), norm_D(f.system, r), 1e-9 * P.free_norm());
+    EXPECT_NEAR(P->free_norm(), norm_D(f.system, r), 1e-9 * P->free_norm());
   }
 }
 
