@@ -1,7 +1,6 @@
 #include "gradient_route.h"
 
 #include "gradient/fixed_point.h"
-#include "solver.h"
 #include "statics/equilibrium.h"
 #include "statics/rigid_motions.h"
 #include "statics/undetermined.h"

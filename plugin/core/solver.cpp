@@ -7,8 +7,6 @@
 
 #include "answer.h"
 #include "condensed/condensed.h"
-#include "gradient/projected_cg.h"
-#include "gradient/sorp.h"
 #include "gradient_route.h"
 #include "model/validate.h"
 #include "multigrid/multigrid_solver.h"
@@ -105,14 +103,6 @@ Plan make_plan(const ContactProblem& problem, const Settings& settings) {
   plan.fixed_point = plan.law == Law::coulomb;
   plan.regularization = plan.law != Law::frictionless && smooths_friction(settings);
   return plan;
-}
-
-std::unique_ptr<TrescaSolver> make_tresca_solver(const ContactProblem& problem,
-                                                 const Settings& settings, Index max_iterations,
-                                                 Observer* observer) {
-  if (settings.method == Method::sorp)
-    return std::make_unique<Sorp>(problem, settings, max_iterations, observer);
-  return std::make_unique<ProjectedCG>(problem, settings, max_iterations, observer);
 }
 
 Solver::Solver(SystemPtr system) : system_(std::move(system)), floating_(system_) {

@@ -3,7 +3,6 @@
 
 #include "cost.h"
 #include "solution.h"
-#include "gradient/tresca.h"
 #include "statics/floating.h"
 
 namespace frictioncg {
@@ -20,11 +19,6 @@ struct Plan {
 };
 
 Plan make_plan(const ContactProblem& problem, const Settings& settings);
-
-/// The method of the settings for problem 2, at a given sliding limit.
-std::unique_ptr<TrescaSolver> make_tresca_solver(const ContactProblem& problem,
-                                                 const Settings& settings, Index max_iterations,
-                                                 Observer* observer);
 
 class CondensedSolver;
 class MultigridSolver;

@@ -1,5 +1,6 @@
 // A FreeFEM plugin of the benchmarks: paperTables(A, b, Vh, label, mu=..., ...) repeats the tables
 // 3 to 6 of Raous and Barbarin (1992) on the scene it is given, with the paper's own counts beside.
+#include "core/gradient/tresca.h"
 #include "on_scene.h"
 
 #include <iomanip>

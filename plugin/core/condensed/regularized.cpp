@@ -1,7 +1,6 @@
 #include "condensed/regularized.h"
 
 #include "gradient/fixed_point.h"
-#include "gradient/projected_cg.h"
 #include "model/certificate.h"
 
 namespace frictioncg {
@@ -50,8 +49,8 @@ Solution by_regularization(const CondensedProblem& problem, const Settings& sett
   const bool on_S = (problem.S.diagonal().array() > least_stiffness * problem.D.array()).all();
   const ContactProblem p = on_S ? on_contact_dofs(problem) : problem.laws;
   OnContactDofs observer(p, problem.observer);
-  ProjectedCG cg(p, gc3, max_iterations, &observer);
-  Solution s = FixedPoint(p, gc3, cg).solve(on_S ? start : Vector());
+  const auto cg = make_tresca_solver(p, gc3, max_iterations, &observer);
+  Solution s = FixedPoint(p, gc3, *cg).solve(on_S ? start : Vector());
   s.x = Vector(s.x.tail(problem.f.size()));
   return s;
 }

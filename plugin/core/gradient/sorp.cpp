@@ -1,8 +1,8 @@
-#include "gradient/sorp.h"
-
 #include <cmath>
 
 #include "gradient/contact_rows.h"
+#include "gradient/tresca.h"
+#include "model/contact_problem.h"
 
 namespace frictioncg {
 
@@ -15,118 +15,149 @@ constexpr Real usual_omega = 1.8;
 /// in 20.
 constexpr Index measure_every = 20;
 
+/// Successive over-relaxation with projection, the peer of the paper's tables: each dof in turn to
+/// the minimizer of J along it, over-relaxed by omega, normals projected on x_N <= gap, tangents
+/// thresholded at g. Not regularized.
+class Sorp final : public TrescaSolver {
+ public:
+  Sorp(const ContactProblem& problem, const Settings& settings, Index max_iterations,
+       Observer* observer)
+      : problem_(problem),
+        settings_(settings),
+        max_iterations_(max_iterations),
+        observer_(observer),
+        D_(problem.system->D),
+        omega_(settings.omega > 0 ? settings.omega : usual_omega),
+        stiffness_(tangential_stiffness(*problem.system)),
+        residual_(problem.dofs()) {}
+
+  /// Stagnated where the sweeps leave the range of numbers: nothing is proved by that.
+  Outcome minimize(Vector& x, const Vector& g, Real, Tangents tangents, Real bound) override {
+    Outcome outcome;
+    start(x, tangents);
+    ratio_ = 0;
+    since_measured_ = 0;
+    bool done = violation(x, g, tangents) <= bound;
+    while (!done && outcome.status == Status::converged) {
+      if (iterations_ >= max_iterations_) {
+        outcome.status = Status::max_iterations;
+        break;
+      }
+      ++iterations_;
+      const Change change = sweep(x, g, tangents);
+      outcome.steps.add(StepLabel::sweep);
+      if (!std::isfinite(change.energy)) outcome.status = Status::stagnated;
+      done = settled(x, g, tangents, bound, change);
+      if (observer_) observer_->iterate(iterations_, StepLabel::sweep, x);
+    }
+    return outcome;
+  }
+
+  bool regularized() const override { return false; }
+
+ private:
+  struct Change {
+    Real energy = 0;  ///< sum of a_ii dx_i^2
+    Real square = 0;  ///< sum of dx_i^2
+  };
+
+  void start(Vector& x, Tangents tangents) const {
+    const Increment& now = problem_.increment;
+    for (Index i = 0; i < problem_.nodes(); ++i) {
+      const Index N = problem_.system->first[i];
+      x[N] = now.bilateral ? now.gap[i] : std::min(x[N], now.gap[i]);
+      if (tangents == Tangents::stuck) x.segment(N + 1, problem_.tangents(i)).setZero();
+    }
+  }
+
+  Change sweep(Vector& x, const Vector& g, Tangents tangents) const {
+    Change change;
+    for (Index i = 0; i < problem_.interior(); ++i)
+      update(x, i, x[i] + omega_ * row_residual(x, i) / D_[i], change);
+    for (Index i = 0; i < problem_.nodes(); ++i) {
+      const Index N = problem_.system->first[i];
+      const Real gap = problem_.increment.gap[i];
+      if (!problem_.increment.bilateral)
+        update(x, N, std::min(x[N] + omega_ * row_residual(x, N) / D_[N], gap), change);
+      if (tangents == Tangents::sliding && problem_.tangents(i) > 0)
+        relax_tangents(x, i, g[i], change);
+    }
+    return change;
+  }
+
+  void update(Vector& x, Index i, Real value, Change& change) const {
+    const Real dx = value - x[i];
+    x[i] = value;
+    change.energy += D_[i] * dx * dx;
+    change.square += dx * dx;
+  }
+
+  /// x_T := soft threshold at omega g / a of x_T + omega r_T / a: fixed where r_T is in g d|x_T|.
+  void relax_tangents(Vector& x, Index node, Real g, Change& change) const {
+    const Index T = problem_.system->first[node] + 1, t = problem_.tangents(node);
+    const Real step = omega_ / stiffness_[node];
+    Tangent y(t);
+    for (Index k = 0; k < t; ++k) y[k] = x[T + k] + step * row_residual(x, T + k);
+    const Real norm = y.norm(), shrink = norm > step * g ? 1 - step * g / norm : 0;
+    for (Index k = 0; k < t; ++k) update(x, T + k, shrink * y[k], change);
+  }
+
+  Real row_residual(const Vector& x, Index i) const {
+    const Index* row = problem_.system->entries().outerIndexPtr();
+    const Index* col = problem_.system->entries().innerIndexPtr();
+    const Real* a = problem_.system->entries().valuePtr();
+    Real r = problem_.increment.F[i];
+    for (Index k = row[i]; k < row[i + 1]; ++k) r -= a[k] * x[col[k]];
+    return r;
+  }
+
+  /// What is left of the optimality conditions at given g, in norm_D.
+  Real violation(const Vector& x, const Vector& g, Tangents tangents) {
+    const Vector& w = problem_.system->weight;
+    const Index interior = problem_.interior();
+    problem_.system->multiply(x, residual_);
+    residual_ = problem_.increment.F - residual_;
+    Real sum = (residual_.head(interior).array().square() / w.head(interior).array()).sum();
+    for (Index i = 0; i < problem_.nodes(); ++i) {
+      const Index N = problem_.system->first[i], size = problem_.tangents(i) + 1;
+      const Violation v = frictioncg::violation(given_limit(g[i], problem_.increment.bilateral),
+                                                problem_.increment.gap[i], w.segment(N, size),
+                                                x.segment(N, size), residual_.segment(N, size));
+      sum += v.normal + (tangents == Tangents::sliding ? v.friction : 0);
+    }
+    return std::sqrt(sum);
+  }
+
+  bool settled(const Vector& x, const Vector& g, Tangents tangents, Real bound,
+               const Change& change) {
+    if (settings_.stop_on_step > 0)
+      return std::sqrt(change.square) <= settings_.stop_on_step * x.norm();
+    const Real size = std::sqrt(change.energy);
+    if (ratio_ * size > bound && ++since_measured_ < measure_every) return false;
+    const Real measured = violation(x, g, tangents);
+    ratio_ = size > 0 ? measured / size : 0;
+    since_measured_ = 0;
+    return measured <= bound;
+  }
+
+  const ContactProblem& problem_;
+  const Settings& settings_;
+  const Index max_iterations_;
+  Observer* const observer_;
+  const Vector& D_;
+  const Real omega_;
+  const Vector stiffness_;  ///< m, of A_TT
+  Vector residual_;         ///< n, of the last measurement
+  Real ratio_ = 0;          ///< last measured violation over the change of its sweep
+  Index since_measured_ = 0;
+  Index iterations_ = 0;  ///< over all minimizations
+};
+
 }  // namespace
 
-Sorp::Sorp(const ContactProblem& problem, const Settings& settings, Index max_iterations,
-           Observer* observer)
-    : problem_(problem),
-      settings_(settings),
-      max_iterations_(max_iterations),
-      observer_(observer),
-      D_(problem.system->D),
-      omega_(settings.omega > 0 ? settings.omega : usual_omega),
-      stiffness_(tangential_stiffness(*problem.system)),
-      residual_(problem.dofs()) {}
-
-/// Stagnated where the sweeps leave the range of numbers: nothing is proved by that.
-Outcome Sorp::minimize(Vector& x, const Vector& g, Real, Tangents tangents, Real bound) {
-  Outcome outcome;
-  start(x, tangents);
-  ratio_ = 0;
-  since_measured_ = 0;
-  bool done = violation(x, g, tangents) <= bound;
-  while (!done && outcome.status == Status::converged) {
-    if (iterations_ >= max_iterations_) {
-      outcome.status = Status::max_iterations;
-      break;
-    }
-    ++iterations_;
-    const Change change = sweep(x, g, tangents);
-    outcome.steps.add(StepLabel::sweep);
-    if (!std::isfinite(change.energy)) outcome.status = Status::stagnated;
-    done = settled(x, g, tangents, bound, change);
-    if (observer_) observer_->iterate(iterations_, StepLabel::sweep, x);
-  }
-  return outcome;
-}
-
-void Sorp::start(Vector& x, Tangents tangents) const {
-  const Increment& now = problem_.increment;
-  for (Index i = 0; i < problem_.nodes(); ++i) {
-    const Index N = problem_.system->first[i];
-    x[N] = now.bilateral ? now.gap[i] : std::min(x[N], now.gap[i]);
-    if (tangents == Tangents::stuck) x.segment(N + 1, problem_.tangents(i)).setZero();
-  }
-}
-
-bool Sorp::settled(const Vector& x, const Vector& g, Tangents tangents, Real bound,
-                   const Change& change) {
-  if (settings_.stop_on_step > 0)
-    return std::sqrt(change.square) <= settings_.stop_on_step * x.norm();
-  const Real size = std::sqrt(change.energy);
-  if (ratio_ * size > bound && ++since_measured_ < measure_every) return false;
-  const Real measured = violation(x, g, tangents);
-  ratio_ = size > 0 ? measured / size : 0;
-  since_measured_ = 0;
-  return measured <= bound;
-}
-
-Real Sorp::row_residual(const Vector& x, Index i) const {
-  const Index* row = problem_.system->entries().outerIndexPtr();
-  const Index* col = problem_.system->entries().innerIndexPtr();
-  const Real* a = problem_.system->entries().valuePtr();
-  Real r = problem_.increment.F[i];
-  for (Index k = row[i]; k < row[i + 1]; ++k) r -= a[k] * x[col[k]];
-  return r;
-}
-
-void Sorp::update(Vector& x, Index i, Real value, Change& change) const {
-  const Real dx = value - x[i];
-  x[i] = value;
-  change.energy += D_[i] * dx * dx;
-  change.square += dx * dx;
-}
-
-Sorp::Change Sorp::sweep(Vector& x, const Vector& g, Tangents tangents) const {
-  Change change;
-  for (Index i = 0; i < problem_.interior(); ++i)
-    update(x, i, x[i] + omega_ * row_residual(x, i) / D_[i], change);
-  for (Index i = 0; i < problem_.nodes(); ++i) {
-    const Index N = problem_.system->first[i];
-    const Real gap = problem_.increment.gap[i];
-    if (!problem_.increment.bilateral)
-      update(x, N, std::min(x[N] + omega_ * row_residual(x, N) / D_[N], gap), change);
-    if (tangents == Tangents::sliding && problem_.tangents(i) > 0)
-      relax_tangents(x, i, g[i], change);
-  }
-  return change;
-}
-
-/// x_T := soft threshold at omega g / a of x_T + omega r_T / a: fixed where r_T is in g d|x_T|.
-void Sorp::relax_tangents(Vector& x, Index node, Real g, Change& change) const {
-  const Index T = problem_.system->first[node] + 1, t = problem_.tangents(node);
-  const Real step = omega_ / stiffness_[node];
-  Tangent y(t);
-  for (Index k = 0; k < t; ++k) y[k] = x[T + k] + step * row_residual(x, T + k);
-  const Real norm = y.norm(), shrink = norm > step * g ? 1 - step * g / norm : 0;
-  for (Index k = 0; k < t; ++k) update(x, T + k, shrink * y[k], change);
-}
-
-/// What is left of the optimality conditions at given g, in norm_D.
-Real Sorp::violation(const Vector& x, const Vector& g, Tangents tangents) {
-  const Vector& w = problem_.system->weight;
-  const Index interior = problem_.interior();
-  problem_.system->multiply(x, residual_);
-  residual_ = problem_.increment.F - residual_;
-  Real sum = (residual_.head(interior).array().square() / w.head(interior).array()).sum();
-  for (Index i = 0; i < problem_.nodes(); ++i) {
-    const Index N = problem_.system->first[i], size = problem_.tangents(i) + 1;
-    const Violation v = frictioncg::violation(given_limit(g[i], problem_.increment.bilateral),
-                                              problem_.increment.gap[i], w.segment(N, size),
-                                              x.segment(N, size), residual_.segment(N, size));
-    sum += v.normal + (tangents == Tangents::sliding ? v.friction : 0);
-  }
-  return std::sqrt(sum);
+std::unique_ptr<TrescaSolver> make_sorp(const ContactProblem& problem, const Settings& settings,
+                                        Index max_iterations, Observer* observer) {
+  return std::make_unique<Sorp>(problem, settings, max_iterations, observer);
 }
 
 }  // namespace frictioncg

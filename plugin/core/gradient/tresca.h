@@ -1,4 +1,6 @@
 #pragma once
+#include <memory>
+
 #include "model/law.h"
 #include "settings.h"
 #include "steps.h"
@@ -33,5 +35,13 @@ class TrescaSolver {
   /// Whether it minimizes J_eps, and needs eps > 0 where there is friction.
   virtual bool regularized() const { return true; }
 };
+
+/// The method of the settings. max_iterations bounds all its minimizations together; the observer
+/// may be null.
+std::unique_ptr<TrescaSolver> make_tresca_solver(const ContactProblem& problem,
+                                                 const Settings& settings, Index max_iterations,
+                                                 Observer* observer);
+std::unique_ptr<TrescaSolver> make_sorp(const ContactProblem& problem, const Settings& settings,
+                                        Index max_iterations, Observer* observer);
 
 }  // namespace frictioncg

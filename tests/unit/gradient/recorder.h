@@ -2,6 +2,7 @@
 // What a minimization at a given sliding limit does, iteration by iteration.
 #include "../scene.h"
 #include "core/gradient/regularization.h"
+#include "core/gradient/tresca.h"
 #include "core/solver.h"
 
 namespace frictioncg::test {
