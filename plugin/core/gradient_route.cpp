@@ -52,7 +52,7 @@ void decide_on_equilibrium(const ContactProblem& problem, FloatingMotions& float
 Solution by_gradients(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                       Observer* observer, FloatingMotions& floating) {
   const auto tresca = make_tresca_solver(problem, settings, bound_of(problem, settings), observer);
-  Solution s = FixedPoint(problem, settings, *tresca).solve(x0);
+  Solution s = fixed_point(problem, settings, *tresca, x0);
   s.layer = layer_of(settings.method);
   decide_on_equilibrium(problem, floating, s);
   settle(problem, settings, floating, s);

@@ -50,7 +50,7 @@ Solution by_regularization(const CondensedProblem& problem, const Settings& sett
   const ContactProblem p = on_S ? on_contact_dofs(problem) : problem.laws;
   OnContactDofs observer(p, problem.observer);
   const auto cg = make_tresca_solver(p, gc3, max_iterations, &observer);
-  Solution s = FixedPoint(p, gc3, *cg).solve(on_S ? start : Vector());
+  Solution s = fixed_point(p, gc3, *cg, on_S ? start : Vector());
   s.x = Vector(s.x.tail(problem.f.size()));
   return s;
 }

@@ -1,5 +1,4 @@
 #pragma once
-#include "gradient/anderson.h"
 #include "gradient/tresca.h"
 #include "solution.h"
 
@@ -12,41 +11,9 @@ namespace frictioncg {
 /// Status: converged where the certificate is within tol; fixed_point_diverged where the passes no
 /// longer improve g, damped or not; regularized where eps is what keeps the certificate above tol;
 /// stagnated where rounding is; else what ended the last minimization.
-class FixedPoint {
- public:
-  FixedPoint(const ContactProblem& problem, const Settings& settings, TrescaSolver& tresca);
-
-  /// x0: n, or empty to start from sticking contact.
-  Solution solve(const Vector& x0);
-
- private:
-  void start(const Vector& x0);
-  void minimize(Tangents tangents, Real bound);
-  bool improve(Real& last);
-  bool update_sliding_limit();
-  Real measure_image();
-  void judge_progress(Real mismatch);
-  void sharpen_pass(Real mismatch);
-  void step_towards_image(bool learnt);
-  bool sharpen_regularization();
-  Real finest() const;
-  Real displacement_scale() const;
-  Vector sliding_limits() const;
-
-  const ContactProblem& problem_;
-  const Settings& settings_;
-  TrescaSolver& tresca_;
-  const bool coulomb_;
-  Solution solution_;
-  Vector g_;      ///< m [force]
-  Vector image_;  ///< m, G(g)
-  Anderson anderson_;
-  Real relative_eps_;  ///< eps over the displacement scale, where eps is ours to choose
-  Real inner_ = 0;     ///< bound of the next minimization, over the certificate's scale
-  Real precision_;     ///< a minimization solves to this share of the mismatch of g
-  Real best_;          ///< least mismatch |G(g) - g| so far, over the scale
-  Index since_best_ = 0;
-  bool damped_ = false;
-};
+///
+/// x0: n, or empty to start from sticking contact.
+Solution fixed_point(const ContactProblem& problem, const Settings& settings, TrescaSolver& tresca,
+                     const Vector& x0);
 
 }  // namespace frictioncg

@@ -91,7 +91,7 @@ TEST(FixedPoint, AccelerationFindsTheLimitsOfALinearMapInAFewPasses) {
   M << -0.95, 0.3, 0, 0, -0.9, 0.2, 0, 0, -0.85;  // 0.95^k takes 400 passes
   Played played(p, [&](const Vector& g) { return Vector(g_star + M * (g - g_star)); });
   const Settings settings = coulomb();
-  const Solution a = FixedPoint(p, settings, played).solve({});
+  const Solution a = fixed_point(p, settings, played, {});
   EXPECT_EQ(a.status, Status::converged);
   EXPECT_LE(a.passes, 12);
   EXPECT_LT((played.asked.back() - g_star).norm(), 1e-8);
@@ -109,7 +109,7 @@ TEST(FixedPoint, DampingEngagesWhereAccelerationDoesNotHelp) {
     return g_star - (g - g_star);
   });
   const Settings settings = coulomb();
-  const Solution a = FixedPoint(p, settings, played).solve({});
+  const Solution a = fixed_point(p, settings, played, {});
   EXPECT_EQ(a.status, Status::converged);
   EXPECT_GT(a.passes, 16);
   EXPECT_LE(a.passes, 22);
@@ -123,7 +123,7 @@ TEST(FixedPoint, WithoutProgressItEndsNamed) {
   std::srand(4);
   Played played(p, [&](const Vector&) { return Vector(g_star + Vector(0.5 * Vector::Random(2))); });
   const Settings settings = coulomb();
-  const Solution a = FixedPoint(p, settings, played).solve({});
+  const Solution a = fixed_point(p, settings, played, {});
   EXPECT_EQ(a.status, Status::fixed_point_diverged);
   EXPECT_LE(a.passes, 200);
   EXPECT_TRUE(damped(played, played.asked.size() - 2));
@@ -134,7 +134,7 @@ TEST(FixedPoint, PassesAreNoMorePreciseThanGIsKnownAndPreciseInTheEnd) {
   const ContactProblem p = nodes_apart(g_star);
   Played played(p, [&](const Vector& g) { return Vector(g_star - 0.5 * (g - g_star)); });
   const Settings settings = coulomb();
-  const Solution a = FixedPoint(p, settings, played).solve({});
+  const Solution a = fixed_point(p, settings, played, {});
   EXPECT_EQ(a.status, Status::converged);
   EXPECT_GT(played.bounds.front(), 1e-3 * a.certificate.scale);
   for (std::size_t k = 1; k < played.bounds.size(); ++k) {
@@ -153,7 +153,7 @@ TEST(FixedPoint, AnImageBelowThePrecisionOfItsPassDoesNotMisleadTheAcceleration)
   Played played(
       p, [&](const Vector& g) { return ++calls == 1 ? g : Vector(g_star - 0.5 * (g - g_star)); });
   const Settings settings = coulomb();
-  const Solution a = FixedPoint(p, settings, played).solve({});
+  const Solution a = fixed_point(p, settings, played, {});
   EXPECT_EQ(a.status, Status::converged);
   EXPECT_LE(a.passes, 6);
 }
@@ -174,7 +174,7 @@ TEST(FixedPoint, AFailedMinimizationNamesTheEnd) {
                         Status::not_positive_definite}) {
     Failing failing(status);
     const Settings settings = coulomb();
-    EXPECT_EQ(FixedPoint(p, settings, failing).solve({}).status, status);
+    EXPECT_EQ(fixed_point(p, settings, failing, {}).status, status);
   }
 }
 
