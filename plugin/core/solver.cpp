@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 #include "answer.h"
 #include "condensed/condensed.h"
@@ -269,17 +268,14 @@ bool Solver::condense(const Settings& settings, Observer* observer) {
 }
 
 void Solver::refuse_memory(double given) const {
-  std::ostringstream m;
-  m << "method=\"condensed\" ";
-  if (std::isfinite(memory_needed_))
-    m << "needs at least " << memory_needed_ / 1e9
-      << " GB for its factor and the dense matrices on " << system_->contact_dofs()
-      << " contact dofs, more than memory = " << given / 1e9 << " GB; raise memory";
-  else
-    m << "needs a factor of more than 2^31 entries, which CHOLMOD cannot index; take "
-         "method=\"GCX\"";
-  m << ", or leave the choice to method=\"auto\"";
-  throw IllegalInput(m.str());
+  const char* const condensed = "method=\"condensed\" needs ";
+  const char* const otherwise = ", or leave the choice to method=\"auto\"";
+  if (!std::isfinite(memory_needed_))
+    refuse(condensed, "a factor of more than 2^31 entries, which CHOLMOD cannot index; take ",
+           "method=\"GCX\"", otherwise);
+  refuse(condensed, "at least ", memory_needed_ / 1e9,
+         " GB for its factor and the dense matrices on ", system_->contact_dofs(),
+         " contact dofs, more than memory = ", given / 1e9, " GB; raise memory", otherwise);
 }
 
 Solution solve(const ContactProblem& problem, const Settings& settings, const Vector& x0,

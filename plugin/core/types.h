@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
+#include <sstream>
 #include <stdexcept>
 #include <vector>
 
@@ -16,5 +17,13 @@ using Matrix = Eigen::SparseMatrix<Real, Eigen::RowMajor, Index>;  ///< both hal
 struct IllegalInput : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
+
+/// Throws it, with the parts of the sentence in a row.
+template <class... Part>
+[[noreturn]] void refuse(const Part&... part) {
+  std::ostringstream m;
+  (m << ... << part);
+  throw IllegalInput(m.str());
+}
 
 }  // namespace frictioncg

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 namespace frictioncg {
 
@@ -14,8 +13,6 @@ namespace {
 /// above.
 constexpr Real huge_ratio = 1e10;
 
-[[noreturn]] void refuse(const std::ostringstream& message) { throw IllegalInput(message.str()); }
-
 /// What the triplets say of each row.
 struct Rows {
   std::vector<Real> diagonal, row_max, column_max;
@@ -25,13 +22,10 @@ struct Rows {
       : diagonal(A.n, 0), row_max(A.n, 0), column_max(A.n, 0), emptied(A.n, 0) {
     for (std::size_t k = 0; k < A.size; ++k) add(A.row(k), A.col(k), A.a[k]);
     for (Index i = 0; i < A.n; ++i)
-      if (!(diagonal[i] > 0)) {
-        std::ostringstream m;
-        m << "A(" << i << "," << i << ") = " << diagonal[i]
-          << "; every diagonal entry must be > 0 (assemble with tgv=1e30 or tgv=-1, and with an "
-             "elasticity term on every element)";
-        refuse(m);
-      }
+      if (!(diagonal[i] > 0))
+        refuse("A(", i, ",", i, ") = ", diagonal[i],
+               "; every diagonal entry must be > 0 (assemble with tgv=1e30 or tgv=-1, and with an "
+               "elasticity term on every element)");
   }
 
   Real others(Index i) const { return std::max(row_max[i], column_max[i]); }
@@ -40,11 +34,8 @@ struct Rows {
  private:
   void add(Index i, Index j, Real entry) {
     const Real a = std::abs(entry);
-    if (!(a <= std::numeric_limits<Real>::max())) {
-      std::ostringstream m;
-      m << "A(" << i << "," << j << ") = " << entry << "; the entries of A must be finite";
-      refuse(m);
-    }
+    if (!(a <= std::numeric_limits<Real>::max()))
+      refuse("A(", i, ",", j, ") = ", entry, "; the entries of A must be finite");
     if (i == j) {
       diagonal[i] += entry;
     } else {
@@ -114,12 +105,10 @@ Vector Dirichlet::data(const Vector& b) const {
     const Held& h = held_[k];
     data[k] = b[h.dof] / h.diagonal;
     if (data[k] != 0 && (h.lost || (h.uncoupled && !unit_rows_))) {
-      std::ostringstream m;
-      m << "b[" << h.dof << "] = " << b[h.dof]
-        << " is the data of a Dirichlet dof whose couplings are not in A ("
-        << (half_ ? "half-stored with tgv=-1); assemble without sym=1 or with tgv=1e30"
-                  : "tgv=-2); assemble with tgv=1e30 or tgv=-1");
-      refuse(m);
+      refuse("b[", h.dof, "] = ", b[h.dof],
+             " is the data of a Dirichlet dof whose couplings are not in A (",
+             (half_ ? "half-stored with tgv=-1); assemble without sym=1 or with tgv=1e30"
+                    : "tgv=-2); assemble with tgv=1e30 or tgv=-1"));
     }
   }
   return data;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 #include "model/validate.h"
 
@@ -12,19 +11,6 @@ namespace frictioncg {
 /// Two gaps are one where they differ by less than this share of the largest gap or prescribed
 /// displacement.
 constexpr Real same_gap = 1e-9;
-
-namespace {
-
-/// Each vector of a call has a value for each dof, or for each contact point.
-void require_size(const char* name, const Vector& values, std::size_t wanted, const char* of) {
-  if (static_cast<std::size_t>(values.size()) == wanted) return;
-  std::ostringstream m;
-  m << name << " has " << values.size() << " values; it takes " << wanted << ", one for each "
-    << of;
-  throw IllegalInput(m.str());
-}
-
-}  // namespace
 
 LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
                          const std::vector<Index>& mesh_node, RigidModes modes,
@@ -130,18 +116,16 @@ void LocalSystem::check_stiffness(const Triplets& A, const System& system) const
   for (Index p = 0; p < system.dofs(); ++p) {
     const Index i = basis_->origin[p];
     if (has_squares(system.D[p]) || !A.is_whole(i)) continue;
-    std::ostringstream m;
-    m << "A(" << i << "," << i << ") = " << system.D[p] << "; a stiffness lies between " << smallest
-      << " and " << largest << " (squares must not overflow): check the coefficients, or choose "
-      << "other units";
-    throw IllegalInput(m.str());
+    refuse("A(", i, ",", i, ") = ", system.D[p], "; a stiffness lies between ", smallest, " and ",
+           largest, " (squares must not overflow): check the coefficients, or choose ",
+           "other units");
   }
 }
 
 /// F = T'b - K u_D - A w_old
 LocalLoad LocalSystem::load(const Vector& b, const Vector& u_old) const {
-  require_size("b", b, basis_->T.rows(), "dof");
-  if (u_old.size() > 0) require_size("u_old", u_old, basis_->T.rows(), "dof");
+  require_size("b", Index(b.size()), Index(basis_->T.rows()), "dof");
+  if (u_old.size() > 0) require_size("u_old", Index(u_old.size()), Index(basis_->T.rows()), "dof");
   return load_from(b, u_old.size() > 0 ? to_local(u_old) : u_old);
 }
 
@@ -178,13 +162,14 @@ LocalIncrement LocalSystem::increment(const Vector& b, const Vector& u_old,
 }
 
 LocalIncrement LocalSystem::increment(const LocalLoad& load, const PointLaws& laws) const {
-  require_size("gap", laws.gap, points_.size(), "contact point");
-  if (laws.law == Law::coulomb) require_size("mu", laws.mu, points_.size(), "contact point");
-  if (laws.law == Law::tresca) require_size("g", laws.g, points_.size(), "contact point");
-  for (const Vector* values : {&laws.cohesion, &laws.cap})
-    if (values->size() > 0)
-      require_size(values == &laws.cap ? "cap" : "cohesion", *values, points_.size(),
-                   "contact point");
+  const auto require = [&](const char* name, const Vector& values) {
+    require_size(name, Index(values.size()), Index(points_.size()), "contact point");
+  };
+  require("gap", laws.gap);
+  if (laws.law == Law::coulomb) require("mu", laws.mu);
+  if (laws.law == Law::tresca) require("g", laws.g);
+  if (laws.cohesion.size() > 0) require("cohesion", laws.cohesion);
+  if (laws.cap.size() > 0) require("cap", laws.cap);
   LocalIncrement result;
   Increment& increment = result.increment;
   const Vector& start = load.start;

@@ -5,7 +5,6 @@
 #include <limits>
 #include <memory>
 #include <numeric>
-#include <sstream>
 
 namespace frictioncg {
 
@@ -259,12 +258,10 @@ void check_symmetry(const Triplets& A, const Matrix& A_local, const Vector& D,
   const auto compare = [&](Index p, Index q, Real a_pq, Real a_qp) {
     if (a_pq == a_qp || !has_row(origin[p]) || !has_row(origin[q])) return;
     if (std::abs(a_pq - a_qp) <= asymmetry * std::sqrt(std::abs(D[p] * D[q]))) return;
-    std::ostringstream m;
-    m << "A(" << origin[p] << "," << origin[q] << ") = " << a_pq << " but A(" << origin[q] << ","
-      << origin[p] << ") = " << a_qp
-      << "; A must be symmetric (friction enters by mu, not by the matrix; blocks assembled with "
-         "sym=1 lose a half in [[A1, 0], [0, A2]]: assemble them without)";
-    throw IllegalInput(m.str());
+    refuse("A(", origin[p], ",", origin[q], ") = ", a_pq, " but A(", origin[q], ",", origin[p],
+           ") = ", a_qp,
+           "; A must be symmetric (friction enters by mu, not by the matrix; blocks assembled with "
+           "sym=1 lose a half in [[A1, 0], [0, A2]]: assemble them without)");
   };
   for (Index p = 0; p < A_local.rows(); ++p) {
     for (Index k = row[p]; k < row[p + 1] && col[k] < p; ++k) {

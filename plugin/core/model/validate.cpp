@@ -1,23 +1,10 @@
 #include "model/validate.h"
 
 #include <cmath>
-#include <sstream>
 
 namespace frictioncg {
 
 namespace {
-
-template <class... Part>
-[[noreturn]] void refuse(const Part&... part) {
-  std::ostringstream m;
-  (m << ... << part);
-  throw IllegalInput(m.str());
-}
-
-void require_size(const char* name, Index size, Index wanted, const char* of) {
-  if (size != wanted)
-    refuse(name, " has ", size, " values; it takes ", wanted, ", one for each ", of);
-}
 
 /// Each value of a vector over the contact nodes, or the dofs, against its rule.
 template <class Holds>
@@ -87,6 +74,11 @@ void refuse_without_effect(const Settings& s) {
 }
 
 }  // namespace
+
+void require_size(const char* name, Index size, Index wanted, const char* of) {
+  if (size != wanted)
+    refuse(name, " has ", size, " values; it takes ", wanted, ", one for each ", of);
+}
 
 const char* without_effect(Option option, const Settings& s) {
   const bool condensed = condenses(s), smooths = smooths_friction(s);

@@ -15,6 +15,9 @@ inline bool has_squares(Real stiffness) { return stiffness >= smallest && stiffn
 // What the core refuses, whoever calls it. Each throws IllegalInput with one sentence: what, its
 // value, where (contact nodes and dofs by their index), the rule, the remedy.
 
+/// A vector has a value for each dof, contact node or point.
+void require_size(const char* name, Index size, Index wanted, const char* of);
+
 /// Sizes, signs, finite entries; that A is symmetric is taken on trust.
 void validate(const System& system);
 

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 #include "assembly/mortar/search.h"
 #include "assembly/mortar/self_contact.h"
 #include "assembly/mortar/sheets.h"
+#include "assembly/mortar/validation.h"
 
 namespace frictioncg::mortar {
 
@@ -186,12 +186,9 @@ bool Covering::overlap_refused(Index f, const Cell& cell) {
   const Vec3 lambda = slave_coordinates(d_, xi);
   Vec3 x = Vec3::Zero();
   for (int v = 0; v < d_; ++v) x += lambda[v] * X_[slave_.facet(f).node[v]];
-  std::ostringstream m;
-  m << "slave and master overlap by " << depth << " at (" << x[0] << ", " << x[1];
-  if (d_ == 3) m << ", " << x[2];
-  m << "), deeper than their facets are long (" << size
-    << "); move the bodies apart, or, where this is no overlap, give maxgap below " << depth;
-  throw IllegalInput(m.str());
+  refuse("slave and master overlap by ", depth, " at ", place(d_, x),
+         ", deeper than their facets are long (", size,
+         "); move the bodies apart, or, where this is no overlap, give maxgap below ", depth);
 }
 
 Real Covering::nearest_facing() {

@@ -1,7 +1,6 @@
 #include "assembly/mortar/label_pairs.h"
 
 #include <algorithm>
-#include <sstream>
 
 #include "types.h"
 
@@ -23,13 +22,11 @@ bool same_labels(std::vector<long> a, std::vector<long> b) {
 
 std::vector<LabelPair> label_pairs(const std::vector<long>& slave,
                                    const std::vector<long>& master) {
-  if (slave.size() != master.size() && slave.size() != 1 && master.size() != 1) {
-    std::ostringstream m;
-    m << "slave has " << slave.size() << " labels and master has " << master.size()
-      << "; lists of one length are pairs, slave[k] facing master[k], and a single label faces all "
-         "of the other list";
-    throw IllegalInput(m.str());
-  }
+  if (slave.size() != master.size() && slave.size() != 1 && master.size() != 1)
+    refuse(
+        "slave has ", slave.size(), " labels and master has ", master.size(),
+        "; lists of one length are pairs, slave[k] facing master[k], and a single label faces all "
+        "of the other list");
   const std::size_t count = std::max(slave.size(), master.size());
   std::vector<LabelPair> of_slave;  // one slave label each
   for (std::size_t k = 0; k < count; ++k) {

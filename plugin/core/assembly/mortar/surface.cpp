@@ -1,7 +1,6 @@
 #include "assembly/mortar/surface.h"
 
 #include <Eigen/LU>
-#include <sstream>
 
 namespace frictioncg::mortar {
 
@@ -22,11 +21,9 @@ namespace {
 /// A triangle whose area is below this share of the square of its longest edge is a segment.
 constexpr Real degenerate = 1e-14;
 
-[[noreturn]] void refuse(const Facet& facet, const Vec3& at) {
-  std::ostringstream m;
-  m << "a facet of label " << facet.label << " at (" << at[0] << ", " << at[1] << ", " << at[2]
-    << ") has no extent";
-  throw IllegalInput(m.str());
+[[noreturn]] void refuse_flat(const Facet& facet, const Vec3& at) {
+  refuse("a facet of label ", facet.label, " at (", at[0], ", ", at[1], ", ", at[2],
+         ") has no extent");
 }
 
 }  // namespace
@@ -37,14 +34,14 @@ Plane plane_of(int d, const Facet& facet, const std::vector<Vec3>& X) {
   const Vec3 e1 = X[facet.node[1]] - p.origin;
   if (d == 2) {
     p.size = p.measure = e1.norm();
-    if (!(p.measure > 0)) refuse(facet, p.origin);
+    if (!(p.measure > 0)) refuse_flat(facet, p.origin);
     p.normal = Vec3(e1[1], -e1[0], 0) / p.measure;
     p.B.row(0) = e1.transpose() / e1.squaredNorm();
   } else {
     const Vec3 e2 = X[facet.node[2]] - p.origin;
     const Vec3 n = e1.cross(e2);
     p.size = std::max({e1.norm(), e2.norm(), (e2 - e1).norm()});
-    if (!(n.norm() > degenerate * p.size * p.size)) refuse(facet, p.origin);
+    if (!(n.norm() > degenerate * p.size * p.size)) refuse_flat(facet, p.origin);
     p.measure = n.norm() / 2;
     p.normal = n.normalized();
     p.B.row(0) = e2.cross(n).transpose() / n.squaredNorm();

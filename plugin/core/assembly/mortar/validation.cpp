@@ -39,21 +39,15 @@ void refuse_common_facets(int d, const std::vector<Pair>& pairs) {
   std::map<Key, const Pair*> slave;
   for (const Pair& pair : pairs)
     for (const Facet& f : pair.slave.facets)
-      if (!slave.emplace(key(d, f), &pair).second) {
-        std::ostringstream m;
-        m << "label " << f.label << " is slave twice; list it once";
-        throw IllegalInput(m.str());
-      }
+      if (!slave.emplace(key(d, f), &pair).second)
+        refuse("label ", f.label, " is slave twice; list it once");
   for (const Pair& pair : pairs)
     for (const Facet& f : pair.master.facets) {
       const auto found = slave.find(key(d, f));
       if (found != slave.end() && found->second == &pair) {
-        std::ostringstream m;
-        m << "label " << f.label
-          << " is on both sides; a boundary is slave or master, or, where it touches itself, the "
-             "one "
-             "and the other by the same labels alone";
-        throw IllegalInput(m.str());
+        refuse("label ", f.label,
+               " is on both sides; a boundary is slave or master, or, where it touches itself, the "
+               "one and the other by the same labels alone");
       }
     }
 }
@@ -74,13 +68,12 @@ void refuse_slaves_as_masters(const Nodes& nodes, const std::vector<Side>& slave
         const Facet& facet = masters[q].facet(cell.master);
         const auto found = facing.find(key(d, facet));
         if (found == facing.end()) continue;
-        std::ostringstream m;
-        m << "the node at " << place(d, nodes.X[facet.node[0]]) << " on label " << facet.label
-          << " is slave of one pair (master: " << labels_of(masters[found->second].surface)
-          << ") and master of another (slave: " << labels_of(slaves[q].surface)
-          << "); exchange slave and master of one of the two, or leave out by maxgap what does not "
-             "touch there";
-        throw IllegalInput(m.str());
+        refuse(
+            "the node at ", place(d, nodes.X[facet.node[0]]), " on label ", facet.label,
+            " is slave of one pair (master: ", labels_of(masters[found->second].surface),
+            ") and master of another (slave: ", labels_of(slaves[q].surface),
+            "); exchange slave and master of one of the two, or leave out by maxgap what does not "
+            "touch there");
       }
 }
 
@@ -98,13 +91,11 @@ void refuse_merged_nodes(const Nodes& nodes, const std::vector<Pair>& pairs,
         is_slave[i] = 0;
         const Index groups = options.element_groups(i);
         if (groups < 2) continue;
-        std::ostringstream m;
-        m << "slave and master share the node at " << place(nodes.dimension, nodes.X[i])
-          << ", where " << groups
-          << " bodies meet: the meshes were merged there, as + does with near vertices; use one "
-             "space per mesh, or join them apart and move them back with movemesh, in 3D with "
-             "cleanmesh=false";
-        throw IllegalInput(m.str());
+        refuse("slave and master share the node at ", place(nodes.dimension, nodes.X[i]),
+               ", where ", groups,
+               " bodies meet: the meshes were merged there, as + does with near vertices; use one "
+               "space per mesh, or join them apart and move them back with movemesh, in 3D with "
+               "cleanmesh=false");
       }
 }
 
@@ -117,32 +108,25 @@ void refuse_weightless(const Nodes& nodes, const Side& slave, const Cover& cover
     Real sum = 0;
     for (int v = 0; v < slave.d; ++v) sum += weight[facet.node[v]];
     if (sum > 0) continue;
-    std::ostringstream m;
-    m << "weight = 0 on a whole facet of label " << facet.label << ", at "
-      << place(slave.d, nodes.X[facet.node[0]])
-      << ", which faces the master; a weight is > 0 but on the axis, where no facet lies";
-    throw IllegalInput(m.str());
+    refuse("weight = 0 on a whole facet of label ", facet.label, ", at ",
+           place(slave.d, nodes.X[facet.node[0]]),
+           ", which faces the master; a weight is > 0 but on the axis, where no facet lies");
   }
 }
 
 [[noreturn]] void refuse_nothing_faces(const Nodes& nodes, const Side& slave, const Side& master,
                                        const Cover& cover, const Options& options) {
-  std::ostringstream m;
-  m << "nothing on the master (" << labels_of(master.surface) << ") faces the slave ("
-    << labels_of(slave.surface) << ")";
-  if (cover.nearest < std::numeric_limits<Real>::infinity()) {
-    m << " within maxgap = " << options.maxgap << "; the nearest opposite facet is "
-      << cover.nearest << " away";
-  } else {
-    const FacetTree tree(slave.d, master.surface.facets, master.planes, nodes.X);
-    Real nearest = std::numeric_limits<Real>::infinity();
-    for (const Facet& f : slave.surface.facets)
-      for (int v = 0; v < slave.d; ++v)
-        nearest = std::min(nearest, tree.nearest(nodes.X[f.node[v]]));
-    m << ": no facet lies opposite, along the normals of the slave, and the surfaces are "
-      << nearest << " apart; check the labels and the orientation";
-  }
-  throw IllegalInput(m.str());
+  const std::string nothing = "nothing on the master (" + labels_of(master.surface) +
+                              ") faces the slave (" + labels_of(slave.surface) + ")";
+  Real nearest = std::numeric_limits<Real>::infinity();
+  if (cover.nearest < nearest)
+    refuse(nothing, " within maxgap = ", options.maxgap, "; the nearest opposite facet is ",
+           cover.nearest, " away");
+  const FacetTree tree(slave.d, master.surface.facets, master.planes, nodes.X);
+  for (const Facet& f : slave.surface.facets)
+    for (int v = 0; v < slave.d; ++v) nearest = std::min(nearest, tree.nearest(nodes.X[f.node[v]]));
+  refuse(nothing, ": no facet lies opposite, along the normals of the slave, and the surfaces are ",
+         nearest, " apart; check the labels and the orientation");
 }
 
 }  // namespace
@@ -172,18 +156,15 @@ void validate_cover(const Nodes& nodes, const std::vector<Side>& slaves,
     std::array<Index, Ownership::states> count{};
     for (const Facet& f : slaves[p].surface.facets)
       for (int v = 0; v < slaves[p].d; ++v) ++count[static_cast<int>(ownership.state[f.node[v]])];
-    if (count[static_cast<int>(Ownership::State::kept)] > 0) continue;
-    std::ostringstream m;
-    if (count[static_cast<int>(Ownership::State::held)] > 0)
-      m << "Dirichlet conditions hold the normal of every slave node ("
-        << labels_of(slaves[p].surface) << "); swap slave and master";
-    else if (count[static_cast<int>(Ownership::State::taken)] > 0)
-      m << "every slave node (" << labels_of(slaves[p].surface)
-        << ") lies on the obstacle too, which it obeys; refine the slave, or swap slave and master";
-    else
-      m << "every slave node (" << labels_of(slaves[p].surface)
-        << ") lies on the master too; refine the slave";
-    throw IllegalInput(m.str());
+    const auto some = [&](Ownership::State state) { return count[static_cast<int>(state)] > 0; };
+    if (some(Ownership::State::kept)) continue;
+    const std::string labels = "every slave node (" + labels_of(slaves[p].surface) + ")";
+    if (some(Ownership::State::held))
+      refuse("Dirichlet conditions hold the normal of ", labels, "; swap slave and master");
+    if (some(Ownership::State::taken))
+      refuse(labels, " lies on the obstacle too, which it obeys; refine the slave, or swap slave ",
+             "and master");
+    refuse(labels, " lies on the master too; refine the slave");
   }
 }
 
