@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-#include "core/assembly/mortar/along_normals.h"
 #include "core/assembly/mortar/moments.h"
 #include "surfaces.h"
 

@@ -1,13 +1,52 @@
 #include "assembly/mortar/moments.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "assembly/mortar/clipping.h"
+#include "assembly/mortar/search.h"
 #include "linear_algebra.h"
 
 namespace frictioncg::mortar {
 
 namespace {
 
-/// A mean point lies on the normal where it misses by less than this share of what its row sums up.
-constexpr Real rounding = 1e-14;
+/// A mean point lies on the normal where it misses by less than this share of what its row sums up;
+/// once weights have followed it, less than the second share.
+constexpr Real rounding = 1e-14, balanced_to = 1e-10;
+
+constexpr Real infinite = std::numeric_limits<Real>::infinity();
+/// A point on the edge of two facets is to lie in one of them at least.
+constexpr Real on_edge = -1e-9;
+
+/// Weights move by up to `narrow` of a barycentric coordinate, which is about the gap over the
+/// height of the element; what asks for more fades out towards `widest`.
+constexpr Real narrow = 0.1, widest = 0.15;
+
+/// From the node i of row k of G to the mean point that the row sees, and what it is summed of.
+struct Arm {
+  Vec3 sum = Vec3::Zero();  ///< sum_l G_kl (X_l - X_i)
+  Real size = 0;
+
+  Arm(const Matrix& G, Index k, Index i, const std::vector<Vec3>& X) {
+    for (Matrix::InnerIterator it(G, k); it; ++it) {
+      const Vec3 way = it.value() * (X[it.col()] - X[i]);
+      sum += way;
+      size += way.norm();
+    }
+  }
+  /// What of it lies across n
+  Vec3 across(const Vec3& n) const { return sum - sum.dot(n) * n; }
+};
+
+Matrix changed(const Matrix& P, const std::vector<Eigen::Triplet<Real, Index>>& change) {
+  if (change.empty()) return P;
+  Matrix by(P.rows(), P.cols());
+  by.setFromTriplets(change.begin(), change.end());
+  return Matrix(P + by).pruned(1., 0.);
+}
 
 /// One row of P: its nodes on the master, seen along the normal.
 class Row {
@@ -33,7 +72,6 @@ class Row {
     return std::min(1., most_change / largest) * b;
   }
   Vec3 place(Index l) const { return along_ * (X_[l] - mean_); }
-  Vec3 along(const Vec3& x) const { return along_ * x; }
 
  private:
   const Matrix& P_;
@@ -50,20 +88,144 @@ Matrix balanced(const Matrix& P, const Matrix& G, const std::vector<ContactNode>
   Matrix result = P;
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const Index i = nodes[k].node;
-    Vec3 arm = Vec3::Zero();
-    Real size = 0;
-    for (Matrix::InnerIterator it(G, static_cast<Index>(k)); it; ++it) {
-      arm += it.value() * (X[it.col()] - X[i]);
-      size += std::abs(it.value()) * (X[it.col()] - X[i]).norm();
-    }
+    const Arm arm(G, static_cast<Index>(k), i, X);
+    const Vec3 e = arm.across(nodes[k].normal);
+    if (e.norm() <= rounding * arm.size) continue;
     const Row row(P, i, nodes[k].normal, X);
-    const Vec3 e = row.along(arm);
-    if (e.norm() <= rounding * size) continue;
     const Vec3 b = row.change(e);
     for (Matrix::InnerIterator it(result, i); it; ++it)
       it.valueRef() += std::abs(it.value()) * b.dot(row.place(it.col()));
   }
   return result;
+}
+
+namespace {
+
+/// Of a facet that has x inside it, across a direction.
+Plane across(int d, const Vec3& x, const Vec3& direction) {
+  Plane plane;
+  plane.normal = direction;
+  plane.size = plane.measure = 1;
+  const Vec3 first = d == 2 ? Vec3(-direction[1], direction[0], 0) : direction.unitOrthogonal();
+  const Vec3 second = d == 2 ? Vec3::Zero() : Vec3(direction.cross(first));
+  plane.B << first.transpose(), second.transpose();
+  plane.origin = x - (first + second) / d;
+  return plane;
+}
+
+/// A point of a facet, by its barycentric coordinates.
+struct Hit {
+  Index facet = -1;
+  Vec3 lambda = Vec3::Zero();
+};
+
+/// Where lines meet a master.
+class Lines {
+ public:
+  Lines(const Side& master, const std::vector<Vec3>& X)
+      : master_(master), X_(X), tree_(master.d, master.surface.facets, master.planes, X) {}
+
+  /// The nearest facet that faces it.
+  Hit hit(const Vec3& x, const Vec3& n) {
+    const int d = master_.d;
+    const Plane base = across(d, x, n);
+    const Vec2 xi(1. / d, d == 2 ? 0 : 1. / d);
+    tree_.find({base, -infinite, infinite, true}, found_);
+    Hit nearest;
+    Real least = infinite;
+    for (Index m : found_) {
+      const Projection p = project(d, base, master_.facet(m), X_);
+      if (!p.inverts || p.at(xi).head(d).minCoeff() < on_edge) continue;
+      const Real distance = std::abs(p.distance(xi));
+      if (distance >= least) continue;
+      least = distance;
+      nearest = {m, p.at(xi)};
+    }
+    return nearest;
+  }
+
+ private:
+  const Side& master_;
+  const std::vector<Vec3>& X_;
+  FacetTree tree_;
+  std::vector<Index> found_;
+};
+
+}  // namespace
+
+Matrix along_normals(const Matrix& P, const Matrix& G, const std::vector<ContactNode>& nodes,
+                     const std::vector<char>& of_master, const std::vector<Side>& masters,
+                     const std::vector<Vec3>& X) {
+  std::map<Index, Lines> lines;  // by pair
+  std::vector<Eigen::Triplet<Real, Index>> change;
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const ContactNode& node = nodes[k];
+    if (!of_master[node.node]) continue;
+    const Arm arm(G, static_cast<Index>(k), node.node, X);
+    if (arm.across(node.normal).norm() <= balanced_to * arm.size) continue;
+    const Side& master = masters[node.pair];
+    const Hit hit =
+        lines.try_emplace(node.pair, master, X).first->second.hit(X[node.node], node.normal);
+    if (hit.facet < 0) continue;
+    for (Matrix::InnerIterator it(P, node.node); it; ++it)
+      change.emplace_back(node.node, it.col(), -it.value());
+    for (int v = 0; v < master.d; ++v)
+      change.emplace_back(node.node, master.facet(hit.facet).node[v], hit.lambda[v]);
+  }
+  return changed(P, change);
+}
+
+namespace {
+
+/// The vertices of the element behind a facet.
+std::vector<Index> element_of(const Facet& facet, int d) {
+  std::vector<Index> vertices(facet.node.begin(), facet.node.begin() + d);
+  vertices.push_back(facet.behind);
+  return vertices;
+}
+
+/// grad lambda_l . e of the vertices of a simplex: their sum is 0, and that of times X_l is e.
+Vector shift(const std::vector<Index>& vertices, const std::vector<Vec3>& X, const Vec3& e) {
+  const int d = static_cast<int>(vertices.size()) - 1;
+  DenseMatrix edges(d, d);
+  for (int k = 0; k < d; ++k) edges.col(k) = (X[vertices[k]] - X[vertices[d]]).head(d);
+  Vector c(d + 1);
+  c.head(d) = least_squares(edges, e.head(d));
+  c[d] = -c.head(d).sum();
+  return c;
+}
+
+}  // namespace
+
+Matrix across_gap(const Matrix& P, const Matrix& G, const std::vector<ContactNode>& nodes,
+                  const Nodes& all, const FacedFacets& faced) {
+  std::vector<char> has_law(all.X.size(), 0);
+  for (const ContactNode& node : nodes) has_law[node.node] = 1;
+  std::vector<Eigen::Triplet<Real, Index>> change;
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const Index i = nodes[k].node;
+    const Vec3 e = Arm(G, static_cast<Index>(k), i, all.X).sum;
+    const auto lawful = [&](Index l) { return has_law[l] != 0; };
+    const auto usable = [&](const Facet& facet) {
+      if (facet.behind < 0) return false;
+      const std::vector<Index> vertices = element_of(facet, all.dimension);
+      return std::none_of(vertices.begin(), vertices.end(), lawful);
+    };
+    Real whole = 0;
+    for (const auto& [facet, weight] : faced[i])
+      if (usable(*facet)) whole += std::max<Real>(weight, 0);
+    for (const auto& [facet, signed_weight] : faced[i]) {
+      const Real weight = std::max<Real>(signed_weight, 0);
+      if (weight == 0 || !usable(*facet)) continue;
+      const std::vector<Index> vertices = element_of(*facet, all.dimension);
+      const Vector c = shift(vertices, all.X, e);
+      const Real room = (widest - c.lpNorm<Eigen::Infinity>()) / (widest - narrow);
+      const Real share = std::clamp<Real>(room, 0, 1) * weight / whole;
+      for (std::size_t v = 0; v < vertices.size() && share != 0; ++v)
+        change.emplace_back(i, vertices[v], share * c[static_cast<Index>(v)]);
+    }
+  }
+  return changed(P, change);
 }
 
 }  // namespace frictioncg::mortar

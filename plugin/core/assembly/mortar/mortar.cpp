@@ -3,8 +3,6 @@
 #include <map>
 #include <stdexcept>
 
-#include "assembly/mortar/across_gap.h"
-#include "assembly/mortar/along_normals.h"
 #include "assembly/mortar/dual_basis.h"
 #include "assembly/mortar/geometric_stiffness.h"
 #include "assembly/mortar/moments.h"
