@@ -53,7 +53,6 @@ void Side::find_joints(const std::vector<Plane>& at) {
   const std::vector<Ridge> ridges = sorted_ridges(d, surface.facets);
   for (std::size_t k = 0, next; k < ridges.size(); k = next) {
     for (next = k + 1; next < ridges.size() && ridges[next].vertex == ridges[k].vertex;) ++next;
-    if (next == k + 1) rim.push_back(ridges[k].vertex);
     for (std::size_t q = k + 1; q < next; ++q) {
       const Index f = ridges[q - 1].facet, g = ridges[q].facet;
       const Real cosine = next == k + 2 ? at[f].normal.dot(at[g].normal) : -1;

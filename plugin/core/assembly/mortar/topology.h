@@ -23,7 +23,6 @@ struct Side {
   const Surface& surface;
   std::vector<Plane> planes;  ///< one per facet
   std::vector<Joint> joints;
-  std::vector<std::array<Index, 2>> rim;  ///< ridges of one facet only, by their ends
   Index facets() const { return static_cast<Index>(planes.size()); }
   const Facet& facet(Index f) const { return surface.facets[f]; }
 
