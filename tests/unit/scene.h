@@ -13,6 +13,11 @@ inline const AssembledSystem& assembled(const SystemPtr& system) {
   return dynamic_cast<const AssembledSystem&>(*system);
 }
 
+/// |x_T| at contact node i.
+inline Real tangential_norm(const System& s, Index i, const Vector& x) {
+  return x.segment(s.first[i] + 1, s.tangents(i)).norm();
+}
+
 /// A scene in local frames, and the way back.
 class Posed {
  public:

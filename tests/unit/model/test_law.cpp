@@ -153,11 +153,3 @@ TEST(Law, OfANodeIsThatOfItsIncrement) {
   EXPECT_FALSE(law_of(i, 1).has_friction());
   EXPECT_TRUE(law_of(i, 0).bilateral);
 }
-
-TEST(Law, TangentialNormIsThatOfTheTangentsOfItsNode) {
-  AssembledSystem s;
-  s.first = {1, 4, 5};
-  const Vector x = (Vector(5) << 9, 8, 3, 4, 7).finished();
-  EXPECT_EQ(tangential_norm(s, 0, x), 5);
-  EXPECT_EQ(tangential_norm(s, 1, x), 0);
-}
