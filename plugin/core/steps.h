@@ -22,7 +22,6 @@ constexpr int step_labels = 8;
 /// How many iterations carried which label.
 struct StepCounts {
   std::array<Index, step_labels> count{};
-  Index damped = 0;  ///< steps (14) that would have overshot, and were shortened
 
   Index operator[](StepLabel label) const { return count[static_cast<int>(label)]; }
   void add(StepLabel label) { ++count[static_cast<int>(label)]; }
@@ -33,7 +32,6 @@ struct StepCounts {
   }
   StepCounts& operator+=(const StepCounts& other) {
     for (int k = 0; k < step_labels; ++k) count[k] += other.count[k];
-    damped += other.damped;
     return *this;
   }
 };

@@ -105,13 +105,12 @@ Real LineSearch::rise(const Phi& phi, Real rho) const {
 
 /// (14). J'' at x does not see a kink ahead: where the step crosses one, J' at its end is large, or
 /// J has even risen, and (13) by false position takes its place.
-Real LineSearch::newton(const Phi& phi, Real r_v, Real rho_max) {
+Real LineSearch::newton(const Phi& phi, Real r_v, Real rho_max) const {
   const Real curvature = vAv_ + friction_curvature(phi, 0);
   const Real rho = curvature > 0 ? std::min(r_v / curvature, rho_max) : rho_max;
   if (!safeguarded_) return rho;
   const Real s = slope(phi, rho);
   if (s <= 0 || (s <= overshoot * r_v && rise(phi, rho) <= 0)) return rho;
-  ++damped_;
   return false_position(phi, rho);
 }
 

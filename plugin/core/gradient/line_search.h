@@ -1,6 +1,4 @@
 #pragma once
-#include <utility>
-
 #include "model/system.h"
 #include "gradient/preconditioner.h"
 #include "gradient/regularization.h"
@@ -26,9 +24,6 @@ class LineSearch {
   Real operator()(const Phi& phi, const Vector& g, const Vector& x, const Vector& v,
                   const Line& line, Real rho_max);
 
-  /// How many steps (14) have overshot since the last call.
-  Index take_damped() { return std::exchange(damped_, 0); }
-
  private:
   struct Node {
     Real g;           ///< sliding limit
@@ -43,7 +38,7 @@ class LineSearch {
   Real friction_curvature(const Phi& phi, Real rho) const;
   Real slope(const Phi& phi, Real rho) const;
   Real rise(const Phi& phi, Real rho) const;
-  Real newton(const Phi& phi, Real r_v, Real rho_max);
+  Real newton(const Phi& phi, Real r_v, Real rho_max) const;
   Real walk(const Phi& phi, Real rho_max);
   Real bracketed_newton(const Phi& phi, Real high) const;
   Real false_position(const Phi& phi, Real high) const;
@@ -51,7 +46,6 @@ class LineSearch {
   const System& system_;
   const Step step_;
   const bool safeguarded_;
-  Index damped_ = 0;
   bool single_tangent_ = true;  ///< no node has two tangents
   std::vector<Node> nodes_;     ///< those that move tangentially and have g > 0
   std::vector<Break> breaks_;

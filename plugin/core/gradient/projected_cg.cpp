@@ -93,7 +93,6 @@ class ProjectedCG final : public TrescaSolver {
       outcome.steps.add(label);
       if (observer_) observer_->iterate(iterations_, label, it_.x);
     }
-    outcome.steps.damped = line_search_.take_damped();
     it_.x.swap(x);
     return outcome;
   }

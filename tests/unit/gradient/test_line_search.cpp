@@ -168,7 +168,7 @@ TEST(LineSearch, EveryStepStopsAtTheGap) {
 }
 
 TEST(LineSearch, Step14ThatOvershootsAKinkIsShortenedSoThatJFalls) {
-  Index damped = 0;
+  Index shortened = 0;
   for (int d : {2, 3})
     for (unsigned seed = 1; seed <= 40; ++seed)
       for (Real eps : {1e-9, 1e-6, 1e-4}) {
@@ -179,11 +179,7 @@ TEST(LineSearch, Step14ThatOvershootsAKinkIsShortenedSoThatJFalls) {
         const Real rho = c.step(safe, phi), as_printed = c.step(printed, phi);
         EXPECT_LE(c.line.J(phi, rho), c.line.J(phi, 0)) << d << " " << seed << " " << eps;
         EXPECT_LE(rho, as_printed * (1 + 1e-12));
-        EXPECT_EQ(printed.take_damped(), 0);
-        const Index count = safe.take_damped();
-        EXPECT_EQ(count > 0, rho < as_printed * (1 - 1e-3)) << rho << " " << as_printed;
-        damped += count;
-        EXPECT_EQ(safe.take_damped(), 0);
+        shortened += rho < as_printed * (1 - 1e-3);
       }
-  EXPECT_GT(damped, 0);
+  EXPECT_GT(shortened, 0);
 }
