@@ -1,5 +1,5 @@
 #pragma once
-#include "gradient/active_set.h"
+#include "gradient/iterate.h"
 #include "gradient/preconditioner.h"
 #include "gradient/regularization.h"
 

@@ -7,7 +7,6 @@
 #include "gradient/line_search.h"
 #include "gradient/preconditioner.h"
 #include "gradient/release_rule.h"
-#include "gradient/rest.h"
 #include "gradient/stopping.h"
 #include "gradient/tresca.h"
 

@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "gradient/contact_rows.h"
+#include "gradient/iterate.h"
 #include "gradient/tresca.h"
 #include "model/contact_problem.h"
 

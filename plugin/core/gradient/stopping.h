@@ -1,4 +1,7 @@
 #pragma once
+#include <cmath>
+#include <limits>
+
 #include "gradient/preconditioner.h"
 #include "settings.h"
 
@@ -12,14 +15,30 @@ class StoppingTest {
  public:
   explicit StoppingTest(const Settings& settings) : stop_on_step_(settings.stop_on_step) {}
 
-  void start(Real bound);
+  void start(Real bound) {
+    eps_0_ = by_step() ? stop_on_step_ : bound;
+    ratio_ = 0;
+    since_ = 0;
+  }
   bool by_step() const { return stop_on_step_ > 0; }
   Real eps_0() const { return eps_0_; }
 
   /// The measure after the step dx = rho v to x, or infinity where it is surely above `wanted`.
-  Real left(const Preconditioner& P, Real wanted, Real rho, const Vector& v, const Vector& x);
+  Real left(const Preconditioner& P, Real wanted, Real rho, const Vector& v, const Vector& x) {
+    constexpr Real infinity = std::numeric_limits<Real>::infinity();
+    if (by_step()) return rho > 0 ? rho * v.norm() / x.norm() : infinity;
+    const Real r_z = std::sqrt(std::max(P.r_z(), 0.0));
+    if (ratio_ * r_z > wanted && ++since_ < measure_every) return infinity;
+    const Real norm = P.free_norm();
+    since_ = 0;
+    ratio_ = r_z > 0 ? norm / r_z : 0;
+    return norm;
+  }
 
  private:
+  /// After so many iterations the ratio is measured anew, which costs half a pass over A.
+  static constexpr Index measure_every = 20;
+
   const Real stop_on_step_;
   Real eps_0_ = 0;
   Real ratio_ = 0;  ///< last measured |r_free| over <r, P r>^(1/2)

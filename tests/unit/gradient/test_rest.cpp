@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "../condensed/by_hand.h"
-#include "core/gradient/rest.h"
+#include "core/gradient/release_rule.h"
 #include "core/gradient/stopping.h"
 
 using namespace frictioncg;
