@@ -13,6 +13,15 @@ using Vector = Eigen::VectorXd;
 using DenseMatrix = Eigen::MatrixXd;
 using Matrix = Eigen::SparseMatrix<Real, Eigen::RowMajor, Index>;  ///< both halves, sorted rows
 
+/// The arrays of a matrix: entry a[k] of row i lies in column col[k], row[i] <= k < row[i + 1].
+struct Arrays {
+  const Index *row, *col;
+  const Real* a;
+};
+inline Arrays arrays_of(const Matrix& A) {
+  return {A.outerIndexPtr(), A.innerIndexPtr(), A.valuePtr()};
+}
+
 /// The input breaks a rule of the interface; what() is one sentence for the user.
 struct IllegalInput : std::runtime_error {
   using std::runtime_error::runtime_error;

@@ -3,11 +3,11 @@
 namespace frictioncg {
 
 Images::Images(const Basis& basis) : plain(basis.T.rows(), -1), all(basis.T.rows()) {
-  const Index* row = basis.T.outerIndexPtr();
+  const auto [row, col, a] = arrays_of(basis.T);
   for (Index i = 0; i < basis.T.rows(); ++i) {
     if (row[i + 1] != row[i] + 1) continue;
-    const Index image = basis.T.innerIndexPtr()[row[i]];
-    const Real factor = basis.T.valuePtr()[row[i]];
+    const Index image = col[row[i]];
+    const Real factor = a[row[i]];
     all[i] = {image, factor};
     if (factor == 1 && image < basis.local_dofs()) plain[i] = image;
   }

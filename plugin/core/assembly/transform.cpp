@@ -250,9 +250,7 @@ void transform_again(const Triplets& A, const Basis& basis, Places& places, Matr
 /// A cursor a row meets the mirror image of each lower entry in order.
 void check_symmetry(const Triplets& A, const Matrix& A_local, const Vector& D,
                     const std::vector<Index>& origin) {
-  const Index* row = A_local.outerIndexPtr();
-  const Index* col = A_local.innerIndexPtr();
-  const Real* a = A_local.valuePtr();
+  const auto [row, col, a] = arrays_of(A_local);
   std::vector<Index> cursor(A_local.rows());
   const auto has_row = [&](Index i) { return i < A.n && A.is_whole(i); };
   const auto compare = [&](Index p, Index q, Real a_pq, Real a_qp) {

@@ -11,9 +11,8 @@ ContactRows::ContactRows(const ContactProblem& problem)
       dx_C_(Vector::Zero(problem.contact_dofs())) {}
 
 Real ContactRows::row_product(Index c, const Vector& v_in) const {
-  const Index* row = system_.entries().outerIndexPtr();
-  const Index* col = system_.entries().innerIndexPtr();
-  const Real *a = system_.entries().valuePtr(), *v = v_in.data();
+  const auto [row, col, a] = arrays_of(system_.entries());
+  const Real* v = v_in.data();
   const Index i = system_.interior() + c;
   Real sum = 0;
   for (Index k = row[i]; k < row[i + 1]; ++k) sum += a[k] * v[col[k]];
@@ -31,9 +30,7 @@ void ContactRows::owe(Index c, Real dx) {
 }
 
 void ContactRows::displace(Vector& x, Index c, Real dx) {
-  const Index* row = system_.entries().outerIndexPtr();
-  const Index* col = system_.entries().innerIndexPtr();
-  const Real* a = system_.entries().valuePtr();
+  const auto [row, col, a] = arrays_of(system_.entries());
   const Index interior = system_.interior(), i = interior + c;
   x[i] += dx;
   owe(c, dx);
@@ -49,9 +46,7 @@ void ContactRows::settle(Preconditioner& P) {
 }
 
 Real ContactRows::energy(const Vector& d) const {
-  const Index* row = system_.entries().outerIndexPtr();
-  const Index* col = system_.entries().innerIndexPtr();
-  const Real* a = system_.entries().valuePtr();
+  const auto [row, col, a] = arrays_of(system_.entries());
   const Index interior = system_.interior();
   Real sum = 0;
   for (Index c = 0; c < d.size(); ++c) {

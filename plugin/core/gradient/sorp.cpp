@@ -103,9 +103,7 @@ class Sorp final : public TrescaSolver {
   }
 
   Real row_residual(const Vector& x, Index i) const {
-    const Index* row = problem_.system->entries().outerIndexPtr();
-    const Index* col = problem_.system->entries().innerIndexPtr();
-    const Real* a = problem_.system->entries().valuePtr();
+    const auto [row, col, a] = arrays_of(problem_.system->entries());
     Real r = problem_.increment.F[i];
     for (Index k = row[i]; k < row[i + 1]; ++k) r -= a[k] * x[col[k]];
     return r;

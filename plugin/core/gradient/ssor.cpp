@@ -28,16 +28,14 @@ class SsorPreconditioner final : public Preconditioner {
         dE_y_(Vector::Zero(system.contact_dofs())),
         dy_C_(Vector::Zero(system.contact_dofs())),
         dy_I_(Vector::Zero(system.interior())) {
-    const Index* row = system.entries().outerIndexPtr();
-    const Index* col = system.entries().innerIndexPtr();
+    const auto [row, col, a] = arrays_of(system.entries());
     for (Index i = 0; i < system.dofs(); ++i)
       diagonal_[i] = static_cast<Index>(std::lower_bound(col + row[i], col + row[i + 1], i) - col);
   }
 
   void start(const Vector& r) override {
-    const Index* row = system_.entries().outerIndexPtr();
-    const Index* col = system_.entries().innerIndexPtr();
-    const Real *a = system_.entries().valuePtr(), *y = y_.data();
+    const auto [row, col, a] = arrays_of(system_.entries());
+    const Real* y = y_.data();
     interior_r_z_ = interior_dr_z_ = 0;
     for (Index i = 0; i < interior_; ++i) {
       Real sum = r[i];
@@ -48,9 +46,8 @@ class SsorPreconditioner final : public Preconditioner {
   }
 
   void set_contact(const Vector& r_C, const ContactPart& part) override {
-    const Index* row = system_.entries().outerIndexPtr();
-    const Index* col = system_.entries().innerIndexPtr();
-    const Real *a = system_.entries().valuePtr(), *y = y_.data();
+    const auto [row, col, a] = arrays_of(system_.entries());
+    const Real* y = y_.data();
     free_ = part.free;
     if (on_hessian_ && C_.tail(r_C.size()) != D_.tail(r_C.size()) + part.hessian) {
       C_changed_ = true;
@@ -84,9 +81,7 @@ class SsorPreconditioner final : public Preconditioner {
   /// s := kappa C y + gamma s, then (C/omega + E') v = s from the last row up. Each row ends on the
   /// entry that was computed last, so that the rest of its sum does not wait for it.
   void direction(Real gamma, Vector& v_out) override {
-    const Index* row = system_.entries().outerIndexPtr();
-    const Index* col = system_.entries().innerIndexPtr();
-    const Real* a = system_.entries().valuePtr();
+    const auto [row, col, a] = arrays_of(system_.entries());
     const Index* diagonal = diagonal_.data();
     const Real *C = C_.data(), *y = y_.data(), *inverse = inverse_.data();
     Real *s = s_.data(), *v = v_out.data();
@@ -119,9 +114,7 @@ class SsorPreconditioner final : public Preconditioner {
   /// (C/omega + E) e = s + (D - 2C/omega) v, so that A v = (C/omega + E)(v + e), and <Av,v> = <v+e,
   /// s>.
   Curvature curvature(const Vector& v_in) override {
-    const Index* row = system_.entries().outerIndexPtr();
-    const Index* col = system_.entries().innerIndexPtr();
-    const Real* a = system_.entries().valuePtr();
+    const auto [row, col, a] = arrays_of(system_.entries());
     const Index* diagonal = diagonal_.data();
     const Real *C = C_.data(), *v = v_in.data(), *s = s_.data(), *inverse = inverse_.data();
     Real* e = e_.data();
@@ -166,9 +159,8 @@ class SsorPreconditioner final : public Preconditioner {
 
   /// y_I -= dy_I = (C/omega + E)_II^{-1} A_IC dx_C.
   void move_contact(const Vector& dx_C) override {
-    const Index* row = system_.entries().outerIndexPtr();
-    const Index* col = system_.entries().innerIndexPtr();
-    const Real *a = system_.entries().valuePtr(), *dx = dx_C.data(), *dy = dy_I_.data();
+    const auto [row, col, a] = arrays_of(system_.entries());
+    const Real *dx = dx_C.data(), *dy = dy_I_.data();
     interior_r_z_ = 0;
     for (Index i = 0; i < interior_; ++i) {
       Real sum = 0;
@@ -183,9 +175,8 @@ class SsorPreconditioner final : public Preconditioner {
 
   Real r_v(const Vector&) const override { return y_.dot(s_); }
   Real free_norm() const override {
-    const Index* row = system_.entries().outerIndexPtr();
-    const Index* col = system_.entries().innerIndexPtr();
-    const Real *a = system_.entries().valuePtr(), *y = y_.data();
+    const auto [row, col, a] = arrays_of(system_.entries());
+    const Real* y = y_.data();
     Real sum = 0;
     for (Index i = 0; i < interior_; ++i) {
       Real r = C_[i] / omega_ * y_[i];
@@ -201,9 +192,7 @@ class SsorPreconditioner final : public Preconditioner {
   /// y_C = (C/omega + E)_CC^{-1} (rhs - lower_interior) on the free contact dofs; y_C into y's
   /// tail.
   void forward_contact(const Vector& lower_interior, const Vector& rhs, Vector& y_out) const {
-    const Index* row = system_.entries().outerIndexPtr();
-    const Index* col = system_.entries().innerIndexPtr();
-    const Real* a = system_.entries().valuePtr();
+    const auto [row, col, a] = arrays_of(system_.entries());
     const Index shift = interior_ - static_cast<Index>(system_.dofs() - y_out.size());
     Real* y = y_out.data();
     for (Index c = 0; c < rhs.size(); ++c) {

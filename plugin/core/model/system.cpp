@@ -15,6 +15,20 @@ bool costs_no_energy(const System& system, const Vector& w) {
   return costs_no_energy(in[0], in[1]);
 }
 
+Groups::Groups(Index n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
+
+Index Groups::of(Index i) {
+  while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+  return i;
+}
+
+/// Under the lower number, which neighbours in a mesh share: trees stay flat.
+void Groups::join(Index i, Index j) {
+  if (parent_[i] == parent_[j]) return;
+  const Index p = of(i), q = of(j);
+  parent_[std::max(p, q)] = std::min(p, q);
+}
+
 bool same_dofs(const System& one, const System& other) {
   return one.dimension == other.dimension && one.first == other.first &&
          one.mesh_node == other.mesh_node && one.border.cols() == other.border.cols();
@@ -30,9 +44,8 @@ bool same_pattern(const System& one, const System& other) {
 Vector AssembledSystem::multiply_sized(const Vector& x_in, Vector& Ax) const {
   Ax.resize(A.rows());
   Vector size(A.rows());
-  const Index* row = A.outerIndexPtr();
-  const Index* col = A.innerIndexPtr();
-  const Real *a = A.valuePtr(), *x = x_in.data();
+  const auto [row, col, a] = arrays_of(A);
+  const Real* x = x_in.data();
   for (Index i = 0; i < A.rows(); ++i) {
     Real sum = 0, sum_of_sizes = 0;
     for (Index k = row[i]; k < row[i + 1]; ++k) {
@@ -57,21 +70,13 @@ Bodies AssembledSystem::bodies() const { return bodies_of(A); }
 
 Bodies bodies_of(const Matrix& A) {
   const Index n = static_cast<Index>(A.rows());
-  std::vector<Index> root(n);
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](Index i) {
-    while (root[i] != i) i = root[i] = root[root[i]];
-    return i;
-  };
+  Groups groups(n);
   for (Index i = 0; i < n; ++i)
-    for (Matrix::InnerIterator e(A, i); e && e.col() < i; ++e) {
-      if (root[i] == root[e.col()] || e.value() == 0) continue;
-      const Index p = find(i), q = find(static_cast<Index>(e.col()));
-      root[std::max(p, q)] = std::min(p, q);
-    }
+    for (Matrix::InnerIterator e(A, i); e && e.col() < i; ++e)
+      if (e.value() != 0) groups.join(i, static_cast<Index>(e.col()));
   Bodies bodies{std::vector<Index>(n), 0};
   for (Index i = 0; i < n; ++i)  // a root comes before the dofs it stands for
-    bodies.of[i] = find(i) == i ? bodies.count++ : bodies.of[find(i)];
+    bodies.of[i] = groups.of(i) == i ? bodies.count++ : bodies.of[groups.of(i)];
   return bodies;
 }
 

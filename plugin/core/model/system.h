@@ -9,6 +9,17 @@
 
 namespace frictioncg {
 
+/// Disjoint sets of 0 .. n-1.
+class Groups {
+ public:
+  explicit Groups(Index n);
+  Index of(Index i);  ///< the least number of its set
+  void join(Index i, Index j);
+
+ private:
+  std::vector<Index> parent_;
+};
+
 /// Which part of a scene that hangs together each dof belongs to.
 struct Bodies {
   std::vector<Index> of;  ///< n, numbered from 0

@@ -1,7 +1,6 @@
 #include "assembly/mortar/topology.h"
 
 #include <algorithm>
-#include <numeric>
 #include <set>
 
 namespace frictioncg::mortar {
@@ -59,20 +58,6 @@ void Side::find_joints(const std::vector<Plane>& at) {
       joints.push_back({{f, g}, ridges[k].vertex, cosine});
     }
   }
-}
-
-Groups::Groups(Index n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
-
-Index Groups::of(Index i) {
-  while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-  return i;
-}
-
-/// Under the lower number, which neighbours in a mesh share: trees stay flat.
-void Groups::join(Index i, Index j) {
-  if (parent_[i] == parent_[j]) return;
-  const Index p = of(i), q = of(j);
-  parent_[std::max(p, q)] = std::min(p, q);
 }
 
 Index facet_connected_groups(int d, const std::vector<std::array<Index, 4>>& elements) {

@@ -1,7 +1,10 @@
 #pragma once
 #include "assembly/mortar/surface.h"
+#include "model/system.h"
 
 namespace frictioncg::mortar {
+
+using frictioncg::Groups;
 
 /// Two facets that share a ridge: an edge, in 2D a vertex.
 struct Joint {
@@ -33,16 +36,5 @@ struct Side {
 /// How many groups of elements around a node hang together by their facets: two where meshes were
 /// merged, one at the tip of a crack. elements: the vertices of each simplex around it.
 Index facet_connected_groups(int d, const std::vector<std::array<Index, 4>>& elements);
-
-/// Disjoint sets of 0 .. n-1.
-class Groups {
- public:
-  explicit Groups(Index n);
-  Index of(Index i);
-  void join(Index i, Index j);
-
- private:
-  std::vector<Index> parent_;
-};
 
 }  // namespace frictioncg::mortar
