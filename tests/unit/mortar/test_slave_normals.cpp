@@ -3,7 +3,7 @@
 #include <Eigen/SVD>
 #include <random>
 
-#include "core/assembly/mortar/slave_normals.h"
+#include "core/assembly/mortar/normals.h"
 #include "surfaces.h"
 
 using namespace frictioncg;

@@ -4,8 +4,7 @@
 #include <map>
 #include <tuple>
 
-#include "assembly/mortar/common_normals.h"
-#include "assembly/mortar/slave_normals.h"
+#include "assembly/mortar/normals.h"
 #include "assembly/mortar/smooth_side.h"
 #include "assembly/mortar/validation.h"
 
