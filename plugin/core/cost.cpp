@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "statics/slenderness.h"
+#include "statics/rigid_motions.h"
 
 namespace frictioncg {
 

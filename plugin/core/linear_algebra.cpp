@@ -5,6 +5,8 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 
+#include "factorization.h"
+
 namespace frictioncg {
 
 DenseMatrix least_squares(const DenseRef& A, const DenseRef& B, Real threshold) {
@@ -46,5 +48,14 @@ DenseMatrix null_space(const DenseRef& A, Real tolerance) {
                                                                      Eigen::ComputeFullV);
   return svd.matrixV().rightCols(A.cols() - (svd.singularValues().array() > tolerance).count());
 }
+
+Cholesky::Cholesky(DenseMatrix& M) : llt_(M) {}
+Real Cholesky::rcond() const { return llt_.rcond(); }
+Vector Cholesky::solve(const Vector& b) const { return llt_.solve(b); }
+DenseMatrix Cholesky::solve(const DenseMatrix& B) const { return llt_.solve(B); }
+
+LU::LU(DenseMatrix& M) : lu_(M) {}
+Real LU::rcond() const { return lu_.rcond(); }
+Vector LU::solve(const Vector& b) const { return lu_.solve(b); }
 
 }  // namespace frictioncg

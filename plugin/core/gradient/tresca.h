@@ -3,7 +3,6 @@
 
 #include "model/law.h"
 #include "settings.h"
-#include "steps.h"
 
 namespace frictioncg {
 

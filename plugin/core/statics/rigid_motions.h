@@ -13,4 +13,8 @@ DenseMatrix rigid_motions(const DenseMatrix& S, const Vector& D);
 /// n x k; what costs more than max_iterations products with A is not found.
 DenseMatrix rigid_motions(const System& system, Index max_iterations);
 
+/// How slender all bodies together are: the longest over the shortest radius of gyration of the
+/// mesh nodes, about L/t of a beam or a plate. 1 where the system does not tell its rigid modes.
+Real slenderness(const System& system);
+
 }  // namespace frictioncg

@@ -7,7 +7,7 @@
 #include "core/condensed/interior_point.h"
 #include "core/solver.h"
 #include "core/sparse/sparse_path.h"
-#include "core/statics/slenderness.h"
+#include "core/statics/rigid_motions.h"
 
 using namespace frictioncg;
 using namespace frictioncg::test;
