@@ -42,6 +42,7 @@ bool same_pattern(const System& one, const System& other) {
 }
 
 Vector AssembledSystem::multiply_sized(const Vector& x_in, Vector& Ax) const {
+  if (x_in.isZero(0)) return Ax = Vector::Zero(A.rows());  // rest, a start of every increment
   Ax.resize(A.rows());
   Vector size(A.rows());
   const auto [row, col, a] = arrays_of(A);

@@ -10,7 +10,7 @@ namespace {
 
 /// A slipping node resists a change of its direction by a stiffness w, which grows without bound as
 /// the force comes near its limit: it is cut off at so many times c.
-constexpr Real most_stiffness = 100;
+constexpr Real most_stiffness = 1000;
 
 /// t <= 2 components of v from `first` on, then zeros.
 Eigen::Vector2d tangent(const Vector& v, Index first, Index t) {

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "model/certificate.h"
 #include "multigrid/bed.h"
 
 namespace frictioncg {
@@ -80,13 +79,14 @@ InexactNewton::InexactNewton(const ContactProblem& problem, Hierarchy& hierarchy
       proximal_(first_spring, least_spring),
       springs_(Vector::Zero(system_.contact_dofs())) {}
 
-Status InexactNewton::solve(Real tol, Index max_iterations, const Vector& x0,
+Status InexactNewton::solve(Real tol, Index max_iterations, const Vector& x0, const Vector& b0,
                             const Branches& start) {
   goal_ = tol * driving_norm(system_, problem_.increment);
   max_iterations_ = max_iterations;
   x_ = x0.size() > 0 ? x0 : Vector(Vector::Zero(system_.dofs()));
   rest_ = x_;
-  recompute_forces();
+  b_ = x0.size() > 0 ? b0 : problem_.increment.F;
+  b_C_ = b_.tail(springs_.size());
   if (!start.empty())
     faces_.start_from(start);
   else if (x0.size() > 0)
@@ -117,9 +117,10 @@ Status InexactNewton::solve(Real tol, Index max_iterations, const Vector& x0,
 /// Whether the laws hold at x, friction along the slip included; else what to aim for next. held:
 /// springs took a part of the load.
 bool InexactNewton::accept(Real tol, bool held) {
-  const Certificate certificate = certify(problem_, x_);
+  Certificate certificate = certify(problem_, x_);
   const Real goal = tol * certificate.scale;
   if (certificate.residual <= tol) {
+    certificate_ = std::move(certificate);
     if (faces_.misdirection(x_, b_C_) <= goal) return true;
     accepted_ = x_;
   }

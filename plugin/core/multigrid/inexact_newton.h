@@ -1,6 +1,7 @@
 #pragma once
 #include <limits>
 
+#include "model/certificate.h"
 #include "model/proximal_springs.h"
 #include "multigrid/conjugate_residuals.h"
 #include "multigrid/faces.h"
@@ -15,12 +16,13 @@ class InexactNewton {
  public:
   InexactNewton(const ContactProblem& problem, Hierarchy& hierarchy, Observer* observer = nullptr);
 
-  /// From x0 (n), or where it is empty from 0; on the given branches, or where these are empty on
-  /// those of x0, or where that is, too, on those that nothing but the gaps tells. Friction is to
-  /// follow the slip to about tol, too, where rounding allows it. converged: by the certificate;
-  /// max_iterations; stagnated: neither further updates of the faces nor springs reduce the
-  /// violation.
-  Status solve(Real tol, Index max_iterations, const Vector& x0, const Branches& start = {});
+  /// From x0 (n), where b0 = F - A x0 (n) is known, or where it is empty from 0; on the given
+  /// branches, or where these are empty on those of x0, or where that is, too, on those that
+  /// nothing but the gaps tells. Friction is to follow the slip to about tol, too, where rounding
+  /// allows it. converged: by the certificate; max_iterations; stagnated: neither further updates
+  /// of the faces nor springs reduce the violation.
+  Status solve(Real tol, Index max_iterations, const Vector& x0, const Vector& b0,
+               const Branches& start = {});
 
   /// For a caller who has another method, which costs as much as so many cycles. Ends, stagnated,
   /// as soon as the rate of a linear system promises more than that, or some cycles after
@@ -28,6 +30,7 @@ class InexactNewton {
   void give_up_beyond(Real cycles) { affordable_ = cycles; }
 
   const Vector& x() const { return x_; }
+  const Certificate& certificate() const { return certificate_; }  ///< of x, where it has converged
   /// not_positive_definite: n, the direction.
   Vector negative() const { return inner_.indefinite() ? inner_.last() : Vector(); }
   const Branches& faces() const { return faces_.all(); }
@@ -60,6 +63,7 @@ class InexactNewton {
   Vector x_, b_;                ///< n; b = F - Ax, and the springs' force
   Vector b_C_, s_;              ///< contact dofs of b; n, residual of the linear system
   Vector accepted_;             ///< n, the last x that the certificate lets pass; or empty
+  Certificate certificate_;     ///< of the last x that passes
   Real goal_ = 0;               ///< of residual and violation [norm_D]
   Real affordable_ = infinity;  ///< cycles
   bool gave_up_ = false, ran_away_ = false;

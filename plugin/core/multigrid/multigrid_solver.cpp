@@ -59,12 +59,12 @@ Solution MultigridSolver::solve(const ContactProblem& problem, const Settings& s
     s.status = Status::no_equilibrium;
     s.unheld_motion = statics.motion;
     s.x = Vector::Zero(problem.dofs());
+    s.certificate = certify(problem, s.x);
   } else {
     iterate(problem, settings, x0, observer, allowance, s);
   }
   s.times.contact = cpu_seconds() - start;
   start = cpu_seconds();
-  s.certificate = certify(problem, s.x);
   if (s.status == Status::converged && motions_.cols() > 0) {
     s.undetermined = left_free(motions_, problem, branches_of(problem, s.x, s.certificate));
     leave_least(problem, settings.tol, s);
@@ -81,29 +81,31 @@ void MultigridSolver::iterate(const ContactProblem& problem, const Settings& set
   const Index most = static_cast<Index>(std::min<Real>(affordable, most_iterations));
   const Index bound = std::min(settings.nbiter > 0 ? settings.nbiter : most, most);
   const Vector going_on = past_.next(*system_, problem.increment);
-  const Vector start = best_of(problem, x0, going_on);
-  const bool own_faces = past_.has_direction() && start.size() > 0 && start == going_on;
-  s.status = newton.solve(settings.tol, bound, start, own_faces ? Branches() : last_);
+  const Start start = best_of(problem, x0, going_on);
+  const bool own_faces = past_.has_direction() && start.goes_on;
+  s.status = newton.solve(settings.tol, bound, start.x, start.b, own_faces ? Branches() : last_);
   s.x = newton.x();
   s.negative = newton.negative();
   s.iterations = newton.iterations();
   s.steps = newton.steps();
+  s.certificate = s.status == Status::converged ? newton.certificate() : certify(problem, s.x);
   if (s.status != Status::converged) return;
   last_ = newton.faces();
   past_.add(problem.increment, s.x);
 }
 
-/// Whichever start is nearest to the laws; empty: rest. A certificate costs a third of a cycle.
-Vector MultigridSolver::best_of(const ContactProblem& problem, const Vector& x0,
-                                const Vector& going_on) const {
-  if (x0.size() == 0 && going_on.size() == 0) return {};
-  Vector best;
+/// Whichever start is nearest to the laws.
+MultigridSolver::Start MultigridSolver::best_of(const ContactProblem& problem, const Vector& x0,
+                                                const Vector& going_on) const {
+  Start best;
+  if (x0.size() == 0 && going_on.size() == 0) return best;
   Real least = certify(problem, Vector::Zero(system_->dofs())).residual;
   for (const Vector* x : {&x0, &going_on}) {
-    const Real residual = x->size() > 0 ? certify(problem, *x).residual : least;
-    if (!(residual < least)) continue;
-    least = residual;
-    best = *x;
+    if (x->size() == 0) continue;
+    Certificate certificate = certify(problem, *x);
+    if (!(certificate.residual < least)) continue;
+    least = certificate.residual;
+    best = {*x, std::move(certificate.r), x == &going_on};
   }
   return best;
 }

@@ -42,7 +42,11 @@ class MultigridSolver {
   void forget();
 
  private:
-  Vector best_of(const ContactProblem& problem, const Vector& x0, const Vector& going_on) const;
+  struct Start {
+    Vector x, b;  ///< n, b = F - Ax; empty: rest
+    bool goes_on = false;
+  };
+  Start best_of(const ContactProblem& problem, const Vector& x0, const Vector& going_on) const;
   void iterate(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                Observer* observer, double allowance, Solution& s);
 
