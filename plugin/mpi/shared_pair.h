@@ -290,7 +290,7 @@ inline std::vector<NumberedEntry> less_stiffness(const WholeInterface& faces,
                                                  const mortar::Mortar& mortar) {
   std::vector<NumberedEntry> entries;
   const auto is_held = [&](Index node, Index c) { return (faces.held[node] >> c & 1) != 0; };
-  for (const auto& [nodes, block] : mortar.stiffness())
+  for (const auto& [nodes, block] : mortar.stiffness().forces)
     for (Index a = 0; a < faces.d; ++a)
       for (Index b = 0; b < faces.d; ++b) {
         if (is_held(nodes.first, a) || is_held(nodes.second, b)) continue;
