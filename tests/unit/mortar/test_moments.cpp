@@ -123,13 +123,92 @@ TEST(MortarMoments, ANodeWithTheMastersNormalSeesItWhereTheNormalMeetsIt) {
     EXPECT_NEAR(seen.row(0).sum(), 1, 1e-15);
     for (Matrix::InnerIterator it(seen, 0); it; ++it) EXPECT_GT(it.value(), 0);
     EXPECT_LT((s.seen(false) - s.P).norm(), 1e-300) << "a normal of its own";
-    EXPECT_LT((Aslant(d, -0.5, 0.5).seen(true) - s.P).norm(), 1e-300) << "the normal meets nothing";
   }
   const Aslant balanced(2, 0.7, 2.7);  // 1 = 0.7 * 0.7 + 0.3 * 1.7
   EXPECT_LT((balanced.seen(true) - balanced.P).norm(), 1e-300);
 }
 
+TEST(MortarMoments, WhereThatNormalPassesTheRimItSeesThePointOfTheRimThatIsNearest) {
+  for (int d : {2, 3})
+    for (Real rim : {0.5, 1 - 1e-6, 1 - 1e-12, 1 - 1e-15, 1., 1 + 1e-12}) {
+      const Aslant s(d, rim - 2, rim);  // the normal meets the plane at x = 1
+      const Matrix seen = s.seen(true);
+      EXPECT_NEAR(seen.row(0).sum(), 1, 1e-14);
+      EXPECT_NEAR(s.place(seen)[0], std::min<Real>(rim, 1), 2e-9) << d << ", rim at " << rim;
+      EXPECT_LT(std::abs(s.place(seen)[1]) * (d == 3), 1e-14) << "along the rim";
+    }
+}
+
+/// A flat, the slave, of which a width is before a wheel that may turn about y; its nodes are off
+/// their places by up to `noise`.
+Surfaces flat_before_wheel(bool quadratic, int facets, Real width, Real aside, Real noise) {
+  Surfaces s(3, quadratic);
+  const Shape flat = [=](const Vec3& x) {
+    return Vec3(2 * x[0] - 1, width * (x[1] - 0.5) + aside, -1e-3);
+  };
+  const Shape wheel = [](const Vec3& x) {
+    const Real t = 2.8 * (x[0] - 0.5);
+    return Vec3(std::sin(t), 0.4 * (x[1] - 0.5), 1 - std::cos(t));
+  };
+  s.pairs[0].slave = s.sheet(4, 1, flat, 2);
+  const std::size_t of_flat = s.nodes.X.size();
+  s.pairs[0].master = s.sheet(facets, -1, wheel, 1);
+  for (std::size_t i = 0; i < of_flat; ++i)
+    for (int c = 0; c < 3; ++c) s.nodes.X[i][c] += noise * std::sin(7. * i + 3 * c);
+  s.options.freedom = [=, n = s.nodes.X.size()] {
+    Freedom freedom{RigidGenerators(3, Vec3::UnitZ(), 1), std::vector<Index>(n, 1), {}};
+    std::fill_n(freedom.body.begin(), of_flat, 0);
+    freedom.of_body = {DenseMatrix(6, 0), DenseMatrix::Identity(6, 6).col(4)};
+    return freedom;
+  };
+  return s;
+}
+
+/// By how much the wheel's turn changes gaps, at most.
+Real change_of_gaps(const Surfaces& s) {
+  const Mortar mortar = s.mortar();
+  const RigidGenerators generators = s.options.freedom().generators;
+  const std::vector<Index> body = s.options.freedom().body;
+  Real most = 0;
+  for (Index k = 0; k < mortar.relative().rows(); ++k) {
+    Vec3 moves = Vec3::Zero();
+    for (Matrix::InnerIterator it(mortar.relative(), k); it; ++it)
+      if (body[it.col()] == 1) moves += it.value() * generators.at(s.nodes.X[it.col()]).col(4);
+    most = std::max(most, std::abs(mortar.nodes()[k].normal.dot(moves)));
+  }
+  return most;
+}
+
 }  // namespace
+
+TEST(MortarMoments, AWheelTurnsBeforeAFlatHoweverItsSidesLieAmongTheFlatsNodes) {
+  for (bool quadratic : {false, true})
+    for (int facets : {8, 11})
+      for (Real noise : {0., 1e-13, 1e-11, 1e-9})
+        for (auto [width, aside] :  // nodes before the sides, by a hair beside them, or well beside
+             std::vector<std::pair<Real, Real>>{
+                 {0.8, 0}, {0.8, 1e-12}, {0.8, -1e-9}, {0.8, 1e-6}, {1.2, 0}, {0.7, 0.02}})
+          EXPECT_LT(change_of_gaps(flat_before_wheel(quadratic, facets, width, aside, noise)),
+                    1e-9 + 2 * noise)
+              << "P" << 1 + quadratic << ", " << facets << " facets, flat of " << width << " at "
+              << aside << ", noise " << noise;
+}
+
+TEST(MortarMoments, WhatRemovedNodesOfAFlatAreBeforeStaysInTheGap) {
+  Surfaces s = flat_before_wheel(false, 8, 0.7, 0.02, 0);
+  s.options.smooth = false;  // what faces the flat is above it
+  const Mortar by_wheel = s.mortar();
+  s.options.freedom = {};
+  const Mortar by_flat = s.mortar();
+  ASSERT_EQ(by_wheel.nodes().size(), by_flat.nodes().size());
+  Real removed = 0;
+  for (std::size_t k = 0; k < by_flat.nodes().size(); ++k) {
+    const ContactNode &at = by_wheel.nodes()[k], &above = by_flat.nodes()[k];
+    EXPECT_NEAR(at.distance, at.normal[2] * above.distance, 1e-13);
+    removed = std::max(removed, at.weight / above.weight - 1);
+  }
+  EXPECT_GT(removed, 1e-6);
+}
 
 TEST(MortarMoments, TheMeanPointOfTheMasterLiesOnTheNormalOfTheSlave) {
   for (int d : {2, 3})

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <tuple>
 
 #include "assembly/mortar/clipping.h"
 #include "assembly/mortar/search.h"
@@ -18,8 +19,10 @@ namespace {
 constexpr Real rounding = 1e-14, balanced_to = 1e-10;
 
 constexpr Real infinite = std::numeric_limits<Real>::infinity();
-/// A point on the edge of two facets is to lie in one of them at least.
-constexpr Real on_edge = -1e-9;
+/// Lines that pass a facet at this share of the widest column meet it: edges belong to both facets.
+constexpr Real on_edge = 1e-9;
+/// Columns to search, as a share of the widest one, and how they grow: what is met costs little.
+constexpr Real narrowest = 1e-3, wider = 4;
 
 /// Weights move by up to `narrow` of a barycentric coordinate, which is about the gap over the
 /// height of the element; what asks for more fades out towards `widest`.
@@ -101,15 +104,25 @@ Matrix balanced(const Matrix& P, const Matrix& G, const std::vector<ContactNode>
 
 namespace {
 
-/// Of a facet that has x inside it, across a direction.
-Plane across(int d, const Vec3& x, const Vec3& direction) {
+/// How far aside of the normal a row of G sees something, at most.
+Real widest_column(const Matrix& G, Index k, const ContactNode& node, const std::vector<Vec3>& X) {
+  Real most = 0;
+  for (Matrix::InnerIterator it(G, k); it; ++it) {
+    const Vec3 way = X[it.col()] - X[node.node];
+    most = std::max(most, (way - way.dot(node.normal) * node.normal).norm());
+  }
+  return most;
+}
+
+/// Of a facet that has all inside it that is within `reach` of x, across a direction.
+Plane across(int d, const Vec3& x, const Vec3& direction, Real reach) {
   Plane plane;
   plane.normal = direction;
-  plane.size = plane.measure = 1;
+  plane.size = plane.measure = 5 * reach;
   const Vec3 first = d == 2 ? Vec3(-direction[1], direction[0], 0) : direction.unitOrthogonal();
   const Vec3 second = d == 2 ? Vec3::Zero() : Vec3(direction.cross(first));
-  plane.B << first.transpose(), second.transpose();
-  plane.origin = x - (first + second) / d;
+  plane.B << first.transpose() / plane.size, second.transpose() / plane.size;
+  plane.origin = x - plane.size / d * (first + second);
   return plane;
 }
 
@@ -117,34 +130,52 @@ Plane across(int d, const Vec3& x, const Vec3& direction) {
 struct Hit {
   Index facet = -1;
   Vec3 lambda = Vec3::Zero();
+  Real aside = infinite, along = infinite;  ///< distances of the line, and on it [length]
+  bool operator<(const Hit& o) const { return std::tie(aside, along) < std::tie(o.aside, o.along); }
 };
 
-/// Where lines meet a master.
+/// Where lines meet a master, or come nearest to it.
 class Lines {
  public:
   Lines(const Side& master, const std::vector<Vec3>& X)
       : master_(master), X_(X), tree_(master.d, master.surface.facets, master.planes, X) {}
 
-  /// The nearest facet that faces it.
-  Hit hit(const Vec3& x, const Vec3& n) {
-    const int d = master_.d;
-    const Plane base = across(d, x, n);
-    const Vec2 xi(1. / d, d == 2 ? 0 : 1. / d);
-    tree_.find({base, -infinite, infinite, true}, found_);
-    Hit nearest;
-    Real least = infinite;
-    for (Index m : found_) {
-      const Projection p = project(d, base, master_.facet(m), X_);
-      if (!p.inverts || p.at(xi).head(d).minCoeff() < on_edge) continue;
-      const Real distance = std::abs(p.distance(xi));
-      if (distance >= least) continue;
-      least = distance;
-      nearest = {m, p.at(xi)};
+  /// On the nearest facet that faces it; none where all are further aside than `widest`.
+  Hit hit(const Vec3& x, const Vec3& n, Real widest) {
+    for (Real reach = narrowest * widest;; reach *= wider) {
+      const Plane base = across(master_.d, x, n, reach);
+      tree_.find({base, -infinite, infinite, true}, found_);
+      Hit nearest;
+      for (Index m : found_) nearest = std::min(nearest, on(m, base, on_edge * widest));
+      if (nearest.aside <= reach || reach > widest) return nearest;
     }
-    return nearest;
   }
 
  private:
+  /// The point of facet m that is nearest to the line through the middle of the base.
+  Hit on(Index m, const Plane& base, Real none) const {
+    const int d = master_.d;
+    const Facet& facet = master_.facet(m);
+    const Vec2 xi(1. / d, d == 2 ? 0 : 1. / d);
+    const Projection p = project(d, base, facet, X_);
+    Hit here;
+    if (!p.inverts) return here;
+    here = {m, p.at(xi), 0, std::abs(p.distance(xi))};
+    if (here.lambda.head(d).minCoeff() >= 0) return here;
+    Hit rim{m, Vec3::Zero(), infinite, 0};
+    for (int k = 0; k < edges_of_facet(d); ++k) {
+      const auto [v, w] = edge_ends(d, k);
+      const Vec2 a = base.B * (X_[facet.node[v]] - base.origin) - xi;
+      const Vec2 ab = base.B * (X_[facet.node[w]] - X_[facet.node[v]]);
+      const Real t = std::clamp<Real>(-a.dot(ab) / ab.squaredNorm(), 0, 1);
+      const Real aside = (a + t * ab).norm() * base.size;
+      if (aside >= rim.aside) continue;
+      rim = {m, Vec3::Zero(), aside, std::abs(p.distance(xi + a + t * ab))};
+      rim.lambda[v] = 1 - t, rim.lambda[w] = t;
+    }
+    return rim.aside > none ? rim : here;
+  }
+
   const Side& master_;
   const std::vector<Vec3>& X_;
   FacetTree tree_;
@@ -164,8 +195,9 @@ Matrix along_normals(const Matrix& P, const Matrix& G, const std::vector<Contact
     const Arm arm(G, static_cast<Index>(k), node.node, X);
     if (arm.across(node.normal).norm() <= balanced_to * arm.size) continue;
     const Side& master = masters[node.pair];
+    Lines& to = lines.try_emplace(node.pair, master, X).first->second;
     const Hit hit =
-        lines.try_emplace(node.pair, master, X).first->second.hit(X[node.node], node.normal);
+        to.hit(X[node.node], node.normal, widest_column(G, static_cast<Index>(k), node, X));
     if (hit.facet < 0) continue;
     for (Matrix::InnerIterator it(P, node.node); it; ++it)
       change.emplace_back(node.node, it.col(), -it.value());

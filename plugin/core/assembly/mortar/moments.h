@@ -29,8 +29,9 @@ Matrix balanced(const Matrix& P, const Matrix& G, const std::vector<ContactNode>
 /// P with rows that see the master where the normals of their nodes meet it, for nodes whose
 /// normals are the master's and whose moments could not be balanced: before a flat slave, what a
 /// disc has at its sides lies further aside of its own normal through the node than weights may
-/// move. Such rows would hold a disc that turns on a pin. Nodes whose normals meet nothing keep
-/// their row.
+/// move. Such rows would hold a disc that turns on a pin. Where a normal passes the master's rim, a
+/// wheel's side, the row sees the point of the rim that is nearest: forces keep their moment about
+/// the wheel's axis, wherever nodes are before the rim, and however rounding turns their normals.
 ///
 /// of_master: per node, whether the normal is the master's; masters: per pair.
 Matrix along_normals(const Matrix& P, const Matrix& G, const std::vector<ContactNode>& nodes,

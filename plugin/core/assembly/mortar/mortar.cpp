@@ -58,6 +58,7 @@ class Assembly {
                 Real share);
   void add_multiplier(Index i, const Eigen::RowVector3d& psi, const Part& part,
                       const Moments& moments, const std::array<bool, 3>& kept);
+  void add_removed(Index i, Index r, Real weight);
   void add_edges(const Side& slave, Index f, const Moments& moments);
   void set_nodes(Mortar& mortar) const;
   void set_gaps(Mortar& mortar) const;
@@ -90,7 +91,7 @@ void Assembly::add_pair(Index p, const Side& slave, const Side& master, const Co
     const Part part{slave, master, f, cells};
     const Moments moments = integration.over(part);
     add_facet(part, moments, ownership_.carriers[p][f]);
-    slopes_.add(part, moments, integration, ownership_.carriers[p][f]);
+    slopes_.add(part, moments, integration, ownership_.carriers[p][f], ownership_.of_master);
     if (slave.surface.quadratic) add_edges(slave, f, moments);
   }
 }
@@ -121,7 +122,7 @@ void Assembly::add_multiplier(Index i, const Eigen::RowVector3d& psi, const Part
   const int d = part.slave.d, nodes_m = nodes_of_facet(d, part.master.surface.quadratic);
   offset_[i] += (psi * moments.offset).transpose();
   for (int v = 0; v < d; ++v)
-    if (!kept[v]) N_.emplace_back(i, part.node(v), psi.dot(moments.vertices.col(v)));
+    if (!kept[v]) add_removed(i, part.node(v), psi.dot(moments.vertices.col(v)));
   for (int k = 0; part.slave.surface.quadratic && k < edges_of_facet(d); ++k)
     N_.emplace_back(i, part.node(d + k), psi.dot(moments.edges.col(k)));
   for (std::size_t c = 0; c < part.cells.size(); ++c) {
@@ -131,6 +132,17 @@ void Assembly::add_multiplier(Index i, const Eigen::RowVector3d& psi, const Part
     for (int l = 0; l < nodes_m; ++l)
       P_.emplace_back(i, master.node[l], psi.dot(moments.master[c].col(l)));
   }
+}
+
+/// A node with the master's normal takes on itself what removed nodes r move by: that normal lets
+/// slip what turns the master at its own place alone. The gap stays that of all.
+void Assembly::add_removed(Index i, Index r, Real weight) {
+  if (!ownership_.of_master[i]) {
+    N_.emplace_back(i, r, weight);
+    return;
+  }
+  D_[i] += weight;
+  offset_[i] -= weight * (nodes_.X[r] - nodes_.X[i]);
 }
 
 void Assembly::add_edges(const Side& slave, Index f, const Moments& moments) {

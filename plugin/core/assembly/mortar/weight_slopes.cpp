@@ -100,12 +100,15 @@ class FacetSlopes {
     for (const Cell& cell : part.cells) cells_.emplace_back(integration, part, cell, X);
   }
 
+  /// of_master: the node takes on itself what removed nodes move by.
   void add(const Eigen::RowVector3d& psi, const std::array<bool, 3>& kept, Real D, const Vec3& n,
-           SlopedRow& row) const {
+           bool of_master, SlopedRow& row) const {
     const int d = part_.slave.d;
     row.D.add(measure_, D);
     for (int v = 0; v < d; ++v)
-      if (!kept[v]) row.own[part_.node(v)].add(measure_, psi.dot(moments_.vertices.col(v)));
+      if (!kept[v])
+        (of_master ? row.D : row.own[part_.node(v)])
+            .add(measure_, psi.dot(moments_.vertices.col(v)));
     for (int k = 0; part_.slave.surface.quadratic && k < edges_of_facet(d); ++k)
       add_edge(k, psi.dot(moments_.edges.col(k)), row);
     for (std::size_t c = 0; c < part_.cells.size(); ++c) {
@@ -157,7 +160,7 @@ class FacetSlopes {
 }  // namespace
 
 void WeightSlopes::add(const Part& part, const Moments& moments, const Integration& integration,
-                       const Ownership::Carriers& carriers) {
+                       const Ownership::Carriers& carriers, const std::vector<char>& of_master) {
   bool loaded = false;
   for (int k = 0; k < nodes_of_facet(part.slave.d, part.slave.surface.quadratic); ++k)
     loaded = loaded || (!force_.empty() && !force_[part.node(k)].isZero(0));
@@ -165,13 +168,13 @@ void WeightSlopes::add(const Part& part, const Moments& moments, const Integrati
   if (!loaded) return;
   const FacetSlopes facet(integration, part, moments, X_);
   const DualBasis dual = dual_basis(part.slave.d, moments.vertices, carriers.kept);
+  const auto add_to = [&](Index i, const Eigen::RowVector3d& psi, Real D) {
+    facet.add(psi, carriers.kept, D, normals_[i], of_master[i] != 0, sums_[i]);
+  };
   for (int v = 0; v < part.slave.d; ++v)
-    if (carriers.kept[v])
-      facet.add(dual.psi.row(v), carriers.kept, dual.d[v], normals_[part.node(v)],
-                sums_[part.node(v)]);
+    if (carriers.kept[v]) add_to(part.node(v), dual.psi.row(v), dual.d[v]);
   const Real share = 1. / static_cast<Real>(carriers.stand_in.size());
-  for (Index i : carriers.stand_in)
-    facet.add(Eigen::RowVector3d::Constant(share), carriers.kept, 0, normals_[i], sums_[i]);
+  for (Index i : carriers.stand_in) add_to(i, Eigen::RowVector3d::Constant(share), 0);
 }
 
 std::map<Index, SlopedRow> WeightSlopes::rows() const {

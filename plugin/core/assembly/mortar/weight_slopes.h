@@ -31,7 +31,7 @@ class WeightSlopes {
                const std::vector<Vec3>& normals)
       : X_(X), force_(force), normals_(normals) {}
   void add(const Part& part, const Moments& moments, const Integration& integration,
-           const Ownership::Carriers& carriers);
+           const Ownership::Carriers& carriers, const std::vector<char>& of_master);
   /// By node, once all facets are added.
   std::map<Index, SlopedRow> rows() const;
 
