@@ -216,8 +216,8 @@ inline KN_<double> solve(Stack stack, const Call& call, Scene& scene, const Poin
     return solve(stack, call, scene, laws);
   }
   if (scene.stiffened)
-    solution = NewtonStep(scene, vectors.b, vectors.u_old, laws, !call.args.has(p_gap))
-                   .solve(std::move(solution), now.u0, call.settings);
+    solution = newton_step(std::move(solution), now.u0, call.settings, scene, vectors.b,
+                           vectors.u_old, laws, !call.args.has(p_gap));
   const Vector moved = scene.system->to_global(solution.x, now.u0),
                field = moved.head(scene.ndof());
   if (scene.at) accept_rounding(solution);

@@ -163,16 +163,17 @@ class Pairing {
     return S;
   }
 
-  /// How forces and gaps change to first order where U grows by v (n): forces on free dofs.
-  std::pair<Vector, Vector> change(const Vector& v, int d) const {
-    const std::vector<mortar::Vec3> of_node = at_nodes(v, d);
-    const mortar::Change of =
-        mortar::change(*mortar_, of_node, mortar::straightened(d, between_.pairs, of_node));
-    Vector force = Vector::Zero(v.size());
-    for (std::size_t i = 0; i < of.force.size(); ++i)
+  /// Where U grows by v at the nodes.
+  mortar::Change change(const std::vector<mortar::Vec3>& v, int d) const {
+    return mortar::change(*mortar_, v, mortar::straightened(d, between_.pairs, v));
+  }
+  /// Values at the nodes by all n dofs: 0 where Dirichlet conditions hold, and elsewhere.
+  Vector on_free_dofs(const std::vector<mortar::Vec3>& of_node, Index n, int d) const {
+    Vector of_dof = Vector::Zero(n);
+    for (std::size_t i = 0; i < of_node.size(); ++i)
       for (int c = 0; c < d; ++c)
-        if (const Index k = between_.dof[i][c]; !dirichlet_->holds(k)) force[k] += of.force[i][c];
-    return {force, of.gap};
+        if (const Index k = between_.dof[i][c]; !dirichlet_->holds(k)) of_dof[k] = of_node[i][c];
+    return of_dof;
   }
 
   const Interface& between() const { return between_; }

@@ -105,25 +105,61 @@ inline Vector local_state(const SharedScene& shared, const Vector& u) {
   return shared.A->on_local(shared.A->own_part(local));
 }
 
+/// Where friction counts slips from, in local dofs; empty where the call does not say. Collective.
+inline Vector slip_from(const Call& call, const SharedScene& shared) {
+  return call.args.has(p_uold) ? local_state(shared, call.u_old) : Vector();
+}
+
+/// Poses the increment under a load (patched).   Collective.
+inline LocalIncrement pose(const SharedScene& shared, const Vector& b, const Vector& w_old,
+                           const PointLaws& laws, ContactProblem& problem) {
+  LocalIncrement local;
+  LocalLoad load;
+  shared.domain->agree([&] {
+    load = shared.scene->system->load_from(b, w_old);
+    local = shared.scene->increment(load, laws);
+  });
+  problem.increment = own_increment(shared, local, load);
+  return local;
+}
+
 /// The vectors of a call, consistent between the processes, as an increment.   Collective.
 inline LocalIncrement increment_together(const Call& call, const SharedScene& shared,
                                          const PointLaws& laws, ContactProblem& problem) {
   const Domain& domain = *shared.domain;
-  const Scene& scene = *shared.scene;
   domain.agree([&] { check_vectors(call, shared.script); });
   const Vector b = shared.patch->load(domain, load_of(call, shared));
-  Vector w_old;
-  if (call.args.has(p_uold)) w_old = local_state(shared, call.u_old);
-  LocalIncrement local;
-  LocalLoad load;
-  domain.agree([&] {
-    load = scene.system->load_from(b, w_old);
-    local = scene.increment(load, laws);
-  });
+  LocalIncrement local = pose(shared, b, slip_from(call, shared), laws, problem);
   report_leftover(check_data(shared, b, local.u0), domain.rank() == 0 ? call.verb : 0);
-  problem.increment = own_increment(shared, local, load);
   domain.agree([&] { validate(problem.increment, *problem.system); });
   return local;
+}
+
+/// As in one process: from the answer s of the problem, whose increment starts at u0.   Collective.
+inline Solution newton_step(Solution s, const Vector& u0, const Call& call, SharedScene& shared,
+                            const PointLaws& laws, ContactProblem problem) {
+  const Domain& domain = *shared.domain;
+  if (domain.largest(problem.nodes()) == 0) return s;
+  const WholeInterface& faces = *shared.interface;
+  const Vector b = load_of(call, shared), w_old = slip_from(call, shared);
+  const auto trace = [&](const Solution& of) {
+    return faces.at_nodes(domain, shared.scene->system->to_global(shared.A->on_local(of.x), u0));
+  };
+  const auto pass = [&](const AtNodes& v, const Vector& x0) {
+    const mortar::Change change =
+        mortar::change(*shared.mortar, v, mortar::straightened(faces.d, faces.pairs, v));
+    PointLaws of_pass = laws;
+    for (std::size_t k = 0; k < shared.in_mortar.size() && !call.args.has(p_gap); ++k)
+      of_pass.gap[static_cast<Index>(k)] += change.gap[shared.in_mortar[k]];
+    Vector of_dofs = faces.on_free_dofs(v, b.size());
+    domain.update(of_dofs);
+    Vector rest = b + faces.on_free_dofs(change.force, b.size());
+    shared.stiffened->multiply_addend(of_dofs, rest);
+    domain.update(rest);
+    pose(shared, shared.patch->load(domain, rest), w_old, of_pass, problem);
+    return solve_together(shared, problem, call, x0, nullptr);
+  };
+  return newton_step(std::move(s), faces.at_nodes(domain, *shared.scene->at), trace, pass);
 }
 
 /// Where the iteration starts (own dofs): empty where the call does not say.
@@ -151,6 +187,8 @@ inline KN_<double> solve_together(Stack stack, const Call& call, SharedScene& sh
     assemble_plain(shared, verb);
     return solve_together(stack, call, shared, laws);
   }
+  if (shared.stiffened)
+    solution = newton_step(std::move(solution), now.u0, call, shared, laws, problem);
   if (shared.scene->at) accept_rounding(solution);
   Solution local = on_local_dofs(shared, solution);
   const Vector field = shared.scene->system->to_global(local.x, now.u0);

@@ -26,6 +26,7 @@ WholeInterface::WholeInterface(const Domain& domain, const NodeNumbers& numbers,
   gather_nodes(domain, numbers, part);
   gather_facets(domain, numbers, part);
   drop_other_bodies();
+  find_own(domain, numbers);
 }
 
 /// Slaves and others, one gather each.
@@ -115,10 +116,41 @@ void WholeInterface::drop_other_bodies() {
   }
 }
 
+/// Of the nodes that facets name: one process has no others.
+void WholeInterface::find_own(const Domain& domain, const NodeNumbers& numbers) {
+  own_dof_.assign(number.size(), -1);
+  const auto add = [&](Index i) {
+    if (i >= 0 && numbers.owner(number[i]) == domain.rank())
+      own_dof_[i] = numbers.dof(number[i], 0);
+  };
+  for (mortar::Pair& pair : pairs)
+    for (int side = 0; side < 2; ++side)
+      for (const mortar::Facet& f : side_of(pair, side).facets) {
+        std::for_each(f.node.begin(), f.node.end(), add);
+        add(f.behind);
+      }
+}
+
 Vector WholeInterface::gathered(const Domain& domain, const Vector& at_part) const {
   Vector own(static_cast<Index>(own_slaves_.size()));
   for (Index k = 0; k < own.size(); ++k) own[k] = at_part[own_slaves_[k]];
   return domain.gathered(own);
+}
+
+std::vector<mortar::Vec3> WholeInterface::at_nodes(const Domain& domain, const Vector& u) const {
+  std::vector<mortar::Vec3> of_node(number.size(), mortar::Vec3::Zero());
+  for (Index i = 0; i < nodes(); ++i)
+    for (Index c = 0; c < d && own_dof_[i] >= 0; ++c) of_node[i][c] = u[own_dof_[i] + c];
+  domain.sum(of_node.front().data(), 3 * nodes());
+  return of_node;
+}
+
+Vector WholeInterface::on_free_dofs(const std::vector<mortar::Vec3>& of_node, Index n) const {
+  Vector of_dof = Vector::Zero(n);
+  for (Index i = 0; i < nodes(); ++i)
+    for (Index c = 0; c < d && own_dof_[i] >= 0; ++c)
+      if ((held[i] >> c & 1) == 0) of_dof[own_dof_[i] + c] = of_node[i][c];
+  return of_dof;
 }
 
 }  // namespace frictioncg

@@ -49,6 +49,12 @@ struct WholeInterface {
   Index nodes() const { return static_cast<Index>(number.size()); }
   /// A value at each of the part's slave nodes, by their owners, at all slave nodes.   Collective.
   Vector gathered(const Domain& domain, const Vector& at_part) const;
+  /// A displacement by the part's dofs, as owners have it, at all nodes; 0 at those that no facet
+  /// names.   Collective.
+  std::vector<mortar::Vec3> at_nodes(const Domain& domain, const Vector& u) const;
+  /// Values at the nodes by n dofs of the part: 0 where Dirichlet conditions hold, at those of
+  /// others, and elsewhere.
+  Vector on_free_dofs(const std::vector<mortar::Vec3>& of_node, Index n) const;
 
   Index d = 2;
   std::vector<NodeNumbers::Number> number;            ///< of each node; those of slaves come first
@@ -65,8 +71,10 @@ struct WholeInterface {
   void gather_facets(const Domain& domain, const NodeNumbers& numbers, const InterfacePart& part);
   void add_facet(const Real*& in);
   void drop_other_bodies();
+  void find_own(const Domain& domain, const NodeNumbers& numbers);
 
   std::vector<Index> own_slaves_;  ///< of the part, that this process owns
+  std::vector<Index> own_dof_;     ///< of each node, its first; -1: another's, or no facet names it
 };
 
 }  // namespace frictioncg
