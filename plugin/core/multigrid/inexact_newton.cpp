@@ -59,12 +59,13 @@ constexpr Index least_cycles = 8;
 /// elsewhere it was at most 1.2. Without this, 4 beams take 90 to 180 cycles in place of 4 before
 /// they give up.
 constexpr Real runaway = 2;
-/// ... and has to halve with each update from then on, but for one: strips, bars and plates of
-/// tests/bench/routes.edp do, and come to rest 3 to 15 times cheaper than by sparse factors. It
-/// grows on a beam that is lifted, and falls by a tenth or less on a clamped P2 plate, for 70
-/// cycles.
+/// ... and has to halve with each update from then on, but for two: strips, bars and plates that
+/// lie do, and come to rest 2 to 15 times cheaper than by sparse factors. It grows on a beam that
+/// is lifted, and falls by a tenth or less on a clamped P2 plate, for 70 cycles. But for one, a
+/// plate and a strip that lie and slip give up; but for three, a cantilever takes three times as
+/// long.
 constexpr Real settling = 0.5;
-constexpr int most_unsettled = 2;
+constexpr int most_unsettled = 3;
 
 }  // namespace
 
