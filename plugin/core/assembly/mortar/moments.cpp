@@ -140,14 +140,14 @@ class Lines {
   Lines(const Side& master, const std::vector<Vec3>& X)
       : master_(master), X_(X), tree_(master.d, master.surface.facets, master.planes, X) {}
 
-  /// On the nearest facet that faces it; none where all are further aside than `widest`.
-  Hit hit(const Vec3& x, const Vec3& n, Real widest) {
-    for (Real reach = narrowest * widest;; reach *= wider) {
+  /// On the nearest facet that faces it; none where all are further aside than `column`.
+  Hit hit(const Vec3& x, const Vec3& n, Real column) {
+    for (Real reach = narrowest * column;; reach *= wider) {
       const Plane base = across(master_.d, x, n, reach);
       tree_.find({base, -infinite, infinite, true}, found_);
       Hit nearest;
-      for (Index m : found_) nearest = std::min(nearest, on(m, base, on_edge * widest));
-      if (nearest.aside <= reach || reach > widest) return nearest;
+      for (Index m : found_) nearest = std::min(nearest, on(m, base, on_edge * column));
+      if (nearest.aside <= reach || reach > column) return nearest;
     }
   }
 

@@ -228,7 +228,7 @@ void Ownership::choose_carriers(Index p, const Side& slave, const Cover& cover) 
 /// No law is extrapolated from a sliver: of its kept vertices the one with the largest covered
 /// measure stands for all, and among equals that of the highest number. Such an order has no
 /// circle, so that removed nodes cannot depend on each other in one.
-void Ownership::thin_out(const Facet& facet, Real fraction, Carriers& carriers) const {
+void Ownership::thin_out(const Facet& facet, Real fraction, Carriers& of_facet) const {
   const Real alone = std::clamp<Real>(2 - fraction / barely, 0, 1);
   if (alone == 0) return;
   int most = -1;
@@ -236,12 +236,12 @@ void Ownership::thin_out(const Facet& facet, Real fraction, Carriers& carriers) 
     return std::make_pair(covered[facet.node[v]], facet.node[v]);
   };
   for (int v = 0; v < 3; ++v)
-    if (carriers.kept[v] && (most < 0 || strength(most) < strength(v))) most = v;
-  carriers.strongest = {most == 0, most == 1, most == 2};
+    if (of_facet.kept[v] && (most < 0 || strength(most) < strength(v))) most = v;
+  of_facet.strongest = {most == 0, most == 1, most == 2};
   if (alone < 1)
-    carriers.alone = alone;
+    of_facet.alone = alone;
   else
-    carriers.kept = carriers.strongest;
+    of_facet.kept = of_facet.strongest;
 }
 
 /// A facet without carriers gets those of the nearest facet that has some, found breadth first over

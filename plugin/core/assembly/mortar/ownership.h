@@ -48,7 +48,7 @@ struct Ownership {
   void remove_held(const Nodes& nodes, const std::vector<Side>& slaves,
                    const std::vector<Vec3>& deciding);
   void choose_carriers(Index p, const Side& slave, const Cover& cover);
-  void thin_out(const Facet& facet, Real fraction, Carriers& carriers) const;
+  void thin_out(const Facet& facet, Real fraction, Carriers& of_facet) const;
   void find_stand_ins(Index p, const Side& slave, bool within_patch);
 
   std::vector<std::vector<Index>> rank_;  ///< per pair and facet, of its patch: the lower one owns
