@@ -210,6 +210,7 @@ inline KN_<double> solve(Stack stack, const Call& call, Scene& scene, const Poin
                                                           : Vector(vectors.u_init - vectors.u_old));
   Solution solution = scene.solver->solve(now.increment, call.settings, x0,
                                           call.verb > 0 || out.history ? &progress : nullptr);
+  if (scene.at) accept_rounding(solution);
   if (solution.status != Status::converged && scene.stiffened) {
     report_plain(call.verb);
     scene.assemble_plain();
@@ -217,10 +218,9 @@ inline KN_<double> solve(Stack stack, const Call& call, Scene& scene, const Poin
   }
   if (scene.stiffened)
     solution = newton_step(std::move(solution), now.u0, call.settings, scene, vectors.b,
-                           vectors.u_old, laws, !call.args.has(p_gap));
+                           vectors.u_old, laws);
   const Vector moved = scene.system->to_global(solution.x, now.u0),
                field = moved.head(scene.ndof());
-  if (scene.at) accept_rounding(solution);
   const std::string turned = runaway(scene, solution, field);
   if (!turned.empty()) solution.status = Status::runaway;
   if (call.verb > 0) {

@@ -60,11 +60,11 @@ Solution newton_step(Solution s, const AtNodes& U, const Trace& trace, const Pas
   return s;
 }
 
-/// The same in one process. b, u_old: by all dofs; u0: where the increment of s starts; gaps: those
-/// of pairs are measured, not given.
+/// The same in one process. b, u_old: by all dofs; u0: where the increment of s starts. A gap that
+/// is given stays as it is.
 inline Solution newton_step(Solution s, const Vector& u0, const Settings& settings,
                             const Scene& scene, const Vector& b, const Vector& u_old,
-                            const PointLaws& laws, bool gaps) {
+                            const PointLaws& laws) {
   if (scene.system->nodes() == 0) return s;
   const Pairing& pairing = *scene.pairing;
   const Vector slip_from = scene.slip_from(u_old);
@@ -74,7 +74,7 @@ inline Solution newton_step(Solution s, const Vector& u0, const Settings& settin
   const auto pass = [&](const AtNodes& v, const Vector& x0) {
     const mortar::Change change = pairing.change(v, scene.d);
     PointLaws of_pass = laws;
-    if (gaps) of_pass.gap.head(change.gap.size()) += change.gap;
+    if (!laws.given_gap) of_pass.gap.head(change.gap.size()) += change.gap;
     const Vector rest = b + pairing.on_free_dofs(change.force, b.size(), scene.d) -
                         scene.stiffened->force(pairing.on_free_dofs(v, b.size(), scene.d));
     const LocalLoad load = scene.system->load_from(rest, slip_from);

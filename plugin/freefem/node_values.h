@@ -225,6 +225,7 @@ inline PointLaws begun_laws(Stack stack, const Arguments& args, PointLaws given 
   check_laws(args, given);
   given.bilateral = args.value(stack, p_bilateral, given.bilateral);
   if (args.has(p_gap) || args.has(p_obstaclegap)) given.gap.resize(0);
+  given.given_gap = given.given_gap || args.has(p_gap);
   return given;
 }
 

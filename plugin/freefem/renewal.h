@@ -86,8 +86,7 @@ inline PointLaws laws_at(const Arguments& args, const Scene& before, const Scene
                          PointLaws laws) {
   const Index paired = static_cast<Index>(before.paired());
   const Vector moved = moved_along_normals(before);
-  const bool of_meshes =
-      scene.pairing && laws.gap.head(paired) == Vector(before.pairing->gap() + moved.head(paired));
+  const bool of_meshes = scene.pairing && !laws.given_gap;
   Vector gap = laws.gap - moved;  // what is left where the geometry is
   const Vector rest = gap.tail(gap.size() - paired);
   const Parameter gap_of_rest = scene.pairing ? p_obstaclegap : p_gap;
@@ -101,7 +100,8 @@ inline PointLaws laws_at(const Arguments& args, const Scene& before, const Scene
     laws.gap = gap + moved_along_normals(scene);
     return laws;
   }
-  if (!has_gap || !names_friction(args, laws))
+  const bool measured = of_meshes || paired == 0;  // for new points a given 0 is no answer
+  if (!has_gap || !(measured || args.has(p_gap)) || !names_friction(args, laws))
     throw IllegalInput(
         "other nodes than those of C are to touch, by the normal or by the supports of the new "
         "matrix, and C has gap and friction at the latter alone; name them in this call, too");
@@ -109,6 +109,13 @@ inline PointLaws laws_at(const Arguments& args, const Scene& before, const Scene
   for (Vector* v : {&laws.gap, &laws.mu, &laws.g, &laws.cohesion, &laws.cap}) v->resize(0);
   if (none) laws.mu = Vector::Zero(static_cast<Index>(scene.nodes.size()));
   return laws;
+}
+
+/// What was given as a gap elsewhere says nothing here: C takes that of the call, but for the first
+/// `measured`, which the meshes tell.
+inline void keep_gap(const PointLaws& of_call, Index measured, PointLaws& of_C) {
+  const Index rest = of_C.gap.size() - measured;
+  of_C.gap.tail(rest) = of_call.gap.tail(rest);
 }
 
 /// C with the script's matrix as it is now, and with what the call names of its geometry. alone:
@@ -128,6 +135,7 @@ inline PosedProblem renewed(Stack stack, const Arguments& args, const Expression
   posed.laws = laws_at(args, before, scene, C.laws);
   laws = read_laws(stack, args, scene, begun_laws(stack, args, posed.laws), posed.laws.gap);
   if (posed.laws.gap.size() == 0) posed.laws = laws;
+  if (moves) keep_gap(laws, C.laws.given_gap ? 0 : static_cast<Index>(scene.paired()), posed.laws);
   const Triplets matrix = read_matrix(stack, A, scene);
   assemble(matrix, scene, read_verb(stack, args),
            [&](const Triplets& M) { scene.assemble_after(before, M, alone); });

@@ -149,7 +149,7 @@ inline Solution newton_step(Solution s, const Vector& u0, const Call& call, Shar
     const mortar::Change change =
         mortar::change(*shared.mortar, v, mortar::straightened(faces.d, faces.pairs, v));
     PointLaws of_pass = laws;
-    for (std::size_t k = 0; k < shared.in_mortar.size() && !call.args.has(p_gap); ++k)
+    for (std::size_t k = 0; k < shared.in_mortar.size() && !laws.given_gap; ++k)
       of_pass.gap[static_cast<Index>(k)] += change.gap[shared.in_mortar[k]];
     Vector of_dofs = faces.on_free_dofs(v, b.size());
     domain.update(of_dofs);
@@ -183,13 +183,13 @@ inline KN_<double> solve_together(Stack stack, const Call& call, SharedScene& sh
   Progress progress(problem, verb, out.history);
   Solution solution = solve_together(shared, problem, call, start_of(call, shared),
                                      out.history || speaks ? &progress : nullptr);
+  if (shared.scene->at) accept_rounding(solution);
   if (solution.status != Status::converged && shared.stiffened) {
     assemble_plain(shared, verb);
     return solve_together(stack, call, shared, laws);
   }
   if (shared.stiffened)
     solution = newton_step(std::move(solution), now.u0, call, shared, laws, problem);
-  if (shared.scene->at) accept_rounding(solution);
   Solution local = on_local_dofs(shared, solution);
   const Vector field = shared.scene->system->to_global(local.x, now.u0);
   const std::string turned = runaway(shared, solution, from_geometry(shared, field));

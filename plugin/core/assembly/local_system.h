@@ -16,6 +16,7 @@ struct PointLaws {
   Vector g = {};   ///< likewise [force]; law tresca
   /// likewise [force], or empty; law coulomb, as in Increment
   Vector cohesion = {}, cap = {};
+  bool given_gap = false;  ///< that of pairs is the script's, not measured between the meshes
 
   /// Whether a contact point has tangential laws.
   bool rubs(Index k) const {

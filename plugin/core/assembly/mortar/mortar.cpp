@@ -49,7 +49,7 @@ class Assembly {
         faced_(nodes.X.size()) {}
   void add_pair(Index p, const Side& slave, const Side& master, const Cover& cover);
   void finish(const std::vector<Side>& masters, Mortar& mortar);
-  std::map<Index, SlopedRow> sloped_rows() const { return slopes_.rows(); }
+  std::map<Index, SlopedRow> sloped_rows() const { return slopes_.rows(takes_removed_); }
 
  private:
   Index size() const { return static_cast<Index>(nodes_.X.size()); }
@@ -58,7 +58,7 @@ class Assembly {
                 Real share);
   void add_multiplier(Index i, const Eigen::RowVector3d& psi, const Part& part,
                       const Moments& moments, const std::array<bool, 3>& kept);
-  void add_removed(Index i, Index r, Real weight);
+  void place_removed();
   void add_edges(const Side& slave, Index f, const Moments& moments);
   void set_nodes(Mortar& mortar) const;
   void set_gaps(Mortar& mortar) const;
@@ -70,7 +70,8 @@ class Assembly {
   const Ownership& ownership_;
   WeightSlopes slopes_;
   Vector D_;
-  Entries N_, P_;
+  Entries N_, P_, removed_;                ///< the last: (i, r), int psi_i lambda_r
+  std::vector<char> takes_removed_;        ///< per node
   std::vector<Vec3> offset_;               ///< int psi_i (delta_m(chi) - delta_s)
   FacedFacets faced_;                      ///< per node
   std::map<Index, Index> number_of_edge_;  ///< in edges_, by node
@@ -91,7 +92,7 @@ void Assembly::add_pair(Index p, const Side& slave, const Side& master, const Co
     const Part part{slave, master, f, cells};
     const Moments moments = integration.over(part);
     add_facet(part, moments, ownership_.carriers[p][f]);
-    slopes_.add(part, moments, integration, ownership_.carriers[p][f], ownership_.of_master);
+    slopes_.add(part, moments, integration, ownership_.carriers[p][f]);
     if (slave.surface.quadratic) add_edges(slave, f, moments);
   }
 }
@@ -122,7 +123,7 @@ void Assembly::add_multiplier(Index i, const Eigen::RowVector3d& psi, const Part
   const int d = part.slave.d, nodes_m = nodes_of_facet(d, part.master.surface.quadratic);
   offset_[i] += (psi * moments.offset).transpose();
   for (int v = 0; v < d; ++v)
-    if (!kept[v]) add_removed(i, part.node(v), psi.dot(moments.vertices.col(v)));
+    if (!kept[v]) removed_.emplace_back(i, part.node(v), psi.dot(moments.vertices.col(v)));
   for (int k = 0; part.slave.surface.quadratic && k < edges_of_facet(d); ++k)
     N_.emplace_back(i, part.node(d + k), psi.dot(moments.edges.col(k)));
   for (std::size_t c = 0; c < part.cells.size(); ++c) {
@@ -135,14 +136,23 @@ void Assembly::add_multiplier(Index i, const Eigen::RowVector3d& psi, const Part
 }
 
 /// A node with the master's normal takes on itself what removed nodes r move by: that normal lets
-/// slip what turns the master at its own place alone. The gap stays that of all.
-void Assembly::add_removed(Index i, Index r, Real weight) {
-  if (!ownership_.of_master[i]) {
-    N_.emplace_back(i, r, weight);
-    return;
+/// slip what turns the master at its own place alone. The gap stays that of all. Where the weights
+/// of r, which have no sign on slivers, would take half of D_i, they stay those of r.
+void Assembly::place_removed() {
+  Vector sum = Vector::Zero(size());
+  for (const auto& e : removed_) sum[e.row()] += e.value();
+  takes_removed_.assign(size(), 0);
+  for (Index i = 0; i < size(); ++i)
+    takes_removed_[i] = ownership_.of_master[i] && D_[i] + sum[i] > D_[i] / 2;
+  for (const auto& e : removed_) {
+    const Index i = e.row(), r = e.col();
+    if (takes_removed_[i])
+      offset_[i] -= e.value() * (nodes_.X[r] - nodes_.X[i]);
+    else
+      N_.emplace_back(i, r, e.value());
   }
-  D_[i] += weight;
-  offset_[i] -= weight * (nodes_.X[r] - nodes_.X[i]);
+  for (Index i = 0; i < size(); ++i)
+    if (takes_removed_[i]) D_[i] += sum[i];
 }
 
 void Assembly::add_edges(const Side& slave, Index f, const Moments& moments) {
@@ -223,6 +233,7 @@ void Assembly::finish(const std::vector<Side>& masters, Mortar& mortar) {
   const Index n = size();
   mortar.size_ = n;
   mortar.edges_ = std::move(edges_);
+  place_removed();
   const Vector inverse = (D_.array() == 0).select(Vector::Ones(n), D_).cwiseInverse();
   mortar.N_ = Matrix(inverse.asDiagonal() * sparse(n, n, N_)).pruned(1., negligible);
   mortar.P_ = Matrix(inverse.asDiagonal() * sparse(n, n, P_)).pruned(1., negligible);

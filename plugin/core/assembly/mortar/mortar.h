@@ -101,7 +101,7 @@ struct Statistics {
 ///   G = (I + N) C^-1 - P,   T = C (I + N)^-1 (I + P)
 ///
 /// i: contact nodes, r: other slave nodes (no vertices where the normal of i is the master's, see
-/// Assembly::add_removed), l: master nodes. C: u_e = u~_e + (u~_a + u~_b)/2 at the
+/// Assembly::place_removed), l: master nodes. C: u_e = u~_e + (u~_a + u~_b)/2 at the
 /// mid-edges of a P2 slave, whose trace functions phi~ then are the hats of the vertices, and
 /// phi_e.
 class Mortar {

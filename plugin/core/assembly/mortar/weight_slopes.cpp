@@ -100,15 +100,12 @@ class FacetSlopes {
     for (const Cell& cell : part.cells) cells_.emplace_back(integration, part, cell, X);
   }
 
-  /// of_master: the node takes on itself what removed nodes move by.
   void add(const Eigen::RowVector3d& psi, const std::array<bool, 3>& kept, Real D, const Vec3& n,
-           bool of_master, SlopedRow& row) const {
+           SlopedRow& row) const {
     const int d = part_.slave.d;
     row.D.add(measure_, D);
     for (int v = 0; v < d; ++v)
-      if (!kept[v])
-        (of_master ? row.D : row.own[part_.node(v)])
-            .add(measure_, psi.dot(moments_.vertices.col(v)));
+      if (!kept[v]) row.removed[part_.node(v)].add(measure_, psi.dot(moments_.vertices.col(v)));
     for (int k = 0; part_.slave.surface.quadratic && k < edges_of_facet(d); ++k)
       add_edge(k, psi.dot(moments_.edges.col(k)), row);
     for (std::size_t c = 0; c < part_.cells.size(); ++c) {
@@ -160,7 +157,7 @@ class FacetSlopes {
 }  // namespace
 
 void WeightSlopes::add(const Part& part, const Moments& moments, const Integration& integration,
-                       const Ownership::Carriers& carriers, const std::vector<char>& of_master) {
+                       const Ownership::Carriers& carriers) {
   bool loaded = false;
   for (int k = 0; k < nodes_of_facet(part.slave.d, part.slave.surface.quadratic); ++k)
     loaded = loaded || (!force_.empty() && !force_[part.node(k)].isZero(0));
@@ -169,7 +166,7 @@ void WeightSlopes::add(const Part& part, const Moments& moments, const Integrati
   const FacetSlopes facet(integration, part, moments, X_);
   const DualBasis dual = dual_basis(part.slave.d, moments.vertices, carriers.kept);
   const auto add_to = [&](Index i, const Eigen::RowVector3d& psi, Real D) {
-    facet.add(psi, carriers.kept, D, normals_[i], of_master[i] != 0, sums_[i]);
+    facet.add(psi, carriers.kept, D, normals_[i], sums_[i]);
   };
   for (int v = 0; v < part.slave.d; ++v)
     if (carriers.kept[v]) add_to(part.node(v), dual.psi.row(v), dual.d[v]);
@@ -177,9 +174,23 @@ void WeightSlopes::add(const Part& part, const Moments& moments, const Integrati
   for (Index i : carriers.stand_in) add_to(i, Eigen::RowVector3d::Constant(share), 0);
 }
 
-std::map<Index, SlopedRow> WeightSlopes::rows() const {
+std::map<Index, SlopedRow> WeightSlopes::rows(const std::vector<char>& takes_removed) const {
   std::map<Index, SlopedRow> rows = sums_;
   for (auto& [node, row] : rows) {  // D > 0: a node that stands in has facets, too
+    for (const auto& [r, weight] : row.removed) {
+      if (!takes_removed[node]) {
+        row.own[r].add(weight, 1);
+        continue;
+      }
+      const Vec3& n = normals_[node];
+      const Vec3 way = X_[r] - X_[node];
+      row.D.add(weight, 1);
+      row.between -= weight.value * way;
+      row.offset.add(weight, -n.dot(way));
+      row.offset.at(r) -= weight.value * n;
+      row.offset.at(node) += weight.value * n;
+    }
+    row.removed.clear();
     const auto divide = [&D = row.D](Sloped& weight) {
       weight.value /= D.value;
       for (const auto& [j, by] : D.slope) weight.at(j) -= weight.value * by;

@@ -9,9 +9,9 @@ namespace frictioncg::mortar {
 /// of i itself, and of P, by columns.
 struct SlopedRow {
   Sloped D;
-  std::map<Index, Sloped> own, theirs;
-  Vec3 between = Vec3::Zero();  ///< int psi_i (delta_m(chi) - delta_s) / D_i
-  Sloped offset;                ///< the same along a normal n_i that stands
+  std::map<Index, Sloped> own, theirs, removed;  ///< those of removed nodes until all are added
+  Vec3 between = Vec3::Zero();                   ///< int psi_i (delta_m(chi) - delta_s) / D_i
+  Sloped offset;                                 ///< the same along a normal n_i that stands
 };
 
 /// Rows of the contact nodes that the last contact force loads. The facet of slave f adds, by
@@ -31,9 +31,9 @@ class WeightSlopes {
                const std::vector<Vec3>& normals)
       : X_(X), force_(force), normals_(normals) {}
   void add(const Part& part, const Moments& moments, const Integration& integration,
-           const Ownership::Carriers& carriers, const std::vector<char>& of_master);
-  /// By node, once all facets are added.
-  std::map<Index, SlopedRow> rows() const;
+           const Ownership::Carriers& carriers);
+  /// By node, once all facets are added. takes_removed: per node, as Assembly::place_removed says.
+  std::map<Index, SlopedRow> rows(const std::vector<char>& takes_removed) const;
 
  private:
   const std::vector<Vec3>&X_, &force_, &normals_;
