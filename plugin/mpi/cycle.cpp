@@ -89,6 +89,10 @@ void set_coarsest(KSP solver, const Level& coarsest, Index dimension) {
   check(PCTelescopeSetReductionFactor(pc, processes_of(A)));
 }
 
+/// Pivots over the sums of their rows: below, A has a motion that is free there. PETSc's 2e-14
+/// takes rounding for stiffness, and each cycle adds 1e13 times the rounding of r to such a motion.
+constexpr Real zero_pivot = 1e-11;
+
 /// On the one process, once the cycle is set up, which makes its solver there.
 void set_factorization(PC cycle) {
   KSP inner = nullptr;
@@ -98,9 +102,15 @@ void set_factorization(PC cycle) {
   check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCTELESCOPE, &on_one));
   if (on_one) check(PCTelescopeGetKSP(pc, &inner));
   if (!inner) return;
+  Mat A;
+  Real norm;
+  check(KSPGetOperators(inner, &A, nullptr));
+  check(MatNorm(A, NORM_INFINITY, &norm));
   check(KSPGetPC(inner, &pc));
   check(PCSetType(pc, PCLU));
   check(PCFactorSetShiftType(pc, MAT_SHIFT_NONZERO));
+  check(PCFactorSetZeroPivot(pc, zero_pivot));
+  check(PCFactorSetShiftAmount(pc, zero_pivot * norm));  // at once, not by doubling
   check(KSPSetFromOptions(inner));
 }
 
