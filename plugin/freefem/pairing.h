@@ -73,7 +73,7 @@ class Pairing {
       faced.add(m);
     }
     add_moved(*mortar_, between_.moved, contact);
-    add_slip(*mortar_, nodes, between_.pairs, options, contact);
+    add_slip(*mortar_, contact);
     for (const mortar::MidEdge& e : mortar_->edges()) add_edge(e, faced);
     for (std::size_t p = 0; p < between_.pairs.size(); ++p)
       faced.add(between_.pairs[p], mortar_->statistics(static_cast<Index>(p)), d, between_.X);
@@ -90,21 +90,10 @@ class Pairing {
         for (int c = 0; c < 3; ++c) contact[k].moved[c] += G.value() * U[G.col()][c];
   }
 
-  /// What their slip lacks of their motion, where the increment began elsewhere. Given normals are
-  /// those of now: the mortar of before cannot have them.
-  static void add_slip(const mortar::Mortar& mortar, const mortar::Nodes& now,
-                       const std::vector<mortar::Pair>& pairs, mortar::Options options,
-                       std::vector<BoundaryNode>& contact) {
-    if (now.before.empty() || !options.normals.empty()) return;
-    options.force.clear();
-    mortar::Nodes before = now;
-    const int d = now.dimension;
-    before.X = mortar::straightened(d, pairs, now.before);
-    before.before.clear();
-    const mortar::Mortar old(before, mortar::carried(d, pairs, now.X, before.X), options);
-    const auto c = mortar::slip_beside(mortar, now.X, old, now.before);
-    for (std::size_t k = 0; k < c.size(); ++k)
-      contact[k].slid = Fem2D::R3(c[k][0], c[k][1], c[k][2]);
+  /// What their slip lacks of their motion, where the increment began elsewhere.
+  static void add_slip(const mortar::Mortar& mortar, std::vector<BoundaryNode>& contact) {
+    for (std::size_t k = 0; k < mortar.slip().size(); ++k)
+      for (int c = 0; c < 3; ++c) contact[k].slid[c] = mortar.slip()[k][c];
   }
 
   /// Node i of the slave with what a mortar makes of it.
@@ -150,14 +139,10 @@ class Pairing {
   /// step does not change others.
   Matrix stiffness(Index n, int d) const {
     std::vector<Eigen::Triplet<Real, Index>> entries;
-    for (const auto& [nodes, block] : mortar_->stiffness().forces)
-      for (int a = 0; a < d; ++a)
-        for (int b = 0; b < d; ++b) {
-          const Index i = between_.dof[nodes.first][a], j = between_.dof[nodes.second][b];
-          if (dirichlet_->holds(i) || dirichlet_->holds(j)) continue;
-          entries.emplace_back(i, j, block(a, b) / 2);
-          entries.emplace_back(j, i, block(a, b) / 2);
-        }
+    mortar_->stiffness().for_each_symmetric(d, [&](Index i, int a, Index j, int b, Real s) {
+      const Index k = between_.dof[i][a], l = between_.dof[j][b];
+      if (!dirichlet_->holds(k) && !dirichlet_->holds(l)) entries.emplace_back(k, l, s);
+    });
     Matrix S(n, n);
     S.setFromTriplets(entries.begin(), entries.end());
     return S;

@@ -129,11 +129,10 @@ inline std::vector<BoundaryNode> face_whole(const Arguments& args, const Opening
   };
   options.element_groups = [&](Index i) { return faces.groups[i]; };
   if (args.has(p_forceold)) options.force = faces.motion.force;
-  const mortar::Nodes nodes = nodes_of(args, faces);
-  shared.mortar = std::make_shared<mortar::Mortar>(nodes, faces.pairs, options);
+  shared.mortar = std::make_shared<mortar::Mortar>(nodes_of(args, faces), faces.pairs, options);
   std::vector<BoundaryNode> contact(shared.mortar->nodes().size());
   if (!faces.motion.now.empty()) Pairing::add_moved(*shared.mortar, faces.motion.now, contact);
-  Pairing::add_slip(*shared.mortar, nodes, faces.pairs, options, contact);
+  Pairing::add_slip(*shared.mortar, contact);
   return contact;
 }
 
@@ -290,15 +289,10 @@ inline std::vector<NumberedEntry> less_stiffness(const WholeInterface& faces,
                                                  const mortar::Mortar& mortar) {
   std::vector<NumberedEntry> entries;
   const auto is_held = [&](Index node, Index c) { return (faces.held[node] >> c & 1) != 0; };
-  for (const auto& [nodes, block] : mortar.stiffness().forces)
-    for (Index a = 0; a < faces.d; ++a)
-      for (Index b = 0; b < faces.d; ++b) {
-        if (is_held(nodes.first, a) || is_held(nodes.second, b)) continue;
-        const auto i = faces.d * faces.number[nodes.first] + a,
-                   j = faces.d * faces.number[nodes.second] + b;
-        entries.push_back({i, j, -block(a, b) / 2});
-        entries.push_back({j, i, -block(a, b) / 2});
-      }
+  const auto dof = [&](Index node, Index c) { return faces.d * faces.number[node] + c; };
+  mortar.stiffness().for_each_symmetric(faces.d, [&](Index i, int a, Index j, int b, Real s) {
+    if (!is_held(i, a) && !is_held(j, b)) entries.push_back({dof(i, a), dof(j, b), -s});
+  });
   return entries;
 }
 

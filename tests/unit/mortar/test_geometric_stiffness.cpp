@@ -181,6 +181,56 @@ TEST(GeometricStiffness, KnowsHowGapsOfCurvedSurfacesChangeIn3DToFirstOrder) {
   }
 }
 
+TEST(GeometricStiffness, KnowsHowWhatIsBarelyCoveredSharesItsMultipliers) {
+  for (int d : {2, 3}) {
+    const Real covered = 1.5e-3 * 0.25, end = 0.25 - (d == 2 ? covered : covered / 2);
+    Surfaces s(d);
+    s.options.smooth = false;
+    const auto sheet = [d](Real from, Real beyond, Real height) {
+      return [=](const Vec3& x) {
+        Vec3 y = x;
+        if (d == 3) y[1] += beyond * (2 * x[1] - 1);
+        y[0] = from + (1 + beyond - from) * x[0];
+        y[d - 1] = height + 0.05 * std::max<Real>(0, y[0] - 0.25) * std::sin(9 * y[0]);
+        return y;
+      };
+    };
+    s.pairs[0].slave = s.sheet(4, -1, sheet(0, 0, 1e-3), 2);
+    s.pairs[0].master = s.sheet(5, 1, sheet(end, 0.2, 0), 1);
+    const Mortar mortar = s.mortar();
+    s.options.normals.assign(s.nodes.X.size(), -Vec3::Unit(d - 1));
+    s.nodes.before = s.nodes.X;
+    s.options.force.assign(s.nodes.X.size(), Vec3::Zero());
+    for (Index k = 0; k < mortar.relative().rows(); ++k)
+      for (Matrix::InnerIterator G(mortar.relative(), k); G; ++G)
+        s.options.force[G.col()][d - 1] += (1 + 0.1 * Real(k)) * G.value();
+    // What the sliver is covered by stands still, and so do its nodes.
+    std::vector<Vec3> along(s.nodes.X.size(), Vec3::Zero());
+    for (std::size_t j = 0; j < along.size(); ++j)
+      for (int c = 0; c < d && s.nodes.X[j][0] > 0.26; ++c)
+        along[j][c] = std::sin(7. * Real(j) + 3 * c);
+    const Real h = 1e-6;
+    Surfaces up = s, down = s;
+    for (std::size_t j = 0; j < along.size(); ++j) {
+      up.nodes.X[j] += h * along[j];
+      down.nodes.X[j] -= h * along[j];
+    }
+    const Mortar now = s.mortar(), high = up.mortar(), low = down.mortar();
+    Vector slope = Vector::Zero(now.relative().rows());
+    for (const auto& [kj, by] : now.stiffness().gaps) slope[kj.first] += by.dot(along[kj.second]);
+    Index shared = 0;
+    for (Index k = 0; k < slope.size(); ++k) {
+      const Real x = s.nodes.X[now.nodes()[k].node][0];
+      if (x > 0.3) continue;  // the first facet's
+      ++shared;
+      const Real exact = (high.nodes()[k].gap - low.nodes()[k].gap) / (2 * h);
+      EXPECT_NEAR(slope[k], exact, 1e-7) << d << "D " << x;
+      EXPECT_GT(std::abs(exact), x > 0.2 ? 0.01 : 0);
+    }
+    EXPECT_EQ(shared, d == 2 ? 2 : 9);
+  }
+}
+
 TEST(GeometricStiffness, ForcesFollowRigidMotions) {
   for (int d : {2, 3})
     for (bool quadratic : {false, true}) {

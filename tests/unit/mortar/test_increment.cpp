@@ -122,6 +122,212 @@ TEST(MortarIncrement, TheLargerOfTwoPatchesStaysTheOneThatOwnsTheirNode) {
       hold_facing);
 }
 
+TEST(MortarIncrement, ANodeStaysWithThePatchThatOwnsIt) {
+  for (int d : {2, 3})
+    expect_continuous(
+        [&](Real t) {
+          Surfaces s(d);
+          const auto corner = [d](Real x, Real along, Real z) {
+            return d == 2 ? Vec3(x, z, 0) : Vec3(x, along, z);
+          };
+          Surface& slave = s.pairs[0].slave;
+          slave = s.sheet(
+              4, -1, [=](const Vec3& x) { return corner(x[0], x[1], 0); }, 3);  // its right end ...
+          const Index ends = 4, row = 5, first = static_cast<Index>(s.nodes.X.size());
+          for (Facet f : s.sheet(
+                              4, 1, [=](const Vec3& x) { return corner(1, x[1], x[0]); }, 2)
+                             .facets) {  // ... begins the side
+            for (int v = 0; v < d; ++v)
+              if ((f.node[v] - first) % row == 0) f.node[v] += ends - first;
+            f.outward = Vec3::UnitX();
+            slave.facets.push_back(f);
+          }
+          slave.labels = {2, 3};
+          Surface& master = s.pairs[0].master;
+          master = s.sheet(
+              5, 1, [=](const Vec3& x) { return corner(2 * x[0] - 0.5, x[1], -0.1); }, 1);
+          for (Facet f :
+               s.sheet(
+                    5, 1, [=](const Vec3& x) { return corner(1.1, x[1], 0.25 - t + x[0]); }, 1)
+                   .facets) {  // a wall, which begins where the side's second facet does
+            f.outward = -Vec3::UnitX();
+            master.facets.push_back(f);
+          }
+          return s;
+        },
+        hold_facing);
+}
+
+namespace {
+
+/// A slave whose end, node 4, begins the master of another pair, and what comes to face that from
+/// `above` its first facet on.
+Surfaces crosswise(Real above) {
+  Surfaces s(2);
+  s.pairs.resize(2);
+  s.pairs[0].slave = s.sheet(
+      4, -1, [](const Vec3& x) { return Vec3(x[0], 0.1, 0); }, 3);
+  s.pairs[0].master = s.sheet(
+      5, 1, [](const Vec3& x) { return Vec3(2 * x[0] - 0.5, 0, 0); }, 1);
+  const Index first = static_cast<Index>(s.nodes.X.size());
+  s.pairs[1].master = s.sheet(
+      4, 1, [](const Vec3& x) { return Vec3(1, 0.1 + x[0], 0); }, 2);
+  s.pairs[1].master.facets[0].node[0] = 4;
+  s.pairs[1].slave = s.sheet(
+      5, -1, [=](const Vec3& x) { return Vec3(1.1, 0.35 + above + x[0], 0); }, 4);
+  for (Facet& f : s.pairs[1].master.facets) f.outward = Vec3::UnitX();
+  for (Facet& f : s.pairs[1].slave.facets) f.outward = -Vec3::UnitX();
+  s.nodes.X[first] = s.nodes.X[4];
+  return s;
+}
+
+}  // namespace
+
+TEST(MortarIncrement, ANodeThatLiesOnAMasterStaysRemovedOrKeepsItsLaw) {
+  expect_continuous([](Real t) { return crosswise(-t); }, hold_facing);
+}
+
+TEST(MortarIncrement, WhatComesToFaceASlaveOfAnotherPairHasNoMasterThere) {
+  Surfaces s = crosswise(-0.1);
+  s.nodes.before = crosswise(0.1).nodes.X;
+  const Mortar mortar = s.mortar();
+  Index of_pair_1 = 0;
+  for (const ContactNode& node : mortar.nodes()) {
+    const Real seen = mortar.relative().coeff(&node - mortar.nodes().data(), 4);
+    EXPECT_EQ(seen != 0, node.pair == 0 && node.node == 4) << node.node;
+    of_pair_1 += node.pair == 1;
+  }
+  EXPECT_EQ(of_pair_1, 6);
+}
+
+namespace {
+
+/// Where between a and b what `differs` measures jumps, by halving.
+template <class Scene, class Difference>
+Real jump(const Scene& scene, Real a, Real b, const Difference& differs) {
+  Mortar low = scene(a).mortar(), high = scene(b).mortar();
+  while (b - a > little / 10) {
+    const Real middle = (a + b) / 2;
+    const Mortar at = scene(middle).mortar();
+    const bool above = differs(low, at) < differs(at, high);
+    (above ? a : b) = middle;
+    (above ? low : high) = at;
+  }
+  return (a + b) / 2;
+}
+
+Real change_of_normals(const Mortar& a, const Mortar& b) {
+  Real most = 0;
+  for (std::size_t k = 0; k < a.nodes().size(); ++k)
+    most = std::max(most, (a.nodes()[k].normal - b.nodes()[k].normal).norm());
+  return most;
+}
+
+/// An arc about (x, 1), in 3D (x, ., 1), from `from` to `to` beside its lowest point.
+std::function<Vec3(const Vec3&)> arc(int d, Real radius, Real x, Real from, Real to) {
+  return [=](const Vec3& at) {
+    const Real angle = from + (to - from) * at[0];
+    Vec3 y = at;
+    y[0] = x + radius * std::sin(angle);
+    y[d - 1] = 1 - radius * std::cos(angle);
+    return y;
+  };
+}
+
+/// A slave that is held, before a master that may turn about (0, 1).
+Surfaces before_wheel(int d, const std::function<Vec3(const Vec3&)>& slave, int slaves,
+                      const std::function<Vec3(const Vec3&)>& wheel) {
+  Surfaces s(d);
+  s.pairs[0].slave = s.sheet(slaves, 1, slave, 2);
+  const std::size_t held = s.nodes.X.size();
+  s.pairs[0].master = s.sheet(8, -1, wheel, 1);
+  s.options.freedom = [=, all = s.nodes.X.size()] {
+    const Index k = d == 2 ? 3 : 6;
+    Freedom freedom{RigidGenerators(d, Vec3::Unit(d - 1), 1), std::vector<Index>(all, 1), {}};
+    std::fill_n(freedom.body.begin(), held, 0);
+    freedom.of_body = {DenseMatrix(k, 0), DenseMatrix::Identity(k, k).col(d == 2 ? 2 : 4)};
+    return freedom;
+  };
+  return s;
+}
+
+}  // namespace
+
+TEST(MortarIncrement, TheSideWhoseNormalsCountStaysTheOne) {
+  for (int d : {2, 3}) {
+    const auto bore_beside_shaft = [d](Real aside) {  // its own normals let the shaft turn, or not
+      return before_wheel(d, arc(d, 1.05, aside, -1, 1), 7, arc(d, 1, 0, -1, 1));
+    };
+    const Real at = jump(bore_beside_shaft, 0.005, 0.0075, change_of_normals);
+    expect_continuous([&](Real t) { return bore_beside_shaft(at + t); }, hold_facing);
+  }
+}
+
+TEST(MortarIncrement, ANodeStaysWithTheWayInWhichItSeesTheMaster) {
+  for (int d : {2, 3}) {
+    const auto wheel_before_flat = [d](Real turn) {  // weights can follow a node's normal, or not
+      return before_wheel(d, lifted(d, -1e-3, -1, 1), 4, arc(d, 1, 0, turn - 1.4, turn + 1.4));
+    };
+    const Real at = jump(wheel_before_flat, 0.08, 0.1, change);
+    expect_continuous([&](Real t) { return wheel_before_flat(at + t); }, hold_facing);
+  }
+}
+
+TEST(MortarIncrement, ANodeThatHasPassedToAnotherBodySeesThatAsByItself) {
+  for (int d : {2, 3}) {
+    Surfaces s = before_wheel(d, lifted(d, -1e-3, -1, 1), 4, arc(d, 1, 0, -1.3, 1.5));
+    const Index of_wheel = static_cast<Index>(s.nodes.X.size());
+    for (const Facet& f : s.sheet(5, -1, lifted(d, 0.01, 8.9, 11.2), 1).facets)
+      s.pairs[0].master.facets.push_back(f);
+    s.options.freedom = [=, wheel = s.options.freedom, all = s.nodes.X.size()] {
+      Freedom freedom = wheel();
+      freedom.body.resize(all, 2);
+      freedom.of_body.push_back(freedom.of_body[0]);
+      return freedom;
+    };
+    Surfaces passed = s;
+    for (Index i = 0; i < static_cast<Index>(s.nodes.X.size()); ++i)
+      passed.nodes.X[i][0] -= i < of_wheel ? 0 : 10;
+    for (Index i = s.pairs[0].master.facets[0].node[0]; i < of_wheel; ++i)
+      passed.nodes.X[i][0] -= 10;
+    Surfaces begun = passed;
+    begun.nodes.before = s.nodes.X;
+    EXPECT_EQ(change(begun.mortar(), passed.mortar()), 0) << d;
+    EXPECT_GT(change(s.mortar(), passed.mortar()), 0.1) << d;
+  }
+}
+
+TEST(MortarIncrement, TheSlaveOfASurfaceThatTouchesItselfStaysIt) {
+  for (int d : {2, 3}) {
+    const auto opening = [d](Real length) {  // smaller facets are slaves, or those to the left
+      Surfaces s(d);
+      Surface all = s.sheet(4, -1, lifted(d, 0.1, 0, 1), 1);
+      for (const Facet& f : s.sheet(4, 1, lifted(d, 0, -0.1, length - 0.1), 1).facets)
+        all.facets.push_back(f);
+      s.pairs[0].slave = s.pairs[0].master = all;
+      return s;
+    };
+    const Real at = jump(opening, 1, 1.005, change);
+    expect_continuous([&](Real t) { return opening(at + t); }, hold_facing);
+  }
+}
+
+TEST(MortarIncrement, GivenNormalsAreThoseOfNowAndNoSlipIsKnown) {
+  const Surfaces start = before_wheel(2, lifted(2, -1e-3, -1, 1), 4, arc(2, 1, 0, -1, 1));
+  Surfaces s = start;
+  for (Vec3& x : s.nodes.X) x = -x;
+  for (Surface* surface : {&s.pairs[0].slave, &s.pairs[0].master})
+    for (Facet& f : surface->facets) f.outward *= -1;
+  s.nodes.before = start.nodes.X;
+  EXPECT_EQ(s.mortar().slip().size(), s.mortar().nodes().size());
+  s.options.normals.assign(5, Vec3(0.1, -1, 0));
+  s.options.freedom = [&] {
+    ADD_FAILURE() << "normals are given";
+    return start.options.freedom();
+  };
+  EXPECT_TRUE(s.mortar().slip().empty());
+}
+
 TEST(MortarIncrement, ANormalThatIsHeldStaysSo) {
   for (int d : {2, 3})
     expect_continuous(

@@ -100,7 +100,7 @@ struct Aslant {
   Matrix seen(bool of_master) const {
     std::vector<char> all(X.size(), of_master);
     const std::vector<Side> masters = {Side(d_, surface, X)};
-    return along_normals(P, G(P), {node}, all, masters, X);
+    return along_normals(P, G(P), {node}, unbalanced(G(P), {node}, all, X), masters, X);
   }
   Vec3 place(const Matrix& by) const {
     Vec3 x = Vec3::Zero();

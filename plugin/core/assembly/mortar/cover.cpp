@@ -33,19 +33,20 @@ struct Candidate {
   Real left, right; /* of the part, along xi_1 */
 };
 
-/// Where it was decided what faces what.
-struct Earlier {
-  const Side &slave, &master;
-  const std::vector<Vec3>& X;
-  Cover cover;
-  Real moved;  ///< by so much a node has moved since, at most [length]
-};
+/// By so much a node has moved since, at most [length]
+Real moved_since(const Earlier& earlier, const std::vector<Vec3>& X) {
+  Real moved = 0;
+  for (const Side* side : {&earlier.slave, &earlier.master})
+    for (const Facet& facet : side->surface.facets)
+      for (int v = 0; v < side->d; ++v)
+        moved = std::max(moved, (X[facet.node[v]] - earlier.X[facet.node[v]]).norm());
+  return moved;
+}
 
 class Covering {
  public:
-  /// earlier: null where it is decided now.
   Covering(const Side& slave, const Side& master, const std::vector<Vec3>& X, Real maxgap,
-           const OwnSurface* own, const Earlier* earlier = nullptr)
+           const OwnSurface* own, const Earlier* earlier)
       : slave_(slave),
         master_(master),
         X_(X),
@@ -53,12 +54,15 @@ class Covering {
         d_(slave.d),
         own_(own),
         earlier_(earlier),
+        moved_(earlier ? moved_since(*earlier, X) : 0),
         tree_(d_, master.surface.facets, master.planes, X) {}
 
   Cover run();
 
  private:
   void find(Index f, Real maxgap);
+  Projection projected_before(Index f, Index master) const;
+  bool faced(Index f, Index master) const;
   Affine deciding_distance(Index f, Index master, const Affine& now) const;
   void separate();
   void cut_behind(std::size_t k, const std::vector<std::size_t>& before, std::vector<Cell>& cells);
@@ -72,6 +76,7 @@ class Covering {
   int d_;
   const OwnSurface* own_;
   const Earlier* earlier_;
+  const Real moved_;
   FacetTree tree_;
   std::vector<Index> found_;
   std::vector<Candidate> candidates_;
@@ -79,19 +84,29 @@ class Covering {
   std::size_t pairs_ = 0;
 };
 
+/// Of a master's facet, where it was decided what faces what.
+Projection Covering::projected_before(Index f, Index master) const {
+  return project(d_, earlier_->slave.planes[f], earlier_->master.facet(master), earlier_->X);
+}
+
 /// The distance of a master's plane from a slave facet by which it is decided whether it faces it.
 Affine Covering::deciding_distance(Index f, Index master, const Affine& now) const {
   if (!earlier_) return now;
-  const Projection p =
-      project(d_, earlier_->slave.planes[f], earlier_->master.facet(master), earlier_->X);
+  const Projection p = projected_before(f, master);
   const Real along = earlier_->master.planes[master].normal.dot(earlier_->slave.planes[f].normal);
   return p.inverts && along < facing ? p.distance : now;
+}
+
+/// Whether a part of the slave facet was before the master's, not their planes alone.
+bool Covering::faced(Index f, Index master) const {
+  const Projection p = projected_before(f, master);
+  return p.inverts && !inside(d_, reference_facet(d_), p).empty();
 }
 
 /// Fills candidates_.
 void Covering::find(Index f, Real maxgap) {
   const Plane& base = slave_.planes[f];
-  const Real reach = maxgap + (earlier_ ? 2 * earlier_->moved : 0);
+  const Real reach = maxgap + 2 * moved_;
   tree_.find({base, -reach, reach, true}, found_);
   candidates_.clear();
   for (Index m : found_) {
@@ -108,6 +123,7 @@ void Covering::find(Index f, Real maxgap) {
     c.distance = c.projection.distance(middle);
     if (std::abs(deciding_distance(f, m, c.projection.distance)(middle)) > maxgap) continue;
     const Real deepest = std::max(base.size, master_.planes[m].size);
+    if (earlier_ && c.distance < -deepest && !faced(f, m)) continue;  // it has come past its end
     if (own_ && own_->excludes(slave_, f, master_.facet(m), middle, c.distance, deepest)) continue;
     c.left = infinite, c.right = -infinite;
     for (const Vec2& xi : c.part)
@@ -227,9 +243,6 @@ Cover Covering::run() {
     for (const Cell& cell : result.cells[f]) result.fraction[f] += extent(cell.part) / whole;
     total += result.fraction[f];
   }
-  for (Index f = 0; f < slave_.facets(); ++f)
-    result.measure.push_back(earlier_ ? earlier_->cover.measure[f]
-                                      : result.fraction[f] * slave_.planes[f].measure);
   result.visited = tree_.visited() + pairs_;
   if (total == 0) result.nearest = nearest_facing();
   return result;
@@ -237,17 +250,9 @@ Cover Covering::run() {
 
 }  // namespace
 
-Cover cover(const Side& slave, const Side& master, const std::vector<Vec3>& X,
-            const std::vector<Vec3>& before, Real maxgap, const OwnSurface* own) {
-  if (before.empty()) return Covering(slave, master, X, maxgap, own).run();
-  const Side slave_before(slave, X, before), master_before(master, X, before);
-  Earlier earlier{slave_before, master_before, before, {}, 0};
-  earlier.cover = Covering(slave_before, master_before, before, maxgap, own).run();
-  for (const Side* side : {&slave, &master})
-    for (const Facet& facet : side->surface.facets)
-      for (int v = 0; v < side->d; ++v)
-        earlier.moved = std::max(earlier.moved, (X[facet.node[v]] - before[facet.node[v]]).norm());
-  return Covering(slave, master, X, maxgap, own, &earlier).run();
+Cover cover(const Side& slave, const Side& master, const std::vector<Vec3>& X, Real maxgap,
+            const OwnSurface* own, const Earlier* earlier) {
+  return Covering(slave, master, X, maxgap, own, earlier).run();
 }
 
 }  // namespace frictioncg::mortar

@@ -16,7 +16,6 @@ struct Cell {
 struct Cover {
   std::vector<std::vector<Cell>> cells;  ///< per slave facet
   std::vector<Real> fraction;            ///< covered share of each slave facet, 0 .. 1
-  std::vector<Real> measure;  ///< what is covered of each where it is decided what faces what
   /// Facets left out, since they face a farther surface than beside them.
   std::vector<Index> beyond_steps;
   std::size_t visited = 0;  ///< nodes of the tree and pairs of facets looked at
@@ -25,10 +24,17 @@ struct Cover {
 
 struct OwnSurface;  // self_contact.h
 
-/// before: empty, or where the nodes were when it was decided what faces what: what maxgap and
-/// steps leave out there is left out, so that the cells of X move on with X. own: of a surface that
-/// touches itself, or null. Throws IllegalInput where the bodies overlap by more than a facet.
-Cover cover(const Side& slave, const Side& master, const std::vector<Vec3>& X,
-            const std::vector<Vec3>& before, Real maxgap, const OwnSurface* own = nullptr);
+/// The same sides where it was decided what faces what, and what they covered there.
+struct Earlier {
+  const Side &slave, &master;
+  const std::vector<Vec3>& X;
+  const Cover& cover;
+};
+
+/// earlier: null where it is decided here. What maxgap and steps leave out there is left out, so
+/// that the cells of X move on with X. own: of a surface that touches itself, or null. Throws
+/// IllegalInput where the bodies overlap by more than a facet.
+Cover cover(const Side& slave, const Side& master, const std::vector<Vec3>& X, Real maxgap,
+            const OwnSurface* own = nullptr, const Earlier* earlier = nullptr);
 
 }  // namespace frictioncg::mortar

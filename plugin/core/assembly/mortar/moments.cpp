@@ -184,16 +184,31 @@ class Lines {
 
 }  // namespace
 
+std::map<Index, bool> unbalanced(const Matrix& G, const std::vector<ContactNode>& nodes,
+                                 const std::vector<char>& of_master, const std::vector<Vec3>& X,
+                                 const std::map<Index, bool>& decided) {
+  std::map<Index, bool> found;
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const ContactNode& node = nodes[k];
+    if (!of_master[node.node]) continue;
+    const Arm arm(G, static_cast<Index>(k), node.node, X);
+    const auto was = decided.find(node.node);
+    found[node.node] = was != decided.end()
+                           ? was->second
+                           : arm.across(node.normal).norm() > balanced_to * arm.size;
+  }
+  return found;
+}
+
 Matrix along_normals(const Matrix& P, const Matrix& G, const std::vector<ContactNode>& nodes,
-                     const std::vector<char>& of_master, const std::vector<Side>& masters,
+                     const std::map<Index, bool>& along_normal, const std::vector<Side>& masters,
                      const std::vector<Vec3>& X) {
   std::map<Index, Lines> lines;  // by pair
   std::vector<Eigen::Triplet<Real, Index>> change;
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const ContactNode& node = nodes[k];
-    if (!of_master[node.node]) continue;
-    const Arm arm(G, static_cast<Index>(k), node.node, X);
-    if (arm.across(node.normal).norm() <= balanced_to * arm.size) continue;
+    const auto along = along_normal.find(node.node);
+    if (along == along_normal.end() || !along->second) continue;
     const Side& master = masters[node.pair];
     Lines& to = lines.try_emplace(node.pair, master, X).first->second;
     const Hit hit =

@@ -1,4 +1,6 @@
 #pragma once
+#include <map>
+
 #include "assembly/mortar/mortar.h"
 #include "assembly/mortar/topology.h"
 
@@ -33,10 +35,16 @@ Matrix balanced(const Matrix& P, const Matrix& G, const std::vector<ContactNode>
 /// wheel's side, the row sees the point of the rim that is nearest: forces keep their moment about
 /// the wheel's axis, wherever nodes are before the rim, and however rounding turns their normals.
 ///
-/// of_master: per node, whether the normal is the master's; masters: per pair.
+/// along_normal: the nodes of which that is so; masters: per pair.
 Matrix along_normals(const Matrix& P, const Matrix& G, const std::vector<ContactNode>& nodes,
-                     const std::vector<char>& of_master, const std::vector<Side>& masters,
+                     const std::map<Index, bool>& along_normal, const std::vector<Side>& masters,
                      const std::vector<Vec3>& X);
+
+/// Whether moments could not be balanced, by contact node with the master's normal. of_master: per
+/// node, whether it has that; decided: of some nodes, where the increment began.
+std::map<Index, bool> unbalanced(const Matrix& G, const std::vector<ContactNode>& nodes,
+                                 const std::vector<char>& of_master, const std::vector<Vec3>& X,
+                                 const std::map<Index, bool>& decided = {});
 
 /// Of a node: the master's facets before it, and int psi_i over each; one may come several times.
 using FacedFacets = std::vector<std::vector<std::pair<const Facet*, Real>>>;

@@ -1,12 +1,12 @@
 #include "assembly/mortar/mortar.h"
 
+#include <algorithm>
 #include <map>
 #include <stdexcept>
 
-#include "assembly/mortar/dual_basis.h"
 #include "assembly/mortar/geometric_stiffness.h"
 #include "assembly/mortar/moments.h"
-#include "assembly/mortar/self_contact.h"
+#include "assembly/mortar/slip.h"
 #include "assembly/mortar/validation.h"
 
 namespace frictioncg::mortar {
@@ -39,23 +39,25 @@ class Assembly {
   };
 
  public:
-  Assembly(const Nodes& nodes, const Options& options, const Ownership& ownership)
-      : nodes_(nodes),
+  Assembly(const Arrangement& of, const Options& options)
+      : nodes_(of.nodes),
         options_(options),
-        ownership_(ownership),
-        slopes_(nodes.X, options.force, ownership.normal),
+        masters_(of.masters),
+        ownership_(*of.ownership),
+        slopes_(nodes_.X, options.force, ownership_.normal),
         D_(Vector::Zero(size())),
-        offset_(nodes.X.size(), Vec3::Zero()),
-        faced_(nodes.X.size()) {}
-  void add_pair(Index p, const Side& slave, const Side& master, const Cover& cover);
-  void finish(const std::vector<Side>& masters, Mortar& mortar);
+        offset_(nodes_.X.size(), Vec3::Zero()),
+        faced_(nodes_.X.size()) {
+    for (std::size_t p = 0; p < of.pairs.size(); ++p)
+      add_pair(static_cast<Index>(p), of.slaves[p], of.masters[p], of.covers[p]);
+  }
+  /// along_normal: of nodes of which it is decided, as Arrangement has it; then of those of now.
+  void finish(std::map<Index, bool>& along_normal, Mortar& mortar);
   std::map<Index, SlopedRow> sloped_rows() const { return slopes_.rows(takes_removed_); }
 
  private:
   Index size() const { return static_cast<Index>(nodes_.X.size()); }
-  void add_facet(const Part& part, const Moments& moments, const Ownership::Carriers& carriers);
-  void add_kept(const Part& part, const Moments& moments, const std::array<bool, 3>& kept,
-                Real share);
+  void add_pair(Index p, const Side& slave, const Side& master, const Cover& cover);
   void add_multiplier(Index i, const Eigen::RowVector3d& psi, const Part& part,
                       const Moments& moments, const std::array<bool, 3>& kept);
   void place_removed();
@@ -67,6 +69,7 @@ class Assembly {
 
   const Nodes& nodes_;
   const Options& options_;
+  const std::vector<Side>& masters_;
   const Ownership& ownership_;
   WeightSlopes slopes_;
   Vector D_;
@@ -91,29 +94,14 @@ void Assembly::add_pair(Index p, const Side& slave, const Side& master, const Co
     if (cover.fraction[f] < 1 - uncovered) ++s.partly_covered;
     const Part part{slave, master, f, cells};
     const Moments moments = integration.over(part);
-    add_facet(part, moments, ownership_.carriers[p][f]);
-    slopes_.add(part, moments, integration, ownership_.carriers[p][f]);
+    const Ownership::Carriers& carriers = ownership_.carriers[p][f];
+    for_each_multiplier(part, moments, carriers,
+                        [&](Index i, const auto& psi, const auto& kept, Real d) {
+                          D_[i] += d;
+                          add_multiplier(i, psi, part, moments, kept);
+                        });
+    slopes_.add(part, moments, integration, carriers);
     if (slave.surface.quadratic) add_edges(slave, f, moments);
-  }
-}
-
-void Assembly::add_facet(const Part& part, const Moments& moments,
-                         const Ownership::Carriers& carriers) {
-  add_kept(part, moments, carriers.kept, 1 - carriers.alone);
-  if (carriers.alone > 0) add_kept(part, moments, carriers.strongest, carriers.alone);
-  const Real share = 1. / static_cast<Real>(carriers.stand_in.size());
-  for (Index i : carriers.stand_in)
-    add_multiplier(i, Eigen::RowVector3d::Constant(share), part, moments, carriers.kept);
-}
-
-/// The multipliers of the kept vertices, `share` of them.
-void Assembly::add_kept(const Part& part, const Moments& moments, const std::array<bool, 3>& kept,
-                        Real share) {
-  const DualBasis dual = dual_basis(part.slave.d, moments.vertices, kept);
-  for (int v = 0; v < part.slave.d; ++v) {
-    if (!kept[v]) continue;
-    D_[part.node(v)] += share * dual.d[v];
-    add_multiplier(part.node(v), share * dual.psi.row(v), part, moments, kept);
   }
 }
 
@@ -142,8 +130,10 @@ void Assembly::place_removed() {
   Vector sum = Vector::Zero(size());
   for (const auto& e : removed_) sum[e.row()] += e.value();
   takes_removed_.assign(size(), 0);
-  for (Index i = 0; i < size(); ++i)
-    takes_removed_[i] = ownership_.of_master[i] && D_[i] + sum[i] > D_[i] / 2;
+  for (Index i = 0; i < size(); ++i) {
+    takes_removed_[i] = ownership_.common.of_master[i] && D_[i] + sum[i] > D_[i] / 2;
+    if (takes_removed_[i]) D_[i] += sum[i];
+  }
   for (const auto& e : removed_) {
     const Index i = e.row(), r = e.col();
     if (takes_removed_[i])
@@ -151,8 +141,6 @@ void Assembly::place_removed() {
     else
       N_.emplace_back(i, r, e.value());
   }
-  for (Index i = 0; i < size(); ++i)
-    if (takes_removed_[i]) D_[i] += sum[i];
 }
 
 void Assembly::add_edges(const Side& slave, Index f, const Moments& moments) {
@@ -229,7 +217,7 @@ void Assembly::set_statistics(Mortar& mortar) {
   mortar.statistics_ = std::move(statistics_);
 }
 
-void Assembly::finish(const std::vector<Side>& masters, Mortar& mortar) {
+void Assembly::finish(std::map<Index, bool>& along_normal, Mortar& mortar) {
   const Index n = size();
   mortar.size_ = n;
   mortar.edges_ = std::move(edges_);
@@ -251,29 +239,57 @@ void Assembly::finish(const std::vector<Side>& masters, Mortar& mortar) {
   set_gaps(mortar);  // from the integrals as they are
   set_distances_of_edges(mortar);
   take(balanced(mortar.P_, mortar.G_, mortar.nodes_, nodes_.X));
-  take(along_normals(mortar.P_, mortar.G_, mortar.nodes_, ownership_.of_master, masters, nodes_.X));
+  along_normal =
+      unbalanced(mortar.G_, mortar.nodes_, ownership_.common.of_master, nodes_.X, along_normal);
+  take(along_normals(mortar.P_, mortar.G_, mortar.nodes_, along_normal, masters_, nodes_.X));
   take(across_gap(mortar.P_, mortar.G_, mortar.nodes_, nodes_, faced_));
   set_statistics(mortar);
 }
 
+namespace {
+
+/// What decides where an increment begins knows of no forces, nor of normals that were given for
+/// now.
+Options at_the_beginning(Options options) {
+  options.force.clear();
+  if (!options.normals.empty()) options.freedom = nullptr;
+  options.normals.clear();
+  return options;
+}
+
+/// Whether each pair has two sides: what has moved, and did not face itself, has one.
+bool decides(const Arrangement& begun) {
+  return std::none_of(begun.pairs.begin(), begun.pairs.end(),
+                      [](const Pair& pair) { return pair.master.facets.empty(); });
+}
+
+}  // namespace
+
 Mortar::Mortar(const Nodes& nodes, const std::vector<Pair>& given, const Options& options) {
-  const std::vector<Pair> pairs = parted(nodes, given, options.maxgap);
-  validate_pairs(nodes, pairs, options);
-  std::vector<Side> slaves, masters;
-  std::vector<Cover> covers;
-  for (const Pair& pair : pairs) {
-    slaves.emplace_back(nodes.dimension, pair.slave, nodes.X, nodes.reference);
-    masters.emplace_back(nodes.dimension, pair.master, nodes.X, nodes.reference);
-    covers.push_back(
-        cover(nodes, given[covers.size()], slaves.back(), masters.back(), options.maxgap));
+  const auto make = [&](const Arrangement* begun) {
+    Arrangement now(nodes, given, options, begun);
+    validate_cover(now, options);
+    assemble(now, options);
+  };
+  if (nodes.before.empty()) {
+    make(nullptr);
+    return;
   }
-  const Ownership ownership(nodes, slaves, masters, covers, options);
-  validate_cover(nodes, slaves, masters, covers, ownership, options);
-  Assembly assembly(nodes, options, ownership);
-  for (std::size_t p = 0; p < pairs.size(); ++p)
-    assembly.add_pair(static_cast<Index>(p), slaves[p], masters[p], covers[p]);
-  assembly.finish(masters, *this);
-  stiffness_ = geometric_stiffness(*this, nodes, slaves, assembly.sloped_rows(), options);
+  const int d = nodes.dimension;
+  Nodes then = nodes;
+  then.X = straightened(d, given, nodes.before);
+  const Options plain = at_the_beginning(options);
+  Arrangement begun(then, carried(d, given, nodes.X, then.X), plain);
+  Mortar old;
+  if (options.normals.empty()) old.assemble(begun, plain);
+  make(decides(begun) ? &begun : nullptr);
+  if (options.normals.empty()) slip_ = slip_beside(*this, nodes.X, old, nodes.before);
+}
+
+void Mortar::assemble(Arrangement& of, const Options& options) {
+  Assembly assembly(of, options);
+  assembly.finish(of.along_normal, *this);
+  stiffness_ = geometric_stiffness(*this, of.nodes, of.slaves, assembly.sloped_rows(), options);
 }
 
 /// The identity with `half` of each end in the rows of mid-edges, of those held or of the others.

@@ -22,7 +22,8 @@ struct Nodes {
   std::vector<char> taken = {};     ///< obeys an obstacle, and no law of a pair; empty: none
   /// Where the bodies are not deformed, which tells edges from smooth surfaces; empty: X.
   std::vector<Vec3> reference = {};
-  /// Where the increment began, which tells what faces what (cover.h); empty: X.
+  /// Where the increment began, which decides what faces what and who carries the laws
+  /// (cover.h, ownership.h); empty: X.
   std::vector<Vec3> before = {};
 };
 
@@ -79,6 +80,18 @@ struct GeometricStiffness {
   NodeBlocks forces;  ///< d(G'y)/dX
   /// dg_k/dX_j by (k, j), of the contact nodes k that a force loads.
   std::vector<std::pair<std::pair<Index, Index>, Vec3>> gaps;
+
+  /// visit(i, a, j, b, s): the symmetric part, s between component a of node i and b of j, in
+  /// terms.
+  template <class Visit>
+  void for_each_symmetric(int d, const Visit& visit) const {
+    for (const auto& [nodes, block] : forces)
+      for (int a = 0; a < d; ++a)
+        for (int b = 0; b < d; ++b) {
+          visit(nodes.first, a, nodes.second, b, block(a, b) / 2);
+          visit(nodes.second, b, nodes.first, a, block(a, b) / 2);
+        }
+  }
 };
 
 /// What the search has found of one pair.
@@ -112,6 +125,10 @@ class Mortar {
   const std::vector<ContactNode>& nodes() const { return nodes_; }  ///< m
   const std::vector<MidEdge>& edges() const { return edges_; }
   const Matrix& relative() const { return G_; }  ///< m x nodes; forces on both bodies are G'y
+  /// What the slip of each contact node lacks of its motion since Nodes::before, slip.h; empty
+  /// where that is, and where normals are given: those of now, which the mortar of before cannot
+  /// have.
+  const std::vector<Vec3>& slip() const { return slip_; }
   /// Of Options::force, whose y turn with the normals; see geometric_stiffness.h.
   const GeometricStiffness& stiffness() const { return stiffness_; }
   const Statistics& statistics(Index pair = 0) const { return statistics_[pair]; }
@@ -127,14 +144,17 @@ class Mortar {
   Vector weighted(const Vector& gap) const { return S_ * gap; }
 
  private:
+  Mortar() = default;
+  void assemble(struct Arrangement& of, const Options& options);
   Matrix halving(const std::vector<char>& held, bool where_held, Real half) const;
 
-  Index size_;
+  Index size_ = 0;
   std::vector<ContactNode> nodes_;
   std::vector<MidEdge> edges_;          ///< of C
   Matrix N_, P_;                        ///< nodes x nodes, rows of contact nodes
   Matrix S_, G_;                        ///< m x nodes: (I + N) C^-1, and S - P
   std::vector<Statistics> statistics_;  ///< per pair
+  std::vector<Vec3> slip_;
   GeometricStiffness stiffness_;
 
   friend class Assembly;

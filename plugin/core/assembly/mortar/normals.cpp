@@ -224,20 +224,23 @@ DenseMatrix slipping(const Freedom& freedom, const DenseMatrix& relative,
                             std::max(allowed / total, of_flats));
 }
 
-/// Takes the master's normals where more of the motions slip along them.
-void choose(int d, const Freedom& freedom, const DenseMatrix& relative, const Group& group,
-            std::vector<Vec3>& normal, std::vector<char>& of_master) {
+/// Whether more of the motions slip along the master's normals.
+bool master_counts(const Freedom& freedom, const DenseMatrix& relative, const Group& group,
+                   const DenseMatrix& of_other) {
   std::vector<PointNormal> own;
   bool other_first = false;
   for (const auto& [i, here] : group.nodes) {
     own.push_back({here.x, here.own, here.measure(), here.own_turn});
     other_first = other_first || here.other_first;
   }
-  const DenseMatrix of_own = slipping(freedom, relative, own),
-                    of_other = slipping(freedom, relative, group.other);
+  const DenseMatrix of_own = slipping(freedom, relative, own);
   const Index more = static_cast<Index>(of_other.cols() - of_own.cols());
-  if (of_other.cols() == 0 || more < 0 || (more == 0 && !other_first)) return;
-  if (slipping(freedom, of_other, own).cols() == of_other.cols()) return;  // no other motions
+  if (of_other.cols() == 0 || more < 0 || (more == 0 && !other_first)) return false;
+  return slipping(freedom, of_other, own).cols() < of_other.cols();  // other motions
+}
+
+void take_masters(int d, const Freedom& freedom, const Group& group, const DenseMatrix& of_other,
+                  std::vector<Vec3>& normal, std::vector<char>& of_master) {
   std::vector<PointNormal> taken;
   for (const auto& [i, here] : group.nodes) {
     const Vec3 theirs = here.of_master();
@@ -254,15 +257,18 @@ void choose(int d, const Freedom& freedom, const DenseMatrix& relative, const Gr
 
 }  // namespace
 
-std::vector<char> choose_common_normals(const Nodes& nodes, const std::vector<Side>& slaves,
-                                        const std::vector<Side>& masters,
-                                        const std::vector<Cover>& covers, const Options& options,
-                                        const Owns& owns, std::vector<Vec3>& normal) {
-  std::vector<char> of_master(nodes.X.size(), 0);
-  if (!options.freedom) return of_master;
+CommonNormals choose_common_normals(const Nodes& nodes, const std::vector<Side>& slaves,
+                                    const std::vector<Side>& masters,
+                                    const std::vector<Cover>& covers, const Options& options,
+                                    const Owns& owns, const CommonNormals* begun,
+                                    std::vector<Vec3>& normal) {
+  CommonNormals common;
+  common.of_master.assign(nodes.X.size(), 0);
+  if (!options.freedom) return common;
   std::optional<Freedom> freedom;
   for (std::size_t p = 0; p < slaves.size(); ++p) {
-    if (!may_differ(slaves[p], masters[p])) continue;
+    common.may_differ.push_back(begun ? begun->may_differ[p] : may_differ(slaves[p], masters[p]));
+    if (!common.may_differ[p]) continue;
     if (!freedom) freedom = options.freedom();
     for (const auto& [bodies, group] :
          facing_nodes(nodes, p, slaves[p], masters[p], covers[p], owns, freedom->body, normal)) {
@@ -271,11 +277,17 @@ std::vector<char> choose_common_normals(const Nodes& nodes, const std::vector<Si
       const DenseMatrix &V = freedom->of_body[slave], &W = freedom->of_body[master];
       DenseMatrix relative(freedom->generators.count(), V.cols() + W.cols());
       relative << V, W;
-      if (relative.cols() > 0)
-        choose(nodes.dimension, *freedom, relative, group, normal, of_master);
+      if (relative.cols() == 0) continue;
+      const DenseMatrix of_other = slipping(*freedom, relative, group.other);
+      const std::array<Index, 3> key{static_cast<Index>(p), slave, master};
+      const bool decided = begun && begun->counts.count(key) > 0;
+      common.counts[key] =
+          decided ? begun->counts.at(key) : master_counts(*freedom, relative, group, of_other);
+      if (common.counts[key])
+        take_masters(nodes.dimension, *freedom, group, of_other, normal, common.of_master);
     }
   }
-  return of_master;
+  return common;
 }
 
 }  // namespace frictioncg::mortar

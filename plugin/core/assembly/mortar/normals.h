@@ -1,5 +1,7 @@
 #pragma once
+#include <array>
 #include <functional>
+#include <map>
 
 #include "assembly/mortar/cover.h"
 #include "assembly/mortar/mortar.h"
@@ -16,6 +18,13 @@ using Owns = std::function<bool(std::size_t p, Index f, Index i)>;
 std::vector<Vec3> slave_normals(const Nodes& nodes, const std::vector<Side>& slaves,
                                 const Options& options, const Owns& owns);
 
+/// Where the normals of masters count.
+struct CommonNormals {
+  std::vector<char> of_master;                  ///< per node
+  std::map<std::array<Index, 3>, bool> counts;  ///< by pair, and by the bodies of slave and master
+  std::vector<char> may_differ;                 ///< per pair: the others have been passed over
+};
+
 /// Where a curved face is before a flat one, the normals are those of either: a disc of radius R
 /// touches a flat, points are matched once, and action is reaction. With normals that turn by b x a
 /// slip a and a rotation w about the contact change the gap by x (w - b a). What is exact to second
@@ -30,10 +39,12 @@ std::vector<Vec3> slave_normals(const Nodes& nodes, const std::vector<Side>& sla
 /// shaft's own normals see that; so of a bore and what is in it the latter counts.
 ///
 /// normal: of the slave's own surface, per node, replaced where the master's count; owns: as in
-/// slave_normals. Faces of one body keep theirs. Returns, per node, whether the master's count.
-std::vector<char> choose_common_normals(const Nodes& nodes, const std::vector<Side>& slaves,
-                                        const std::vector<Side>& masters,
-                                        const std::vector<Cover>& covers, const Options& options,
-                                        const Owns& owns, std::vector<Vec3>& normal);
+/// slave_normals; begun: where the increment began, which has decided; null: it is decided here.
+/// Faces of one body keep theirs.
+CommonNormals choose_common_normals(const Nodes& nodes, const std::vector<Side>& slaves,
+                                    const std::vector<Side>& masters,
+                                    const std::vector<Cover>& covers, const Options& options,
+                                    const Owns& owns, const CommonNormals* begun,
+                                    std::vector<Vec3>& normal);
 
 }  // namespace frictioncg::mortar

@@ -4,7 +4,7 @@
 #include <map>
 #include <tuple>
 
-#include "assembly/mortar/normals.h"
+#include "assembly/mortar/self_contact.h"
 #include "assembly/mortar/smooth_side.h"
 #include "assembly/mortar/validation.h"
 
@@ -25,16 +25,12 @@ Index label_position(const Surface& surface, long label) {
 
 /// The normals by which it is decided whether Dirichlet conditions hold them: those where the
 /// increment began, or those of now.
-std::vector<Vec3> normals_before(const Nodes& nodes, const std::vector<Side>& slaves,
-                                 const Options& options, const Owns& owns,
+std::vector<Vec3> normals_before(const Arrangement* begun, const Options& options, const Owns& owns,
                                  const std::vector<Vec3>& now) {
-  const bool any = std::any_of(nodes.held.begin(), nodes.held.end(), [](auto h) { return h != 0; });
-  if (!any || nodes.before.empty() || !options.normals.empty()) return now;
-  Nodes before = nodes;
-  before.X = nodes.before;
-  std::vector<Side> sides;
-  for (const Side& slave : slaves) sides.emplace_back(slave, nodes.X, nodes.before);
-  return slave_normals(before, sides, options, owns);
+  if (!begun || !options.normals.empty()) return now;
+  const auto& held = begun->nodes.held;
+  const bool any = std::any_of(held.begin(), held.end(), [](auto h) { return h != 0; });
+  return any ? slave_normals(begun->nodes, begun->slaves, options, owns) : now;
 }
 
 }  // namespace
@@ -50,27 +46,32 @@ struct Ownership::Patch {
 };
 
 Ownership::Ownership(const Nodes& nodes, const std::vector<Side>& slaves,
-                     const std::vector<Side>& masters, const std::vector<Cover>& covers,
-                     const Options& options)
+                     const std::vector<Side>& masters, std::vector<Cover>& covers,
+                     const Options& options, const Arrangement* begun)
     : state(nodes.X.size(), State::uncovered),
       pair(nodes.X.size(), -1),
       label(nodes.X.size(), 0),
-      of_master(nodes.X.size(), 0),
+      common{std::vector<char>(nodes.X.size(), 0), {}, {}},
       covered(nodes.X.size(), 0),
       owner_(nodes.X.size(), -1) {
-  rank_patches(slaves, covers);
+  if (begun)
+    go_on_from(*begun->ownership);
+  else
+    rank_patches(slaves, covers);
   own(slaves, covers);
   set_labels(slaves);
   const Owns owns = [&](std::size_t p, Index f, Index i) { return owner_[i] == rank_[p][f]; };
   normal = slave_normals(nodes, slaves, options, owns);
   if (options.normals.empty())
-    of_master = choose_common_normals(nodes, slaves, masters, covers, options, owns, normal);
+    common = choose_common_normals(nodes, slaves, masters, covers, options, owns,
+                                   begun ? &begun->ownership->common : nullptr, normal);
   else
     take_normals(nodes, options.normals);
-  remove_shared(masters, covers);
+  if (!begun) find_faced(masters, covers);
+  remove_shared(masters);
   remove_taken(nodes.taken);
-  if (!nodes.held.empty())
-    remove_held(nodes, slaves, normals_before(nodes, slaves, options, owns, normal));
+  if (!nodes.held.empty()) remove_held(nodes, slaves, normals_before(begun, options, owns, normal));
+  if (begun) take_off_slaves(masters, covers);
   for (std::size_t p = 0; p < slaves.size(); ++p)
     choose_carriers(static_cast<Index>(p), slaves[p], covers[p]);
 }
@@ -90,7 +91,7 @@ void Ownership::rank_patches(const std::vector<Side>& slaves, const std::vector<
       patch.pair = static_cast<Index>(p);
       patch.root = groups[p].of(f);
       patch.label = std::min(patch.label, label_position(slave.surface, slave.facet(f).label));
-      patch.uncovered -= covers[p].measure[f];
+      patch.uncovered -= covers[p].fraction[f] * slave.planes[f].measure;
     }
     for (const auto& entry : of_root) patches.push_back(entry.second);
   }
@@ -106,23 +107,34 @@ void Ownership::rank_patches(const std::vector<Side>& slaves, const std::vector<
   }
 }
 
+void Ownership::go_on_from(const Ownership& begun) {
+  rank_ = begun.rank_;
+  patches_ = begun.patches_;
+  owner_ = begun.owner_;
+  pair = begun.pair;
+  covered = begun.covered;
+  faced_ = begun.faced_;
+}
+
 void Ownership::own(const std::vector<Side>& slaves, const std::vector<Cover>& covers) {
+  const std::vector<Index> decided = owner_;
   for (std::size_t p = 0; p < slaves.size(); ++p)
     for (Index f = 0; f < slaves[p].facets(); ++f) {
       if (covers[p].cells[f].empty()) continue;
       for (int v = 0; v < slaves[p].d; ++v) {
         const Index i = slaves[p].facet(f).node[v];
-        if (owner_[i] >= 0 && owner_[i] <= rank_[p][f]) continue;
+        state[i] = State::kept;
+        if (decided[i] >= 0 || (owner_[i] >= 0 && owner_[i] <= rank_[p][f])) continue;
         owner_[i] = rank_[p][f];
         pair[i] = static_cast<Index>(p);
-        state[i] = State::kept;
       }
     }
   for (std::size_t p = 0; p < slaves.size(); ++p)
     for (Index f = 0; f < slaves[p].facets(); ++f)
       for (int v = 0; v < slaves[p].d; ++v) {
         const Index i = slaves[p].facet(f).node[v];
-        if (owner_[i] == rank_[p][f]) covered[i] += covers[p].measure[f];
+        if (decided[i] < 0 && owner_[i] == rank_[p][f])
+          covered[i] += covers[p].fraction[f] * slaves[p].planes[f].measure;
       }
 }
 
@@ -146,7 +158,7 @@ void Ownership::set_labels(const std::vector<Side>& slaves) {
 void Ownership::take_normals(const Nodes& nodes, const std::vector<Vec3>& normals) {
   const int d = nodes.dimension;
   for (std::size_t i = 0; i < normals.size(); ++i) {
-    if (owner_[i] < 0) continue;
+    if (state[i] == State::uncovered) continue;
     const Vec3 given = normals[i].normalized(), outward = normal[i];
     const std::string at = place(d, nodes.X[i]) + " on label " + std::to_string(label[i]);
     if (!(given.norm() > 0))
@@ -160,21 +172,44 @@ void Ownership::take_normals(const Nodes& nodes, const std::vector<Vec3>& normal
   }
 }
 
-/// Removes the nodes that lie on a master. A facet of another pair's master counts only where
-/// something faces it: the rest of its label is no master.
-void Ownership::remove_shared(const std::vector<Side>& masters, const std::vector<Cover>& covers) {
+void Ownership::find_faced(const std::vector<Side>& masters, const std::vector<Cover>& covers) {
   for (std::size_t p = 0; p < masters.size(); ++p) {
-    const Side& master = masters[p];
-    std::vector<char> faced(master.facets(), 0);
+    std::vector<char>& faced = faced_.emplace_back(masters[p].facets(), 0);
     for (const std::vector<Cell>& cells : covers[p].cells)
       for (const Cell& cell : cells) faced[cell.master] = 1;
+  }
+}
+
+/// Removes the nodes that lie on a master. A facet of another pair's master counts only where
+/// something faces it: the rest of its label is no master.
+void Ownership::remove_shared(const std::vector<Side>& masters) {
+  for (std::size_t p = 0; p < masters.size(); ++p) {
+    const Side& master = masters[p];
     for (Index f = 0; f < master.facets(); ++f)
       for (int k = 0; k < nodes_of_facet(master.d, master.surface.quadratic); ++k) {
         const Index i = master.facet(f).node[k];
-        const bool used = faced[f] || pair[i] == static_cast<Index>(p);
+        const bool used = faced_[p][f] || pair[i] == static_cast<Index>(p);
         if (used && state[i] == State::kept) state[i] = State::shared;
       }
   }
+}
+
+void Ownership::take_off_slaves(const std::vector<Side>& masters,
+                                std::vector<Cover>& covers) const {
+  for (std::size_t p = 0; p < masters.size(); ++p)
+    for (Index f = 0; f < static_cast<Index>(covers[p].cells.size()); ++f) {
+      std::vector<Cell>& cells = covers[p].cells[f];
+      const auto is_slave = [&](const Cell& cell) {
+        const Facet& facet = masters[p].facet(cell.master);
+        const int count = nodes_of_facet(masters[p].d, masters[p].surface.quadratic);
+        return std::any_of(facet.node.begin(), facet.node.begin() + count,
+                           [&](Index i) { return state[i] == State::kept; });
+      };
+      for (const Cell& cell : cells)
+        if (is_slave(cell))
+          covers[p].fraction[f] -= extent(cell.part) / extent(reference_facet(masters[p].d));
+      cells.erase(std::remove_if(cells.begin(), cells.end(), is_slave), cells.end());
+    }
 }
 
 void Ownership::remove_taken(const std::vector<char>& taken) {
@@ -271,6 +306,24 @@ void Ownership::find_stand_ins(Index p, const Side& slave, bool within_patch) {
       carriers[p][g].stand_in = std::move(stand_in);
       queue.push_back(g);
     }
+}
+
+Arrangement::Arrangement(const Nodes& nodes_, const std::vector<Pair>& given,
+                         const Options& options, const Arrangement* begun)
+    : nodes(nodes_), pairs(parted(nodes, given, options.maxgap, begun ? &begun->pairs : nullptr)) {
+  if (begun) along_normal = begun->along_normal;
+  if (!begun) validate_pairs(nodes, pairs, options);
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
+    slaves.emplace_back(nodes.dimension, pairs[p].slave, nodes.X, nodes.reference);
+    masters.emplace_back(nodes.dimension, pairs[p].master, nodes.X, nodes.reference);
+    std::optional<Earlier> earlier;
+    if (begun)
+      earlier.emplace(
+          Earlier{begun->slaves[p], begun->masters[p], begun->nodes.X, begun->covers[p]});
+    covers.push_back(cover(nodes, given[p], slaves[p], masters[p], options.maxgap,
+                           earlier ? &*earlier : nullptr));
+  }
+  ownership.emplace(nodes, slaves, masters, covers, options, begun);
 }
 
 }  // namespace frictioncg::mortar

@@ -1,6 +1,12 @@
 #pragma once
+#include <map>
+#include <optional>
+
 #include "assembly/mortar/cover.h"
+#include "assembly/mortar/dual_basis.h"
+#include "assembly/mortar/integration.h"
 #include "assembly/mortar/mortar.h"
+#include "assembly/mortar/normals.h"
 
 namespace frictioncg::mortar {
 
@@ -13,17 +19,23 @@ namespace frictioncg::mortar {
 /// master (bodies that meet crosswise), or where an obstacle takes it, or Dirichlet conditions hold
 /// its normal. Where no vertex of a facet is kept, nodes of the nearest facet with some stand in,
 /// with constant multipliers, so that nowhere a traction is lost.
+///
+/// Ranks, owners, nodes that lie on a master and masters' normals are those of where the increment
+/// began; of a node that nothing was before there they are found here.
 struct Ownership {
+  /// begun: where the increment began; null: here. A cell whose master did not face anything there
+  /// is taken off the covers where a slave's node lies on it: that is no master in this increment.
   Ownership(const Nodes& nodes, const std::vector<Side>& slaves, const std::vector<Side>& masters,
-            const std::vector<Cover>& covers, const Options& options);
+            std::vector<Cover>& covers, const Options& options,
+            const struct Arrangement* begun = nullptr);
 
   enum class State : char { uncovered, kept, shared, taken, held };
   static constexpr int states = 5;
-  std::vector<State> state;     ///< per node
-  std::vector<Index> pair;      ///< per node, of the owning patch
-  std::vector<long> label;      ///< per node
-  std::vector<Vec3> normal;     ///< per node: given, or slave_normals()
-  std::vector<char> of_master;  ///< per node: the normal is the master's, choose_common_normals()
+  std::vector<State> state;  ///< per node
+  std::vector<Index> pair;   ///< per node, of the owning patch
+  std::vector<long> label;   ///< per node
+  std::vector<Vec3> normal;  ///< per node: given, or slave_normals()
+  CommonNormals common;      ///< choose_common_normals()
   /// Per node: measure covered around it, where it is decided what faces what.
   std::vector<Real> covered;
 
@@ -39,11 +51,14 @@ struct Ownership {
 
  private:
   struct Patch;
+  void go_on_from(const Ownership& begun);
   void rank_patches(const std::vector<Side>& slaves, const std::vector<Cover>& covers);
   void own(const std::vector<Side>& slaves, const std::vector<Cover>& covers);
   void set_labels(const std::vector<Side>& slaves);
   void take_normals(const Nodes& nodes, const std::vector<Vec3>& normals);
-  void remove_shared(const std::vector<Side>& masters, const std::vector<Cover>& covers);
+  void find_faced(const std::vector<Side>& masters, const std::vector<Cover>& covers);
+  void remove_shared(const std::vector<Side>& masters);
+  void take_off_slaves(const std::vector<Side>& masters, std::vector<Cover>& covers) const;
   void remove_taken(const std::vector<char>& taken);
   void remove_held(const Nodes& nodes, const std::vector<Side>& slaves,
                    const std::vector<Vec3>& deciding);
@@ -53,7 +68,44 @@ struct Ownership {
 
   std::vector<std::vector<Index>> rank_;  ///< per pair and facet, of its patch: the lower one owns
   std::vector<Index> owner_;              ///< per node: rank of its patch, or -1
+  std::vector<std::vector<char>> faced_;  ///< per pair and facet of the master
   Index patches_ = 0;
+};
+
+/// visit(i, psi, kept, d) for each multiplier of a slave facet: of node i, psi by coefficients over
+/// the lambda of the facet, beside which the vertices that are not `kept` are removed nodes, and d
+/// what it adds to D_i. One node may have two, and a share of each.
+template <class Visit>
+void for_each_multiplier(const Part& part, const Moments& moments,
+                         const Ownership::Carriers& carriers, const Visit& visit) {
+  const auto of_vertices = [&](const std::array<bool, 3>& kept, Real share) {
+    const DualBasis dual = dual_basis(part.slave.d, moments.vertices, kept);
+    for (int v = 0; v < part.slave.d; ++v)
+      if (kept[v])
+        visit(part.node(v), Eigen::RowVector3d(share * dual.psi.row(v)), kept, share * dual.d[v]);
+  };
+  of_vertices(carriers.kept, 1 - carriers.alone);
+  if (carriers.alone > 0) of_vertices(carriers.strongest, carriers.alone);
+  const Real share = 1. / static_cast<Real>(carriers.stand_in.size());
+  for (Index i : carriers.stand_in)
+    visit(i, Eigen::RowVector3d::Constant(share).eval(), carriers.kept, 0.);
+}
+
+/// The sides of all pairs where their nodes are, what is before what there, and who carries laws.
+struct Arrangement {
+  /// begun: where the increment began, which has decided; null: it is decided here.
+  Arrangement(const Nodes& nodes, const std::vector<Pair>& given, const Options& options,
+              const Arrangement* begun = nullptr);
+  Arrangement(const Arrangement&) = delete;
+  Arrangement& operator=(const Arrangement&) = delete;
+
+  const Nodes& nodes;
+  std::vector<Pair> pairs;  ///< parted()
+  std::vector<Side> slaves, masters;
+  std::vector<Cover> covers;
+  std::optional<Ownership> ownership;
+  /// Of contact nodes with the normals of masters: whether they see these along them, moments.h.
+  std::map<Index, bool> along_normal;
 };
 
 }  // namespace frictioncg::mortar

@@ -73,21 +73,36 @@ std::vector<Meeting> meetings(const Side& side, const Cover& cover, const std::v
   return all;
 }
 
-void part(const Nodes& nodes, Pair& pair, Real maxgap) {
-  const Side now(nodes.dimension, pair.slave, nodes.X);
-  const std::vector<Vec3>& Y = nodes.before.empty() ? nodes.X : nodes.before;
-  const Side side(now, nodes.X, Y);
-  const OwnSurface own(side, Y, nodes.reference);
+/// Which facets are slaves.
+std::vector<char> slaves_of(const Nodes& nodes, const Pair& pair, Real maxgap) {
+  const Side side(nodes.dimension, pair.slave, nodes.X);
+  const OwnSurface own(side, nodes.X, nodes.reference);
   std::vector<char> is_slave(side.facets(), 0);
-  for (const Meeting& meeting : meetings(side, cover(side, side, Y, {}, maxgap, &own), Y)) {
+  for (const Meeting& meeting : meetings(side, cover(side, side, nodes.X, maxgap, &own), nodes.X)) {
     const Vec3 a = eigenpairs(meeting.directions).vectors.col(2);
     const Half one(meeting, side, own.X, a), other(meeting, side, own.X, -a);
     for (Index f : (one.before(other) ? one : other).facets) is_slave[f] = 1;
   }
-  if (std::find(is_slave.begin(), is_slave.end(), 1) == is_slave.end())
+  if (std::find(is_slave.begin(), is_slave.end(), 1) != is_slave.end()) return is_slave;
+  if (nodes.reference.empty())
     throw IllegalInput(labels_of(pair.slave) +
                        " does not face itself: no facet lies opposite another one, along its "
                        "normal; name another master, or no contact");
+  return std::vector<char>(side.facets(), 1);
+}
+
+/// The same as they have been decided.
+std::vector<char> slaves_of(const Pair& pair, const Pair& begun) {
+  std::vector<char> is_slave;
+  std::size_t next = 0;
+  for (const Facet& f : pair.slave.facets) {
+    is_slave.push_back(next < begun.slave.facets.size() && f.node == begun.slave.facets[next].node);
+    next += is_slave.back();
+  }
+  return is_slave;
+}
+
+void part(const std::vector<char>& is_slave, Pair& pair) {
   const std::vector<Facet> slave = pair.slave.facets, master = pair.master.facets;
   pair.slave.facets.clear();
   pair.master.facets.clear();
@@ -119,15 +134,17 @@ bool touches_itself(const Pair& pair) {
 }
 
 Cover cover(const Nodes& nodes, const Pair& given, const Side& slave, const Side& master,
-            Real maxgap) {
-  if (!touches_itself(given)) return cover(slave, master, nodes.X, nodes.before, maxgap);
+            Real maxgap, const Earlier* earlier) {
+  if (!touches_itself(given)) return cover(slave, master, nodes.X, maxgap, nullptr, earlier);
   const OwnSurface own(slave, nodes.X, nodes.reference);
-  return cover(slave, master, nodes.X, nodes.before, maxgap, &own);
+  return cover(slave, master, nodes.X, maxgap, &own, earlier);
 }
 
-std::vector<Pair> parted(const Nodes& nodes, std::vector<Pair> pairs, Real maxgap) {
-  for (Pair& pair : pairs)
-    if (touches_itself(pair)) part(nodes, pair, maxgap);
+std::vector<Pair> parted(const Nodes& nodes, std::vector<Pair> pairs, Real maxgap,
+                         const std::vector<Pair>* begun) {
+  for (std::size_t p = 0; p < pairs.size(); ++p)
+    if (touches_itself(pairs[p]))
+      part(begun ? slaves_of(pairs[p], (*begun)[p]) : slaves_of(nodes, pairs[p], maxgap), pairs[p]);
   return pairs;
 }
 

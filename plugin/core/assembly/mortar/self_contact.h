@@ -25,18 +25,21 @@ struct OwnSurface {
 /// Whether the facets of slave and master are the same.
 bool touches_itself(const Pair& pair);
 
-/// The pairs, where the facets of each that touches itself are slave or master. Of facets that face
-/// each other and what hangs together with them, a is the direction along which they do so, the
-/// nearest before all:
+/// The pairs, where the facets of each that touches itself are slave or master, none the latter
+/// where bodies that have moved do not face themselves. Of facets that face each other and what
+/// hangs together with them, a is the direction along which they do so, the nearest before all:
 ///
 ///   (sum w n n') a = lambda a,   lambda the largest,   w = measure / (distance + size)
 ///
 /// Slave is the side with the smaller facets, or with equal ones that whose mean place in the
 /// reference comes first; both are those of its body, however it moves and is numbered.
-std::vector<Pair> parted(const Nodes& nodes, std::vector<Pair> pairs, Real maxgap);
+///
+/// begun: the pairs as they were parted where the increment began, and stay; null: none.
+std::vector<Pair> parted(const Nodes& nodes, std::vector<Pair> pairs, Real maxgap,
+                         const std::vector<Pair>* begun = nullptr);
 
 /// What the sides of a pair, as it was given, have before each other at the nodes.
 Cover cover(const Nodes& nodes, const Pair& given, const Side& slave, const Side& master,
-            Real maxgap);
+            Real maxgap, const Earlier* earlier = nullptr);
 
 }  // namespace frictioncg::mortar

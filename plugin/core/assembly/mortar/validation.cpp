@@ -141,9 +141,10 @@ void validate_pairs(const Nodes& nodes, const std::vector<Pair>& pairs, const Op
   if (options.element_groups) refuse_merged_nodes(nodes, pairs, options);
 }
 
-void validate_cover(const Nodes& nodes, const std::vector<Side>& slaves,
-                    const std::vector<Side>& masters, const std::vector<Cover>& covers,
-                    const Ownership& ownership, const Options& options) {
+void validate_cover(const Arrangement& of, const Options& options) {
+  const Nodes& nodes = of.nodes;
+  const std::vector<Side>&slaves = of.slaves, &masters = of.masters;
+  const std::vector<Cover>& covers = of.covers;
   refuse_slaves_as_masters(nodes, slaves, masters, covers);
   for (std::size_t p = 0; p < slaves.size(); ++p) {
     const Cover& cover = covers[p];
@@ -155,7 +156,8 @@ void validate_cover(const Nodes& nodes, const std::vector<Side>& slaves,
     if (!options.weight.empty()) refuse_weightless(nodes, slaves[p], cover, options.weight);
     std::array<Index, Ownership::states> count{};
     for (const Facet& f : slaves[p].surface.facets)
-      for (int v = 0; v < slaves[p].d; ++v) ++count[static_cast<int>(ownership.state[f.node[v]])];
+      for (int v = 0; v < slaves[p].d; ++v)
+        ++count[static_cast<int>(of.ownership->state[f.node[v]])];
     const auto some = [&](Ownership::State state) { return count[static_cast<int>(state)] > 0; };
     if (some(Ownership::State::kept)) continue;
     const std::string labels = "every slave node (" + labels_of(slaves[p].surface) + ")";

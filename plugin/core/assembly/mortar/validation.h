@@ -16,8 +16,6 @@ void validate_pairs(const Nodes& nodes, const std::vector<Pair>& pairs, const Op
 /// Refuses pairs where nothing faces, but for bodies that have moved (Nodes::reference), facets
 /// without weight, pairs where no slave node is left to carry a law, and facets that face the
 /// master of one pair while they are faced as the master of another.
-void validate_cover(const Nodes& nodes, const std::vector<Side>& slaves,
-                    const std::vector<Side>& masters, const std::vector<Cover>& covers,
-                    const Ownership& ownership, const Options& options);
+void validate_cover(const Arrangement& of, const Options& options);
 
 }  // namespace frictioncg::mortar

@@ -1,7 +1,5 @@
 #include "assembly/mortar/weight_slopes.h"
 
-#include "assembly/mortar/dual_basis.h"
-
 namespace frictioncg::mortar {
 
 namespace {
@@ -164,14 +162,10 @@ void WeightSlopes::add(const Part& part, const Moments& moments, const Integrati
   for (Index i : carriers.stand_in) loaded = loaded || (!force_.empty() && !force_[i].isZero(0));
   if (!loaded) return;
   const FacetSlopes facet(integration, part, moments, X_);
-  const DualBasis dual = dual_basis(part.slave.d, moments.vertices, carriers.kept);
-  const auto add_to = [&](Index i, const Eigen::RowVector3d& psi, Real D) {
-    facet.add(psi, carriers.kept, D, normals_[i], sums_[i]);
-  };
-  for (int v = 0; v < part.slave.d; ++v)
-    if (carriers.kept[v]) add_to(part.node(v), dual.psi.row(v), dual.d[v]);
-  const Real share = 1. / static_cast<Real>(carriers.stand_in.size());
-  for (Index i : carriers.stand_in) add_to(i, Eigen::RowVector3d::Constant(share), 0);
+  for_each_multiplier(part, moments, carriers,
+                      [&](Index i, const auto& psi, const auto& kept, Real d) {
+                        facet.add(psi, kept, d, normals_[i], sums_[i]);
+                      });
 }
 
 std::map<Index, SlopedRow> WeightSlopes::rows(const std::vector<char>& takes_removed) const {
