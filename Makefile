@@ -216,7 +216,7 @@ $(BUILD)/%.so: tests/bench/%.cpp tests/bench/on_scene.h $(OBJECTS) $(HEADERS)
 
 bench: setup ## the paper's tables, and costs as ratios to one linear solve
 	@$(MAKE) --no-print-directory -j$$(nproc) all $(BENCH_PLUGINS) >/dev/null
-	@for script in tests/bench/paper.edp tests/bench/cost.edp tests/bench/costPair.edp \
+	@for script in tests/bench/paper.edp tests/bench/cost.edp \
 	  tests/bench/roller.edp tests/bench/multigrid3d.edp; do \
 	  (cd $(BUILD) && OPENBLAS_NUM_THREADS=1 $(RUN) ../$$script) || exit 1; done
 	@cd $(BUILD) && OPENBLAS_NUM_THREADS=1 /usr/bin/python3 ../tests/bench/rollerPeer.py roller.csv \

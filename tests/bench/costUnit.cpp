@@ -1,9 +1,10 @@
-// A FreeFEM plugin of the benchmarks: what one linear solve, and one product, with the same matrix
-// cost.
-//   real[int] t = linearSolve(A, b, Vh, label);
-//     CPU seconds of CHOLMOD on one thread, analyse + factor + solve: the best, with AMD, with
-//     METIS; of one product A x; the peak memory of the best [MB]; and of FreeFEM's own
-//     solver="CHOLMOD", sym=1, positive=1 on the matrix of the script, as FreeFEM numbers it
+// A FreeFEM plugin of the benchmarks: what one linear solve with the same matrix costs.
+//   real unit = linearSolve(A, b, Vh, label);
+//     CPU seconds of CHOLMOD on one thread, analyse + factor + solve: the least of AMD, METIS, and
+//     FreeFEM's own solver="CHOLMOD", sym=1, positive=1 on the matrix of the script, as FreeFEM
+//     numbers it
+//   threads(n);  1: one thread, of CHOLMOD as of the BLAS; 0: as many as users have by default
+//   real t = wallTime();     [s], FreeFEM's time() counts whole seconds
 //   real a = attainableResidual(A, b, Vh, label, u);
 //     the certificate that rounding allows at u: eps_machine ||A||u|| in its norm
 //   real e = energyError(A, u, v);
@@ -14,8 +15,6 @@
 //   real t = frictionlessSolve(A, b, Vh, label, u);
 //     CPU seconds of the same frictionless scene without any code for friction: copy, factor,
 //     active set on S, back-substitution, residual; u becomes the field
-//   real t = wallTime();     [s], FreeFEM's time() counts whole seconds
-//   real m = peakMemory(reset);  peak memory of the process since the last reset [MB]
 
 // FreeFEM's solver class, in its headers, asks for what FreeFEM was configured with.
 #define HAVE_LIBUMFPACK
@@ -34,20 +33,15 @@
 
 using namespace frictioncg;
 
-namespace {
-
-double peak_megabytes(bool reset) {
-  std::ifstream status("/proc/self/status");
-  std::string line;
-  double peak = 0;
-  while (std::getline(status, line))
-    if (line.rfind("VmHWM:", 0) == 0) peak = std::atof(line.c_str() + 6) / 1024;
-  if (reset) std::ofstream("/proc/self/clear_refs") << "5";
-  return peak;
+extern "C" {
+void openblas_set_num_threads(int n) __attribute__((weak));
+int openblas_get_num_procs() __attribute__((weak));
 }
 
-/// CHOLMOD as a user would call it: on the dofs, supernodal. The contact dofs get half their
-/// diagonal added, without which a body held by contact alone has no factor.
+namespace {
+
+/// CPU seconds of CHOLMOD with this ordering: on the dofs, supernodal. The contact dofs get half
+/// their diagonal added, without which a body held by contact alone has no factor.
 double cholmod_solve_seconds(const System& p, const Vector& F, int ordering) {
   Matrix half = p.entries().triangularView<Eigen::Lower>();
   for (Index i = p.interior(); i < p.dofs(); ++i) half.coeffRef(i, i) *= 1.5;
@@ -85,7 +79,34 @@ double cholmod_solve_seconds(const System& p, const Vector& F, int ordering) {
   return seconds;
 }
 
-/// CPU seconds of FreeFEM's own solver="CHOLMOD", sym=1, positive=1, with its defaults.
+/// Half of the script's own matrix, or of that of two bodies, which no script has, with springs on
+/// the contact dofs. Half, as a form assembles it for this solver: from a full matrix, FreeFEM 4.11
+/// hands CHOLMOD one that is not A.
+HashMatrix<int, double> with_springs(const PosedScene& posed) {
+  const System& p = posed.system();
+  const HashMatrix<int, double>& A = posed.A;
+  const bool two_bodies = posed.scene.pairing.has_value();
+  const int n = two_bodies ? p.dofs() : A.n;
+  HashMatrix<int, double> H(n, n, A.nnz, 1);
+  const auto add = [&](int i, int j, double a) {
+    if (i >= j) H(i, j) = a;
+  };
+  if (two_bodies) {
+    for (int j = 0; j < n; ++j)
+      for (Matrix::InnerIterator it(p.entries(), j); it; ++it) add(int(it.index()), j, it.value());
+    for (int i = p.interior(); i < n; ++i) H(i, i) *= 1.5;
+    return H;
+  }
+  for (std::size_t k = 0; k < A.nnz; ++k) add(A.i[k], A.j[k], A.aij[k]);
+  for (Index k = 0; k < posed.scene.system->nodes(); ++k)
+    for (int c = 0; c < posed.scene.d; ++c) {
+      const int dof = posed.scene.contact_point(k).point.dof[c];
+      H(dof, dof) *= 1.5;
+    }
+  return H;
+}
+
+/// CPU seconds of FreeFEM's own solver="CHOLMOD", sym=1, positive=1, whose answer is right.
 double freefem_solve_seconds(HashMatrix<int, double>& H) {
   Vector b = Vector::Ones(H.n), x = Vector::Zero(H.n);
   Data_Sparse_Solver defaults;
@@ -94,59 +115,30 @@ double freefem_solve_seconds(HashMatrix<int, double>& H) {
   solver.fac_symbolic();
   solver.fac_numeric();
   solver.dosolver(x.data(), b.data(), 1, 0);
-  return cpu_seconds() - start;
-}
-
-/// The script's own matrix, or that of two bodies, which no script has: with springs on the contact
-/// dofs.
-std::unique_ptr<HashMatrix<int, double>> with_springs(const PosedScene& posed) {
-  const System& p = posed.system();
-  if (!posed.scene.pairing) {
-    auto H = std::make_unique<HashMatrix<int, double>>(posed.A);
-    for (Index k = 0; k < posed.scene.system->nodes(); ++k)
-      for (int c = 0; c < posed.scene.d; ++c) {
-        const int dof = posed.scene.contact_point(k).point.dof[c];
-        (*H)(dof, dof) *= 1.5;
-      }
-    return H;
+  const double seconds = cpu_seconds() - start;
+  Vector r = b, size = b;
+  const auto subtract = [&](int i, double ax) {
+    r[i] -= ax;
+    size[i] += std::abs(ax);
+  };
+  for (std::size_t k = 0; k < H.nnz; ++k) {
+    subtract(H.i[k], H.aij[k] * x[H.j[k]]);
+    if (H.i[k] != H.j[k]) subtract(H.j[k], H.aij[k] * x[H.i[k]]);
   }
-  const Matrix& A = p.entries();
-  const int n = p.dofs();
-  auto H = std::make_unique<HashMatrix<int, double>>(n, n, A.nonZeros(), 1);
-  for (int j = 0; j < n; ++j)
-    for (Matrix::InnerIterator it(A, j); it; ++it)
-      if (it.index() >= j)
-        (*H)(int(it.index()), j) = it.value() * (it.index() == j && j >= p.interior() ? 1.5 : 1);
-  return H;
+  if (!(r.lpNorm<Eigen::Infinity>() <= 1e-12 * size.maxCoeff()))
+    throw std::runtime_error("FreeFEM's CHOLMOD has not solved A x = b");
+  return seconds;
 }
 
 struct LinearSolve {
   static constexpr const char* name = "linearSolve";
-  using Result = KN_<double>;
-  static Result run(Stack stack, const PosedScene& posed) {
-    const System& p = posed.system();
-    KN<double>* t = Add2StackOfPtr2Free(stack, new KN<double>(6));
+  using Result = double;
+  static Result run(Stack, const PosedScene& posed) {
     const Serial serial;
-    peak_megabytes(true);
-    (*t)[1] = cholmod_solve_seconds(p, posed.increment.F, CHOLMOD_AMD);
-    const double with_amd = peak_megabytes(true);
-    (*t)[2] = cholmod_solve_seconds(p, posed.increment.F, CHOLMOD_METIS);
-    const double with_metis = peak_megabytes(true);
-    const auto H = with_springs(posed);
-    peak_megabytes(true);
-    (*t)[5] = freefem_solve_seconds(*H);
-    const double with_freefem = peak_megabytes(true);
-    (*t)[0] = std::min({(*t)[1], (*t)[2], (*t)[5]});
-    Vector x = Vector::Ones(p.dofs()), y(p.dofs());
-    const int products = 1 + static_cast<int>(2e8 / (1 + p.entries().nonZeros()));
-    const double start = cpu_seconds();
-    for (int k = 0; k < products; ++k) {
-      y.noalias() = p.entries() * x;
-      x[k % p.dofs()] += 1e-9 * y[0];
-    }
-    (*t)[3] = (cpu_seconds() - start) / products;
-    (*t)[4] = (*t)[0] == (*t)[1] ? with_amd : (*t)[0] == (*t)[2] ? with_metis : with_freefem;
-    return *t;
+    auto H = with_springs(posed);
+    return std::min({cholmod_solve_seconds(posed.system(), posed.increment.F, CHOLMOD_AMD),
+                     cholmod_solve_seconds(posed.system(), posed.increment.F, CHOLMOD_METIS),
+                     freefem_solve_seconds(H)});
   }
 };
 
@@ -281,7 +273,11 @@ double wall_time() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-double peak_memory(const long& reset) { return peak_megabytes(reset != 0); }
+long threads(const long& n) {
+  if (openblas_set_num_threads) openblas_set_num_threads(n == 0 ? openblas_get_num_procs() : n);
+  if (omp_set_max_active_levels) omp_set_max_active_levels(n == 1 ? 0 : 1);
+  return n;
+}
 
 void load() {
   add_on_scene<LinearSolve>();
@@ -292,7 +288,7 @@ void load() {
       "energyError", "(",
       new OneOperator3_<double, Matrice_Creuse<double>*, KN_<double>, KN_<double>>(energy_error));
   Global.Add("wallTime", "(", new OneOperator0<double>(wall_time));
-  Global.Add("peakMemory", "(", new OneOperator1_<double, long>(peak_memory));
+  Global.Add("threads", "(", new OneOperator1_<long, long>(threads));
 }
 
 }  // namespace
