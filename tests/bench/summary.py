@@ -124,11 +124,12 @@ md.append(f"Made by `make report` from its own runs alone, on {cores} cores of {
           "in the same unit. Errors of fields: energy norm, relative.\n")
 panels = []
 for s in quoted:
-    for x, label, place in (("units", "CPU time on one thread", "lmargin at screen 0.06; set rmargin at screen 0.4; set key outside right center Left reverse"),
-                            ("wall", f"wall time on {cores} cores", "lmargin at screen 0.65; set rmargin at screen 0.99; unset key")):
+    for x, label, place in (
+            ("units", "CPU time on one thread", "lmargin at screen 0.06; set rmargin at screen 0.4; set key at graph 1.03, 0.5 left center Left reverse"),
+            ("wall", f"wall time on {cores} cores", "lmargin at screen 0.65; set rmargin at screen 0.99; unset key")):
         panels.append((f"set title '{QUOTED.get(s, s.replace('_', ' '))}'; set xlabel '{label}, in units of one linear solve (grey line)'; "
                        "set arrow 1 from 1, graph 0 to 1, graph 1 nohead lw 2 lc rgb '#bbbbbb' back; set xrange [0.08:500]; "
-                       "set yrange [1e-15:2]; set ylabel 'error in the energy norm'; set {place}",
+                       f"set yrange [1e-15:2]; set ylabel 'error in the energy norm'; set {place}",
                        [(t.replace("_", "\\\\_"), style, best(runs(s, m, v, x))) for m, v, t, style in METHODS]))
 plot("error_time", f"1600,{420 * len(quoted)}", f"{len(quoted)},2", panels)
 columns = [m for m in METHODS if any(r["method"] == m[0] and r["variant"] == m[1] for r in error + peers)]
@@ -150,7 +151,8 @@ table("peers", [""] + [t for _, _, t, _ in columns],
       + [["least error, by scene"] + [least_error(m, v) for m, v, _, _ in columns]], shown=False)
 
 GC3, GCX, CONDENSED = ("GC3", "hessian-ssor 1.5"), ("GCX", "SSOR 1.5"), ("condensed", "")
-ratios = [cost_to(s, *GCX, 1e-8) / cost_to(s, *GC3, 1e-8) for s in scenes if max(cost_to(s, *GCX, 1e-8), cost_to(s, *GC3, 1e-8)) < math.inf]
+ratios = [cost_to(s, *GCX, 1e-8) / cost_to(s, *GC3, 1e-8) for s in scenes
+          if max(cost_to(s, *GCX, 1e-8), cost_to(s, *GC3, 1e-8)) < math.inf]
 if ratios:
     quote("GCX/GC3", span(ratios, ".1f"))
 ratios = [cost_to(s, *CONDENSED, 1e-8) / min(cost_to(s, *m, 1e-8) for m in (GCX, GC3, ("multigrid", ""))) for s in scenes
@@ -171,7 +173,8 @@ def points(variant, x):
 variants = [v for v in dict.fromkeys(r["variant"] for r in of_scene) if not v.startswith("REG")]
 regularizations = ("REG1", "REG2", "REG3")
 plot("regularization", "1300,560", "1,2",
-     [(f"set title 'preconditioners of GC3, {scene.replace('_', ' ')}'; set xlabel 'iterations'; set ylabel 'error in the energy norm'; set key right top",
+     [(f"set title 'preconditioners of GC3, {scene.replace('_', ' ')}'; set xlabel 'iterations'; set key right top; "
+       "set ylabel 'error in the energy norm'",
        [(v, f"lc rgb '{c}' pt 7", points(v, "iterations")) for v, c in zip(variants, colours)]),
       ("set title 'error floors of the regularizations'; set xlabel 'eps / max|u|'; set key left top",
        [(k, f"lc rgb '{c}' pt 7", points(k, "eps")) for k, c in zip(regularizations, colours)])])
@@ -223,7 +226,8 @@ md.append("Errors of the peak pressure p0 and of the half-width a against CPU se
           "integral contact by raytracing, which is posed in the deformed configuration and keeps 0.7 % from Hertz. Its integral brick "
           "between non-matching meshes takes a pair of points up to a gap of 5 % of an element only: here it leaves the load on one.")
 plot("roller", "1300,620", "1,2",
-     [(f"set title 'CB1: {title}'; set ylabel 'error in %'; set format y '%g'; set xlabel 'CPU seconds'; set key outside bottom center maxcols 3",
+     [(f"set title 'CB1: {title}'; set ylabel 'error in %'; set format y '%g'; set xlabel 'CPU seconds'; "
+       "set key outside bottom center maxcols 3",
        [(f"{t}, P{order}", f"lc rgb '{colour}' pt {point + (order == '2')} ps 1.4 lw 2" + (" dt 2" if order == "1" else ""),
          [(number(r["seconds"]), abs(number(r[column]))) for r in roller if r["method"] == m and r["order"] == order])
         for m, t, colour, point in BRICKS for order in ("1", "2")]) for column, title in (("p0", "peak pressure"), ("a", "half-width"))])
@@ -249,8 +253,9 @@ md.append("Total error against a fine mesh. The last two columns: the largest ep
 def deserved(mu, n):
     of = [r for r in total if r["mu"] == mu and r["n"] == n]
     mesh = next(number(r["error"]) for r in of if r["what"] == "mesh")
-    return [f"{mesh:.1e}"] + [f"{max((number(r['value']) for r in of if r['what'] == w and number(r['error']) <= 1.1 * mesh), default=math.nan):.0e}"
-                              for w in ("eps", "tol")]
+    largest = [max((number(r["value"]) for r in of if r["what"] == w and number(r["error"]) <= 1.1 * mesh), default=math.nan)
+               for w in ("eps", "tol")]
+    return [f"{mesh:.1e}"] + [f"{v:.0e}" for v in largest]
 
 
 table(None, ["mu", "n", "error of the mesh", "eps / max\\|u\\|", "tol"],
