@@ -210,7 +210,7 @@ $(BUILD)/unit/%.o: tests/unit/%.cpp Makefile $(UNIT_PCH:=.gch)
 
 -include $(OBJECTS:.o=.d) $(UNIT:tests/%.cpp=$(BUILD)/%.d) $(BUILD)/frictionCG.d $(MPI_OBJECTS:.o=.d)
 
-# The benchmarks run in FreeFEM, with one thread, in the same process as what they compare with.
+# The benchmarks run in FreeFEM, with one thread unless they say so, in the same process as what they compare with.
 $(BUILD)/%.so: tests/bench/%.cpp tests/bench/on_scene.h $(OBJECTS) $(HEADERS)
 	$(CXX) $(FLAGS) $(FF_FLAGS) -Wno-shadow -Wno-use-after-free -shared $< $(OBJECTS) -o $@ $(LIBS)
 
