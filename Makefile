@@ -234,7 +234,7 @@ scaling: mpi ## the cost of several processes, over PETSc's linear solves
 	  mpirun -np $$1 $(FF_PROGRAM_MPI) -nw -v 0 ../tests/bench/mpi3d.edp -n $$2 -repeat 3 || exit 1; done
 
 # Peers and tools of the report; one that cannot be installed is left out, and the report says so.
-PEERS := python3-numpy python3-scipy python3-getfem++ python3-siconos valgrind
+PEERS := python3-numpy python3-scipy python3-getfem python3-siconos valgrind
 
 report: setup ## error against run time with the peers, stability, what is left out: report/report.md
 	@$(MAKE) --no-print-directory setup PACKAGES="python3 fonts-dejavu-core"
