@@ -191,7 +191,8 @@ TEST(GeometricStiffness, KnowsHowWhatIsBarelyCoveredSharesItsMultipliers) {
         Vec3 y = x;
         if (d == 3) y[1] += beyond * (2 * x[1] - 1);
         y[0] = from + (1 + beyond - from) * x[0];
-        y[d - 1] = height + 0.05 * std::max<Real>(0, y[0] - 0.25) * std::sin(9 * y[0]);
+        y[d - 1] =
+            height + 0.02 * y[0] + 0.05 * std::max<Real>(0, y[0] - 0.25) * std::sin(9 * y[0]);
         return y;
       };
     };

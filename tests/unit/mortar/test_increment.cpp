@@ -83,6 +83,24 @@ TEST(MortarIncrement, WhatMaxgapLeavesOutStaysOut) {
         hold_facing);
 }
 
+TEST(MortarIncrement, ASurfaceThatDoesNotFaceItselfLeavesOtherPairsWhatTheyDecided) {
+  for (int d : {2, 3})
+    expect_continuous(
+        [&](Real t) {
+          Surfaces s(d);
+          s.options.maxgap = 0.1;
+          s.pairs[0].master = s.sheet(5, 1, lifted(d, 0, 0, 0.5), 1);
+          for (const Facet& f : s.sheet(4, 1, lifted(d, -0.1 - t, 0.5, 1), 1).facets)
+            s.pairs[0].master.facets.push_back(f);
+          s.pairs[0].slave = s.sheet(6, -1, lifted(d, 0, 0, 1), 2);
+          s.pairs.resize(2);
+          s.pairs[1].slave = s.pairs[1].master = s.sheet(2, 1, lifted(d, 5, 0, 1), 3);
+          s.nodes.reference = s.nodes.X;
+          return s;
+        },
+        hold_facing);
+}
+
 TEST(MortarIncrement, AnEdgeOfABodyStaysOne) {
   for (int d : {2, 3})
     expect_continuous(
@@ -391,6 +409,48 @@ TEST(MortarIncrement, WhatIsBarelyCoveredPassesToAllOfItsVerticesWithoutAJump) {
     }
 }
 
+TEST(MortarIncrement, WhatIsBarelyCoveredStaysWithTheNodeThatMoreIsCoveredAround) {
+  for (int d : {2, 3}) {
+    Surfaces s(d);
+    s.pairs[0].slave = s.sheet(4, -1, lifted(d, 0.1, 0, 1), 2);
+    s.pairs[0].master = s.sheet(5, 1, lifted(d, 0, 0, 0.75 + 1e-4), 1);
+    s.nodes.X[3][d - 1] += 0.01;
+    Surfaces begun = s;
+    begun.nodes.before = s.nodes.X;
+    EXPECT_EQ(change(begun.mortar(), s.mortar()), 0) << d;
+  }
+}
+
+TEST(MortarIncrement, NormalsThatTheMasterGivesStandStillInTheStiffness) {
+  for (int d : {2, 3}) {
+    Surfaces s = before_wheel(d, lifted(d, -1e-3, -1, 1), 4, arc(d, 1, 0, -1, 1)), given = s;
+    given.options.normals.assign(d == 2 ? 5 : 25, Vec3::Unit(d - 1));
+    Index turned = 0;
+    const Mortar mortar = s.mortar();
+    for (const ContactNode& node : mortar.nodes()) {
+      given.options.normals[node.node] = node.normal;
+      turned += std::abs(node.normal[0]) > 0.1;
+    }
+    EXPECT_GT(turned, 1);
+    const auto stiffness = [d](Surfaces scene) {
+      const Mortar plain = scene.mortar();
+      scene.options.force.assign(scene.nodes.X.size(), Vec3::Zero());
+      for (Index k = 0; k < plain.relative().rows(); ++k)
+        for (Matrix::InnerIterator G(plain.relative(), k); G; ++G)
+          scene.options.force[G.col()] -= G.value() * plain.nodes()[k].normal;
+      const Index n = 3 * static_cast<Index>(scene.nodes.X.size());
+      DenseMatrix S = DenseMatrix::Zero(n, n);
+      const Mortar loaded = scene.mortar();
+      for (const auto& [ij, block] : loaded.stiffness().forces)
+        S.block<3, 3>(3 * ij.first, 3 * ij.second) += block;
+      return S;
+    };
+    const DenseMatrix S = stiffness(s);
+    EXPECT_GT(S.cwiseAbs().maxCoeff(), 0.1);
+    EXPECT_LT((S - stiffness(given)).cwiseAbs().maxCoeff(), 1e-9) << d;
+  }
+}
+
 TEST(MortarIncrement, BodiesThatTurnFarKeepWhatTheyFace) {
   const Surfaces start = [] {
     Surfaces s(3);
@@ -418,4 +478,18 @@ TEST(MortarIncrement, BodiesThatTurnFarKeepWhatTheyFace) {
   }
   EXPECT_EQ(a.statistics().beyond_steps, b.statistics().beyond_steps);
   EXPECT_GT(a.statistics().beyond_steps, 0);
+}
+
+TEST(MortarIncrement, BodiesThatTurnFarWereNotBehindEachOther) {
+  for (int d : {2, 3}) {
+    Surfaces s(d);
+    s.pairs[0].slave = s.sheet(4, -1, lifted(d, 0.5, 0, 1), 2);
+    s.pairs[0].master = s.sheet(5, 1, lifted(d, 0, 0, 1), 1);
+    const std::size_t nodes = s.mortar().nodes().size();
+    s.nodes.before = s.nodes.X;
+    for (Vec3& x : s.nodes.X) x = Vec3((d == 2 ? -1 : 1) * x[0], -x[1], -x[2]);
+    for (Surface* surface : {&s.pairs[0].slave, &s.pairs[0].master})
+      for (Facet& f : surface->facets) f.outward *= -1;
+    EXPECT_EQ(s.mortar().nodes().size(), nodes);
+  }
 }

@@ -92,6 +92,60 @@ TEST(MortarSelfContact, TheSlaveStaysTheSlaveHoweverTheBodyTurns) {
     }
 }
 
+namespace {
+
+/// An arm of `length` above one of length 1, which comes last, and nothing else.
+Surfaces two_arms(int d, Real length, int cells) {
+  Surfaces s(d);
+  const auto arm = [d](Real l, Real height) {
+    return [=](const Vec3& x) {
+      Vec3 y = x;
+      y[0] *= l;
+      y[d - 1] = height;
+      return y;
+    };
+  };
+  Surface all = s.sheet(cells, -1, arm(length, opening), 1);
+  for (const Facet& f : s.sheet(6, 1, arm(1, 0), 1).facets) all.facets.push_back(f);
+  s.pairs[0].slave = s.pairs[0].master = all;
+  return s;
+}
+
+}  // namespace
+
+TEST(MortarSelfContact, TheSlaveStaysTheSlaveHoweverItIsStretched) {
+  for (int d : {2, 3}) {
+    Surfaces s = two_arms(d, 1, 6);
+    s.nodes.reference = s.nodes.X;
+    for (Vec3& x : s.nodes.X)
+      if (x[d - 1] > 0) x[0] *= 0.9;
+    const Mortar mortar = s.mortar();
+    EXPECT_GT(mortar.nodes().size(), 5u);
+    for (const ContactNode& node : mortar.nodes()) EXPECT_EQ(s.nodes.X[node.node][d - 1], 0);
+  }
+}
+
+TEST(MortarSelfContact, WhereTheSlaveEndsBeyondTheMasterItsLastNodeKeepsItsLaw) {
+  for (int d : {2, 3}) {
+    const Surfaces s = two_arms(d, 1.5, 12);
+    const Mortar mortar = s.mortar();
+    Index along = 0;
+    for (const ContactNode& node : mortar.nodes()) {
+      EXPECT_EQ(s.nodes.X[node.node][d - 1], opening);
+      along += d == 2 || s.nodes.X[node.node][1] == 0;
+    }
+    EXPECT_EQ(along, 9) << d;
+  }
+}
+
+TEST(MortarSelfContact, WhatFacesItselfNowAloneTouchesNow) {
+  Surfaces s = two_arms(2, 1, 12);
+  s.nodes.reference = s.nodes.before = s.nodes.X;
+  for (Vec3& x : s.nodes.before)
+    if (x[1] > 0) x[0] += 10;
+  EXPECT_EQ(s.mortar().nodes().size(), 13u);
+}
+
 TEST(MortarSelfContact, TwoBodiesThatUseOneLabelAreTwoBodies) {
   Surfaces s(2);
   s.pairs[0].slave = s.sheet(

@@ -100,6 +100,22 @@ TEST(MortarRefuses, ASlaveHeldByDirichletConditionsEverywhere) {
   EXPECT_EQ(refusal(s), "");
 }
 
+TEST(MortarRefuses, ASlaveOfWhichOnlyHeldNodesFaceSomethingUnlessBodiesMove) {
+  Surfaces s = above(2, 0);
+  for (const Facet& f : s.pairs[0].master.facets)
+    for (int v = 0; v < 2; ++v) s.nodes.X[f.node[v]][0] *= 0.1;
+  s.nodes.held.assign(s.nodes.X.size(), 0);
+  const std::vector<Facet>& slave = s.pairs[0].slave.facets;
+  for (Index i : {slave[0].node[0], slave[0].node[1]}) s.nodes.held[i] = 2;
+  EXPECT_TRUE(names(refusal(s), "hold the normal of every slave node (label 2) that faces the"))
+      << refusal(s);
+  s.nodes.reference = s.nodes.X;
+  EXPECT_EQ(refusal(s), "");
+  EXPECT_TRUE(s.mortar().nodes().empty());
+  for (const Facet& f : slave) s.nodes.held[f.node[0]] = s.nodes.held[f.node[1]] = 2;
+  EXPECT_TRUE(names(refusal(s), "that faces the master; swap")) << refusal(s);
+}
+
 TEST(MortarRefuses, AnOverlapDeeperThanAFacet) {
   for (int d : {2, 3}) {
     EXPECT_EQ(refusal(above(d, -0.3)), "");

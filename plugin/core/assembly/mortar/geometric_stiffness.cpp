@@ -146,12 +146,13 @@ void Row::balance_slopes(const std::map<Index, Sloped>& theirs, Index j) {
                    p.w * (db.transpose() * p.q + dq[l].transpose() * b_);
 }
 
-/// The turns of the normals of contact nodes, by node.
-std::map<Index, Turns> turns_of(const Nodes& nodes, const std::vector<Side>& slaves,
-                                const std::vector<ContactNode>& contact) {
+/// The turns of the normals of contact nodes, by node; none of those that have the master's.
+std::map<Index, Turns> turns_of(const Arrangement& of, const std::vector<ContactNode>& contact) {
   std::map<Index, TurningNormal> at;
-  for (const ContactNode& c : contact) at.emplace(c.node, TurningNormal(c.node, c.normal, nodes.X));
-  for (const Side& side : slaves)
+  for (const ContactNode& c : contact)
+    if (!of.ownership->common.of_master[c.node])
+      at.emplace(c.node, TurningNormal(c.node, c.normal, of.nodes.X));
+  for (const Side& side : of.slaves)
     for (Index f = 0; f < side.facets(); ++f)
       for (int v = 0; v < side.d; ++v) {
         const auto found = at.find(side.facet(f).node[v]);
@@ -174,20 +175,19 @@ DenseMatrix multipliers(const Mortar& mortar, const std::vector<Vec3>& force) {
 
 }  // namespace
 
-GeometricStiffness geometric_stiffness(const Mortar& mortar, const Nodes& nodes,
-                                       const std::vector<Side>& slaves,
+GeometricStiffness geometric_stiffness(const Mortar& mortar, const Arrangement& of,
                                        const std::map<Index, SlopedRow>& rows,
                                        const Options& options) {
   GeometricStiffness found;
   if (options.force.empty()) return found;
   const DenseMatrix y = multipliers(mortar, options.force);
   std::map<Index, Turns> turns;
-  if (options.normals.empty()) turns = turns_of(nodes, slaves, mortar.nodes());
+  if (options.normals.empty()) turns = turns_of(of, mortar.nodes());
   for (Index k = 0; k < y.cols(); ++k) {
     const ContactNode& at = mortar.nodes()[k];
     const auto row = rows.find(at.node);
     if (row == rows.end() || y.col(k).isZero(0)) continue;
-    const Row sloped(row->second, at, turns[at.node], nodes.X);
+    const Row sloped(row->second, at, turns[at.node], of.nodes.X);
     sloped.add_to(found.forces, y.col(k));
     for (const auto& [j, by] : sloped.gap()) found.gaps.push_back({{k, j}, by});
   }

@@ -12,8 +12,7 @@ namespace frictioncg::mortar {
 /// the master gives or the caller, which are taken to stand still, and what across_gap changes.
 ///
 /// y of Options::force are those of the mortar, whose rows are given; none where it is empty.
-GeometricStiffness geometric_stiffness(const Mortar& mortar, const Nodes& nodes,
-                                       const std::vector<Side>& slaves,
+GeometricStiffness geometric_stiffness(const Mortar& mortar, const Arrangement& of,
                                        const std::map<Index, SlopedRow>& rows,
                                        const Options& options);
 

@@ -6,6 +6,7 @@
 
 #include "assembly/mortar/geometric_stiffness.h"
 #include "assembly/mortar/moments.h"
+#include "assembly/mortar/self_contact.h"
 #include "assembly/mortar/slip.h"
 #include "assembly/mortar/validation.h"
 
@@ -257,17 +258,12 @@ Options at_the_beginning(Options options) {
   return options;
 }
 
-/// Whether each pair has two sides: what has moved, and did not face itself, has one.
-bool decides(const Arrangement& begun) {
-  return std::none_of(begun.pairs.begin(), begun.pairs.end(),
-                      [](const Pair& pair) { return pair.master.facets.empty(); });
-}
-
 }  // namespace
 
 Mortar::Mortar(const Nodes& nodes, const std::vector<Pair>& given, const Options& options) {
+  const std::vector<Pair> pairs = parted(nodes, given, options.maxgap);
   const auto make = [&](const Arrangement* begun) {
-    Arrangement now(nodes, given, options, begun);
+    Arrangement now(nodes, given, pairs, options, begun);
     validate_cover(now, options);
     assemble(now, options);
   };
@@ -279,17 +275,17 @@ Mortar::Mortar(const Nodes& nodes, const std::vector<Pair>& given, const Options
   Nodes then = nodes;
   then.X = straightened(d, given, nodes.before);
   const Options plain = at_the_beginning(options);
-  Arrangement begun(then, carried(d, given, nodes.X, then.X), plain);
+  Arrangement begun(then, given, carried(d, pairs, nodes.X, then.X), plain);
   Mortar old;
   if (options.normals.empty()) old.assemble(begun, plain);
-  make(decides(begun) ? &begun : nullptr);
+  make(&begun);
   if (options.normals.empty()) slip_ = slip_beside(*this, nodes.X, old, nodes.before);
 }
 
 void Mortar::assemble(Arrangement& of, const Options& options) {
   Assembly assembly(of, options);
   assembly.finish(of.along_normal, *this);
-  stiffness_ = geometric_stiffness(*this, of.nodes, of.slaves, assembly.sloped_rows(), options);
+  stiffness_ = geometric_stiffness(*this, of, assembly.sloped_rows(), options);
 }
 
 /// The identity with `half` of each end in the rows of mid-edges, of those held or of the others.

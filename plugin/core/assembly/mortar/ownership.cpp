@@ -15,9 +15,6 @@ namespace {
 /// One vertex stands for a facet of which less than this share is covered; from twice as much on
 /// each has its part, and between the two both ways share it: nothing jumps as bodies slide.
 constexpr Real barely = 1e-3;
-/// A held part of a normal up to this length is projected away; beyond it the node carries no law.
-constexpr Real mostly_free = 0.02;
-
 Index label_position(const Surface& surface, long label) {
   const auto at = std::find(surface.labels.begin(), surface.labels.end(), label);
   return static_cast<Index>(at - surface.labels.begin());
@@ -186,8 +183,8 @@ void Ownership::remove_shared(const std::vector<Side>& masters) {
   for (std::size_t p = 0; p < masters.size(); ++p) {
     const Side& master = masters[p];
     for (Index f = 0; f < master.facets(); ++f)
-      for (int k = 0; k < nodes_of_facet(master.d, master.surface.quadratic); ++k) {
-        const Index i = master.facet(f).node[k];
+      for (int v = 0; v < master.d; ++v) {
+        const Index i = master.facet(f).node[v];
         const bool used = faced_[p][f] || pair[i] == static_cast<Index>(p);
         if (used && state[i] == State::kept) state[i] = State::shared;
       }
@@ -201,8 +198,7 @@ void Ownership::take_off_slaves(const std::vector<Side>& masters,
       std::vector<Cell>& cells = covers[p].cells[f];
       const auto is_slave = [&](const Cell& cell) {
         const Facet& facet = masters[p].facet(cell.master);
-        const int count = nodes_of_facet(masters[p].d, masters[p].surface.quadratic);
-        return std::any_of(facet.node.begin(), facet.node.begin() + count,
+        return std::any_of(facet.node.begin(), facet.node.begin() + masters[p].d,
                            [&](Index i) { return state[i] == State::kept; });
       };
       for (const Cell& cell : cells)
@@ -309,8 +305,8 @@ void Ownership::find_stand_ins(Index p, const Side& slave, bool within_patch) {
 }
 
 Arrangement::Arrangement(const Nodes& nodes_, const std::vector<Pair>& given,
-                         const Options& options, const Arrangement* begun)
-    : nodes(nodes_), pairs(parted(nodes, given, options.maxgap, begun ? &begun->pairs : nullptr)) {
+                         std::vector<Pair> parted, const Options& options, const Arrangement* begun)
+    : nodes(nodes_), pairs(std::move(parted)) {
   if (begun) along_normal = begun->along_normal;
   if (!begun) validate_pairs(nodes, pairs, options);
   for (std::size_t p = 0; p < pairs.size(); ++p) {

@@ -10,6 +10,9 @@
 
 namespace frictioncg::mortar {
 
+/// A held part of a normal up to this length is projected away; beyond it the node carries no law.
+constexpr Real mostly_free = 0.02;
+
 /// Which vertices carry the laws on which slave facet.
 ///
 /// Slave facets form patches, parted at sharp ridges and where two labels meet at an angle. Patches
@@ -93,14 +96,15 @@ void for_each_multiplier(const Part& part, const Moments& moments,
 
 /// The sides of all pairs where their nodes are, what is before what there, and who carries laws.
 struct Arrangement {
-  /// begun: where the increment began, which has decided; null: it is decided here.
-  Arrangement(const Nodes& nodes, const std::vector<Pair>& given, const Options& options,
-              const Arrangement* begun = nullptr);
+  /// parted: of the pairs given; begun: where the increment began, which has decided; null: it is
+  /// decided here.
+  Arrangement(const Nodes& nodes, const std::vector<Pair>& given, std::vector<Pair> parted,
+              const Options& options, const Arrangement* begun = nullptr);
   Arrangement(const Arrangement&) = delete;
   Arrangement& operator=(const Arrangement&) = delete;
 
   const Nodes& nodes;
-  std::vector<Pair> pairs;  ///< parted()
+  std::vector<Pair> pairs;  ///< parted
   std::vector<Side> slaves, masters;
   std::vector<Cover> covers;
   std::optional<Ownership> ownership;

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "assembly/mortar/search.h"
+#include "assembly/mortar/slip.h"
 #include "assembly/mortar/validation.h"
 #include "linear_algebra.h"
 
@@ -26,12 +27,12 @@ struct Half {
   Vec3 place = Vec3::Zero();  ///< mean, in the reference
   Real size = 0;              ///< mean
 
-  Half(const Meeting& all, const Side& side, const std::vector<Vec3>& X, const Vec3& outward) {
+  Half(const Meeting& all, const Side& side, const OwnSurface& own, const Vec3& outward) {
     for (Index f : all.facets) {
       if (side.planes[f].normal.dot(outward) <= -facing) continue;
       facets.push_back(f);
-      size += side.planes[f].size;
-      for (int v = 0; v < side.d; ++v) place += X[side.facet(f).node[v]] / side.d;
+      size += own.planes[f].size;
+      for (int v = 0; v < side.d; ++v) place += own.X[side.facet(f).node[v]] / side.d;
     }
     const Real count = static_cast<Real>(std::max<std::size_t>(1, facets.size()));
     size /= count;
@@ -73,33 +74,48 @@ std::vector<Meeting> meetings(const Side& side, const Cover& cover, const std::v
   return all;
 }
 
-/// Which facets are slaves.
+/// A facet that faces nothing is on the side of the nearest one that does, along the surface: where
+/// the one side ends before the other, its last node is not on both.
+/// decided: facets whose side is known
+void spread(const Side& side, std::vector<Index> decided, std::vector<char>& is_slave) {
+  std::vector<std::vector<Index>> beside(side.facets());
+  for (const Joint& joint : side.joints)
+    for (int k : {0, 1}) beside[joint.facet[k]].push_back(joint.facet[1 - k]);
+  std::vector<char> known(side.facets(), 0);
+  for (Index f : decided) known[f] = 1;
+  std::stable_partition(decided.begin(), decided.end(), [&](Index f) { return !is_slave[f]; });
+  for (std::size_t k = 0; k < decided.size(); ++k)
+    for (Index f : beside[decided[k]]) {
+      if (known[f]) continue;
+      known[f] = 1;
+      is_slave[f] = is_slave[decided[k]];
+      decided.push_back(f);
+    }
+}
+
+/// Which facets are slaves; none where nothing faces itself.
 std::vector<char> slaves_of(const Nodes& nodes, const Pair& pair, Real maxgap) {
   const Side side(nodes.dimension, pair.slave, nodes.X);
   const OwnSurface own(side, nodes.X, nodes.reference);
   std::vector<char> is_slave(side.facets(), 0);
+  std::vector<Index> decided;
   for (const Meeting& meeting : meetings(side, cover(side, side, nodes.X, maxgap, &own), nodes.X)) {
     const Vec3 a = eigenpairs(meeting.directions).vectors.col(2);
-    const Half one(meeting, side, own.X, a), other(meeting, side, own.X, -a);
+    const Half one(meeting, side, own, a), other(meeting, side, own, -a);
     for (Index f : (one.before(other) ? one : other).facets) is_slave[f] = 1;
+    decided.insert(decided.end(), meeting.facets.begin(), meeting.facets.end());
   }
-  if (std::find(is_slave.begin(), is_slave.end(), 1) != is_slave.end()) return is_slave;
-  if (nodes.reference.empty())
-    throw IllegalInput(labels_of(pair.slave) +
-                       " does not face itself: no facet lies opposite another one, along its "
-                       "normal; name another master, or no contact");
-  return std::vector<char>(side.facets(), 1);
+  spread(side, decided, is_slave);
+  return decided.empty() ? std::vector<char>() : is_slave;
 }
 
-/// The same as they have been decided.
-std::vector<char> slaves_of(const Pair& pair, const Pair& begun) {
-  std::vector<char> is_slave;
-  std::size_t next = 0;
-  for (const Facet& f : pair.slave.facets) {
-    is_slave.push_back(next < begun.slave.facets.size() && f.node == begun.slave.facets[next].node);
-    next += is_slave.back();
-  }
-  return is_slave;
+/// The same where the increment began.
+std::vector<char> slaves_before(const Nodes& nodes, const Pair& pair, Real maxgap) {
+  if (nodes.before.empty()) return {};
+  const int d = nodes.dimension;
+  Nodes then = nodes;
+  then.X = straightened(d, {pair}, nodes.before);
+  return slaves_of(then, carried(d, {pair}, nodes.X, then.X)[0], maxgap);
 }
 
 void part(const std::vector<char>& is_slave, Pair& pair) {
@@ -140,11 +156,18 @@ Cover cover(const Nodes& nodes, const Pair& given, const Side& slave, const Side
   return cover(slave, master, nodes.X, maxgap, &own, earlier);
 }
 
-std::vector<Pair> parted(const Nodes& nodes, std::vector<Pair> pairs, Real maxgap,
-                         const std::vector<Pair>* begun) {
-  for (std::size_t p = 0; p < pairs.size(); ++p)
-    if (touches_itself(pairs[p]))
-      part(begun ? slaves_of(pairs[p], (*begun)[p]) : slaves_of(nodes, pairs[p], maxgap), pairs[p]);
+std::vector<Pair> parted(const Nodes& nodes, std::vector<Pair> pairs, Real maxgap) {
+  for (Pair& pair : pairs) {
+    if (!touches_itself(pair)) continue;
+    std::vector<char> is_slave = slaves_before(nodes, pair, maxgap);
+    if (is_slave.empty()) is_slave = slaves_of(nodes, pair, maxgap);
+    if (is_slave.empty() && nodes.reference.empty())
+      throw IllegalInput(labels_of(pair.slave) +
+                         " does not face itself: no facet lies opposite another one, along its "
+                         "normal; name another master, or no contact");
+    if (is_slave.empty()) is_slave.assign(pair.slave.facets.size(), 1);
+    part(is_slave, pair);
+  }
   return pairs;
 }
 

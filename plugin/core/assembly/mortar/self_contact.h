@@ -31,12 +31,13 @@ bool touches_itself(const Pair& pair);
 ///
 ///   (sum w n n') a = lambda a,   lambda the largest,   w = measure / (distance + size)
 ///
-/// Slave is the side with the smaller facets, or with equal ones that whose mean place in the
-/// reference comes first; both are those of its body, however it moves and is numbered.
+/// Slave is the side with the smaller facets, or with equal ones that whose mean place comes first,
+/// both in the reference: they are those of its body, however it moves and is numbered. A facet
+/// that faces nothing is on the side of the nearest one that does.
 ///
-/// begun: the pairs as they were parted where the increment began, and stay; null: none.
-std::vector<Pair> parted(const Nodes& nodes, std::vector<Pair> pairs, Real maxgap,
-                         const std::vector<Pair>* begun = nullptr);
+/// It is decided where the increment began, of a pair that does not face itself there where the
+/// nodes are.
+std::vector<Pair> parted(const Nodes& nodes, std::vector<Pair> pairs, Real maxgap);
 
 /// What the sides of a pair, as it was given, have before each other at the nodes.
 Cover cover(const Nodes& nodes, const Pair& given, const Side& slave, const Side& master,

@@ -114,6 +114,21 @@ void refuse_weightless(const Nodes& nodes, const Side& slave, const Cover& cover
   }
 }
 
+/// Whether nothing is yet before a node whose normal no Dirichlet condition holds: bodies that move
+/// may bring it something.
+bool may_carry_later(const Arrangement& of, const Side& slave) {
+  for (Index f = 0; f < slave.facets() && !of.nodes.reference.empty(); ++f)
+    for (int v = 0; v < slave.d; ++v) {
+      const Index i = slave.facet(f).node[v];
+      Vec3 held = Vec3::Zero();
+      for (int c = 0; c < slave.d && !of.nodes.held.empty(); ++c)
+        if (of.nodes.held[i] >> c & 1) held[c] = slave.planes[f].normal[c];
+      if (of.ownership->state[i] == Ownership::State::uncovered && held.norm() <= mostly_free)
+        return true;
+    }
+  return false;
+}
+
 [[noreturn]] void refuse_nothing_faces(const Nodes& nodes, const Side& slave, const Side& master,
                                        const Cover& cover, const Options& options) {
   const std::string nothing = "nothing on the master (" + labels_of(master.surface) +
@@ -159,8 +174,9 @@ void validate_cover(const Arrangement& of, const Options& options) {
       for (int v = 0; v < slaves[p].d; ++v)
         ++count[static_cast<int>(of.ownership->state[f.node[v]])];
     const auto some = [&](Ownership::State state) { return count[static_cast<int>(state)] > 0; };
-    if (some(Ownership::State::kept)) continue;
-    const std::string labels = "every slave node (" + labels_of(slaves[p].surface) + ")";
+    if (some(Ownership::State::kept) || may_carry_later(of, slaves[p])) continue;
+    const std::string labels = "every slave node (" + labels_of(slaves[p].surface) + ")" +
+                               (some(Ownership::State::uncovered) ? " that faces the master" : "");
     if (some(Ownership::State::held))
       refuse("Dirichlet conditions hold the normal of ", labels, "; swap slave and master");
     if (some(Ownership::State::taken))
