@@ -12,14 +12,18 @@ namespace {
 
 // Fitted to tests/bench/routes.edp by routes.py, in seconds.
 constexpr double of_factor = 1.2e-9;     ///< over n^2, contact dofs last, 3D
-constexpr double of_factor_2d = 1.2e-7;  ///< over n^1.25, 2D
+constexpr double of_factor_2d = 1.2e-7;  ///< over n^1.25, 2D, in any order
+constexpr double of_sparse = 4e-8;       ///< over n^1.5, 3D: slender bodies, in the best order
 constexpr double of_entries = 5e-8;      ///< over the entries of A: ordering, and two sweeps
-constexpr double of_laws = 4.5e-11;      ///< over contact_dofs^3: S, and ten steps on it
+constexpr double of_laws = 4.5e-11;      ///< over contact_dofs^3: S, and ten Newton steps on it
 constexpr double of_cycles = 1.5e-7;     ///< over the entries of A: 15 to 30 cycles, and the set-up
-constexpr double of_steps = 2.5e-7;      ///< over n^1.5: 20 factors of a slender body
 constexpr double of_levels = 5e-8;       ///< over the entries of A: the set-up alone
-/// From which on sparse factors cost no more than that, and hierarchies may be poor.
-constexpr double slender = 30;
+/// A central path takes 15 to 40 steps. On A each is a sparse factor; all of those on S cost six
+/// times what Newton's method does there.
+constexpr double steps_on_A = 15, path_on_S = 6;
+/// From this slenderness on hierarchies may be poor, and sparse factors cost no more than that. A
+/// plate or a beam of one layer of elements has 0.58 L/t.
+constexpr double slender = 20;
 
 }  // namespace
 
@@ -27,14 +31,17 @@ Costs estimate_costs(const System& system) {
   Costs costs;
   const double n = system.dofs(), contact = system.contact_dofs();
   const double entries = double(system.entries().nonZeros());
-  costs.condensed = of_laws * std::pow(contact, 3) + of_entries * entries +
-                    (system.dimension == 3 ? of_factor * n * n : of_factor_2d * std::pow(n, 1.25));
+  const double ordered = of_entries * entries, planar = of_factor_2d * std::pow(n, 1.25);
+  const double laws = of_laws * std::pow(contact, 3);
+  const bool solid = system.dimension == 3;
+  costs.condensed = laws + ordered + (solid ? of_factor * n * n : planar);
   const bool known = system.rigid_modes && !system.mesh_node.empty();
   costs.multigrid = costs.sparse = std::numeric_limits<double>::infinity();
   if (known) costs.multigrid = of_cycles * entries;
-  const double sparse = of_steps * std::pow(n, 1.5);
-  if (std::max(costs.multigrid, sparse) < costs.condensed && slenderness(system) >= slender)
-    costs.sparse = sparse;
+  const double on_A = steps_on_A * (ordered + (solid ? of_sparse * std::pow(n, 1.5) : planar));
+  const double on_S = costs.condensed + (path_on_S - 1) * laws;
+  if (costs.multigrid < costs.condensed && on_A < on_S && slenderness(system) >= slender)
+    costs.sparse = on_A;
   return costs;
 }
 

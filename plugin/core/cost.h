@@ -1,4 +1,6 @@
 #pragma once
+#include <cmath>
+
 #include "model/system.h"
 
 namespace frictioncg {
@@ -9,14 +11,17 @@ namespace frictioncg {
 struct Costs {
   double condensed = 0;
   double multigrid = 0;  ///< infinite where the system does not tell nodes and rigid modes
-  double sparse = 0;     ///< infinite where bodies are not slender
+  double sparse = 0;     ///< central path on A; infinite where not slender, or cheaper on S
 };
 
 Costs estimate_costs(const System& system);
 
 /// The factor is taken up to so many times what multigrid costs: in 2D its answer has five digits
-/// more, and it serves all increments that follow. In 3D it grows with n^2.
-inline double worth_of_factor(const System& system) { return system.dimension == 2 ? 3 : 1; }
+/// more, and it serves all increments that follow. In 3D it grows with n^2. On slender bodies
+/// Newton's method often fails on S, and takes a central path there.
+inline double worth_of_factor(const System& system, const Costs& costs) {
+  return system.dimension == 2 && std::isinf(costs.sparse) ? 3 : 1;
+}
 
 /// About the seconds of what nothing interrupts: ordering, factorization and condensation, and the
 /// set-up of a hierarchy.

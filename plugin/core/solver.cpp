@@ -91,9 +91,8 @@ Plan make_plan(const ContactProblem& problem, const Settings& settings) {
   const bool chooses = may_replace_a_factor(settings);
   if (chooses || settings.method == Method::multigrid) plan.costs = estimate_costs(*problem.system);
   if (chooses) {
-    const double worth = worth_of_factor(*problem.system);
+    const double worth = worth_of_factor(*problem.system, plan.costs);
     if (worth * plan.costs.multigrid < plan.costs.condensed) plan.route = Route::multigrid;
-    if (plan.costs.sparse < plan.costs.multigrid) plan.route = Route::sparse;
   }
   plan.dofs = problem.dofs();
   plan.nodes = problem.nodes();
@@ -142,6 +141,7 @@ Solution Solver::by_route(const ContactProblem& problem, const Settings& setting
   const Plan plan = make_plan(problem, settings);
   switch (plan.route) {
     case Route::iterative:
+    case Route::sparse:  // after multigrid alone
       break;
     case Route::condensed:
       if (may_replace_a_factor(settings) && !condense(settings, observer) && !indefinite_)
@@ -151,8 +151,6 @@ Solution Solver::by_route(const ContactProblem& problem, const Settings& setting
       if ((poor_ || factored_ || sparse_) && may_replace_a_factor(settings))  // poor hierarchies
         return (this->*after_multigrid(plan.costs))(problem, settings, x0, observer);
       return by_multigrid(problem, settings, x0, plan.costs, observer);
-    case Route::sparse:
-      return by_sparse_factors(problem, settings, x0, observer);
   }
   return by_gradients(problem, settings, x0, observer, floating_);
 }
@@ -218,9 +216,9 @@ bool Solver::lay_out_sparse_factor(const Settings& settings) {
   return sparse_->laid_out() && sparse_->bytes() <= settings.memory;
 }
 
-/// Sparse factors do for slender bodies.
+/// Sparse factors do for slender bodies, unless contact dofs are few.
 Solver::Way Solver::after_multigrid(const Costs& costs) {
-  return costs.sparse < costs.condensed ? &Solver::by_sparse_factors : &Solver::by_condensation;
+  return std::isfinite(costs.sparse) ? &Solver::by_sparse_factors : &Solver::by_condensation;
 }
 
 /// s, or where it decides nothing short of rounding, what the next route and those after it find

@@ -54,18 +54,11 @@ constexpr int most_retreats = 10;
 /// The rate of a linear system is asked for what is left from this cycle on. Half: 3 calls give up
 /// that would have arrived in time.
 constexpr Index least_cycles = 8;
-/// The violation of the faces has grown out of hand at so many times what it was after the first
-/// update: on slender bodies it is 2 to 10 times that after the second, and falls later if at all;
-/// elsewhere it was at most 1.2. Without this, 4 beams take 90 to 180 cycles in place of 4 before
-/// they give up.
-constexpr Real runaway = 2;
-/// ... and has to halve with each update from then on, but for two: strips, bars and plates that
-/// lie do, and come to rest 2 to 15 times cheaper than by sparse factors. It grows on a beam that
-/// is lifted, and falls by a tenth or less on a clamped P2 plate, for 70 cycles. But for one, a
-/// plate and a strip that lie and slip give up; but for three, a cantilever takes three times as
-/// long.
-constexpr Real settling = 0.5;
-constexpr int most_unsettled = 3;
+/// Springs are tried where so many cycles are affordable.
+constexpr Real for_springs = 600;
+/// The method ends after the first linear system where that violates the laws by so many times the
+/// load.
+constexpr Real out_of_hand = 3e4;
 
 }  // namespace
 
@@ -82,7 +75,11 @@ InexactNewton::InexactNewton(const ContactProblem& problem, Hierarchy& hierarchy
 
 Status InexactNewton::solve(Real tol, Index max_iterations, const Vector& x0, const Vector& b0,
                             const Branches& start) {
-  goal_ = tol * driving_norm(system_, problem_.increment);
+  Increment gaps = problem_.increment;  // without its load
+  gaps.F.setZero();
+  load_ = driving_norm(system_, problem_.increment);
+  goal_ = tol * load_;
+  load_ = std::max(load_, driving_norm(system_, gaps));
   max_iterations_ = max_iterations;
   x_ = x0.size() > 0 ? x0 : Vector(Vector::Zero(system_.dofs()));
   rest_ = x_;
@@ -231,7 +228,8 @@ bool InexactNewton::release_springs() {
 /// hold it: first from stick at x = 0, then from where the last of them were at rest, stiffer.
 /// False where that was tried often enough.
 bool InexactNewton::retreat(bool solved) {
-  if (retreats_++ > most_retreats || (std::isfinite(affordable_) && !solved)) return false;
+  if (retreats_++ > most_retreats || affordable_ < for_springs) return false;
+  if (std::isfinite(affordable_) && !solved) return false;
   faces_.lag(false);
   if (!sprung_) {
     x_.setZero();
@@ -249,15 +247,8 @@ bool InexactNewton::retreat(bool solved) {
 /// False where the violation does not fall any more, or grows out of bounds.
 bool InexactNewton::violation_falls(Real violation) {
   if (!std::isfinite(first_violation_)) first_violation_ = violation;
-  if (!(violation <= out_of_bounds * first_violation_)) return false;
-  if (std::isfinite(affordable_) && !sprung_) {
-    if (!ran_away_)
-      ran_away_ = violation > runaway * first_violation_;
-    else if (violation > settling * last_violation_)
-      gave_up_ = ++unsettled_ == most_unsettled;
-  }
-  last_violation_ = violation;
-  if (gave_up_) return false;
+  gave_up_ = std::isfinite(affordable_) && violation > out_of_hand * load_;
+  if (gave_up_ || !(violation <= out_of_bounds * first_violation_)) return false;
   if (violation < better * least_violation_) {
     least_violation_ = violation;
     updates_since_least_ = 0;

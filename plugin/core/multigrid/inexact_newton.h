@@ -25,8 +25,8 @@ class InexactNewton {
                const Branches& start = {});
 
   /// For a caller who has another method, which costs as much as so many cycles. Ends, stagnated,
-  /// as soon as the rate of a linear system promises more than that, or some cycles after
-  /// what the faces violate grows, as it does in slender bodies.
+  /// as soon as the rate of a linear system promises more than that, or the first one leaves the
+  /// laws violated out of hand, or faces do not settle and springs would cost as much.
   void give_up_beyond(Real cycles) { affordable_ = cycles; }
 
   const Vector& x() const { return x_; }
@@ -65,13 +65,13 @@ class InexactNewton {
   Vector accepted_;             ///< n, the last x that the certificate lets pass; or empty
   Certificate certificate_;     ///< of the last x that passes
   Real goal_ = 0;               ///< of residual and violation [norm_D]
+  Real load_ = 0;               ///< or what gaps below 0 press with, where it is more [norm_D]
   Real affordable_ = infinity;  ///< cycles
-  bool gave_up_ = false, ran_away_ = false;
-  /// Violations (norm_D) since the springs were set: after the first and the last update, the least
-  /// one, and the updates since then.
-  Real first_violation_ = infinity, last_violation_ = infinity, least_violation_ = infinity;
+  bool gave_up_ = false;
+  /// Violations (norm_D) since the springs were set: after the first update, the least one, and the
+  /// updates since then.
+  Real first_violation_ = infinity, least_violation_ = infinity;
   int updates_since_least_ = 0;
-  int unsettled_ = 0;  ///< updates after which the violation has not halved, where it ran away
 
   ProximalSprings proximal_;
   Vector springs_;  ///< contact_dofs [force/length]; 0 until faces have left a motion free

@@ -398,7 +398,7 @@ TEST(Multigrid, TheDefaultTakesItInThreeDimensionsWhereAFactorCostsMore) {
                                      {&flat, Route::condensed}}) {
     const Plan plan = make_plan(scene->posed.problem(), Settings());
     EXPECT_EQ(plan.route, route);
-    const double worth = worth_of_factor(*scene->system);
+    const double worth = worth_of_factor(*scene->system, plan.costs);
     EXPECT_EQ(worth * plan.costs.multigrid < plan.costs.condensed, route == Route::multigrid);
     const Solution a = solve(scene->posed.problem(), Settings());
     EXPECT_EQ(a.status, Status::converged);
@@ -423,7 +423,7 @@ TEST(Multigrid, TheDefaultTakesItInTwoDimensionsWhereTheDenseMatricesAreLarge) {
   for (Index contact : {600, 8000}) {
     s.first = {40000 - contact, 40000};
     const Costs costs = estimate_costs(s);
-    EXPECT_EQ(worth_of_factor(s) * costs.multigrid < costs.condensed, contact == 8000) << contact;
+    EXPECT_EQ(worth_of_factor(s, costs) * costs.multigrid < costs.condensed, contact == 8000) << contact;
   }
 }
 
@@ -450,6 +450,18 @@ TEST(Multigrid, TheDefaultLeavesItAfterFewCyclesWhereTheyWouldCostMoreThanAFacto
   EXPECT_LE(a.iterations, condensed.iterations + 10);
   // the factor is there now
   EXPECT_LE(solver.solve(increment, Settings()).iterations, condensed.iterations);
+}
+
+TEST(Multigrid, TheDefaultStaysWithItWhereGapsPressAndTheLoadIsTiny) {
+  SparseOptions o = cube(14);
+  o.pressure = 1e-7;
+  o.shear = 0;
+  SparseScene scene = sparse_block(o);
+  scene.gap.setConstant(-0.01);
+  const SceneInBlocks s(scene);
+  const Solution a = solve(s.posed.problem(), Settings());
+  EXPECT_EQ(a.status, Status::converged);
+  EXPECT_EQ(a.layer, Layer::multigrid);
 }
 
 TEST(Multigrid, TheDefaultSaysThatItsBoundIsUsedUpWhereMultigridGaveWayBefore) {

@@ -119,6 +119,47 @@ TEST(Slenderness, IsTheRatioOfLengthToThickness) {
   EXPECT_LT(slenderness(*SceneInBlocks(SparseOptions()).system), 1.5);
 }
 
+TEST(SparseRoute, IsWeighedForSlenderBodiesWhereTheDenseOneTakesLonger) {
+  const auto weighed = [](int cells, Real thickness) {
+    SparseOptions o = plate(cells);
+    o.size[2] = thickness;
+    return estimate_costs(*SceneInBlocks(o).system);
+  };
+  const Costs thin = weighed(24, 1. / 50), thick = weighed(24, 1. / 25), few = weighed(6, 1. / 50);
+  EXPECT_LT(thin.sparse, 3 * thin.condensed);
+  EXPECT_EQ(thin.condensed, thick.condensed);
+  EXPECT_TRUE(std::isinf(thick.sparse));
+  EXPECT_TRUE(std::isinf(few.sparse));
+}
+
+TEST(SparseRoute, IsWeighedForBeamsOfTheWholePlaneToo) {
+  SparseOptions o;
+  o.d = 2;
+  o.cells = {260, 2, 1};
+  o.size = {50, 1, 1};
+  const SceneInBlocks slender(o);
+  o.size[0] = 10;
+  const SceneInBlocks stocky(o);
+  const Plan a = make_plan(slender.posed.problem(), Settings()),
+             b = make_plan(stocky.posed.problem(), Settings());
+  EXPECT_TRUE(std::isfinite(a.costs.sparse));
+  EXPECT_EQ(a.route, Route::multigrid);
+  EXPECT_EQ(a.costs.multigrid, b.costs.multigrid);
+  EXPECT_EQ(b.route, Route::condensed);
+}
+
+TEST(SparseRoute, AnswersAsSoonAsAPlateThatFallsFarViolatesTheLawsOutOfHand) {
+  SparseScene scene = sparse_block(plate(18));
+  scene.gap.setConstant(1e-2);
+  const Posed posed = scene.system(scene.node_of_dof);
+  ASSERT_EQ(make_plan(posed.problem(), Settings()).route, Route::multigrid);
+  const Solution a = solve(posed.problem(), Settings());
+  EXPECT_EQ(a.status, Status::converged);
+  EXPECT_EQ(a.layer, Layer::sparse_interior_point);
+  EXPECT_LE(a.steps.count[int(StepLabel::conjugate)], 10);  // multigrid's
+  EXPECT_LE(a.iterations, 30);
+}
+
 TEST(SparseRoute, AnswersForThinPlatesAfterMultigridAndAsTheCondensedRouteDoes) {
   SparseScene scene = sparse_block(plate(18));
   scene.gap.setConstant(1e-4);
