@@ -54,10 +54,16 @@ constexpr int most_retreats = 10;
 /// The rate of a linear system is asked for what is left from this cycle on. Half: 3 calls give up
 /// that would have arrived in time.
 constexpr Index least_cycles = 8;
-/// Springs are tried where so many cycles are affordable.
+/// Springs are tried where at least so many are affordable. Of 52 calls on slender bodies that are
+/// lifted at an end, those in which springs arrive take 95 to 215 cycles, the others waste 104 to
+/// 504. Springs arrive in 6 of 39 calls that can afford fewer than 600, and in 6 of 13 that can
+/// afford more, where the other method takes 3 to 36 times as long.
 constexpr Real for_springs = 600;
-/// The method ends after the first linear system where that violates the laws by so many times the
-/// load.
+/// The method ends where the laws are violated by so many times the load. Of 139 calls on slender
+/// bodies, those on bodies that lie, slip, fall or are lifted stay below 50. Where bodies hang over
+/// a gap the violation reaches 3e2 to 1.8e4 in ten calls, which arrive, and 5.5e4 to 9e5 in eight,
+/// all but one of which do not; that one takes 1.2 times as long by sparse factors. At half of the
+/// bound one more call would leave, at twice two would stay, and waste 256 cycles.
 constexpr Real out_of_hand = 3e4;
 
 }  // namespace

@@ -423,7 +423,8 @@ TEST(Multigrid, TheDefaultTakesItInTwoDimensionsWhereTheDenseMatricesAreLarge) {
   for (Index contact : {600, 8000}) {
     s.first = {40000 - contact, 40000};
     const Costs costs = estimate_costs(s);
-    EXPECT_EQ(worth_of_factor(s, costs) * costs.multigrid < costs.condensed, contact == 8000) << contact;
+    EXPECT_EQ(worth_of_factor(s, costs) * costs.multigrid < costs.condensed, contact == 8000)
+        << contact;
   }
 }
 
