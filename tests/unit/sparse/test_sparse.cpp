@@ -135,7 +135,7 @@ TEST(SparseRoute, IsWeighedForSlenderBodiesWhereTheDenseOneTakesLonger) {
 TEST(SparseRoute, IsWeighedForBeamsOfTheWholePlaneToo) {
   SparseOptions o;
   o.d = 2;
-  o.cells = {260, 2, 1};
+  o.cells = {225, 2, 1};
   o.size = {50, 1, 1};
   const SceneInBlocks slender(o);
   o.size[0] = 10;
@@ -148,21 +148,9 @@ TEST(SparseRoute, IsWeighedForBeamsOfTheWholePlaneToo) {
   EXPECT_EQ(b.route, Route::condensed);
 }
 
-TEST(SparseRoute, AnswersAsSoonAsAPlateThatFallsFarViolatesTheLawsOutOfHand) {
+TEST(SparseRoute, AnswersForPlatesThatFallFarAfterFewCyclesAndAsTheCondensedRouteDoes) {
   SparseScene scene = sparse_block(plate(18));
   scene.gap.setConstant(1e-2);
-  const Posed posed = scene.system(scene.node_of_dof);
-  ASSERT_EQ(make_plan(posed.problem(), Settings()).route, Route::multigrid);
-  const Solution a = solve(posed.problem(), Settings());
-  EXPECT_EQ(a.status, Status::converged);
-  EXPECT_EQ(a.layer, Layer::sparse_interior_point);
-  EXPECT_LE(a.steps.count[int(StepLabel::conjugate)], 10);  // multigrid's
-  EXPECT_LE(a.iterations, 30);
-}
-
-TEST(SparseRoute, AnswersForThinPlatesAfterMultigridAndAsTheCondensedRouteDoes) {
-  SparseScene scene = sparse_block(plate(18));
-  scene.gap.setConstant(1e-4);
   const Posed posed = scene.system(scene.node_of_dof);
   ASSERT_EQ(make_plan(posed.problem(), Settings()).route, Route::multigrid);
   Solver solver(posed.problem().system);
@@ -170,7 +158,8 @@ TEST(SparseRoute, AnswersForThinPlatesAfterMultigridAndAsTheCondensedRouteDoes) 
   EXPECT_EQ(a.status, Status::converged);
   EXPECT_EQ(a.route, Route::sparse);
   EXPECT_EQ(a.layer, Layer::sparse_interior_point);
-  EXPECT_LE(a.iterations, 60 + 25);  // multigrid's cycles before it included
+  EXPECT_LE(a.steps[StepLabel::conjugate], 10);  // all but two of multigrid's cycles
+  EXPECT_LE(a.iterations, 30);
   const auto verdict = verify(scene, posed.to_global(a.x), posed.force_to_global(a.certificate.r));
   EXPECT_LT(verdict.worst(), 1e-5);
   Settings settings;
