@@ -125,7 +125,7 @@ TEST(SparseRoute, IsWeighedForSlenderBodiesWhereTheDenseOneTakesLonger) {
     o.size[2] = thickness;
     return estimate_costs(*SceneInBlocks(o).system);
   };
-  const Costs thin = weighed(24, 1. / 50), thick = weighed(24, 1. / 25), few = weighed(6, 1. / 50);
+  const Costs thin = weighed(24, 1. / 45), thick = weighed(24, 1. / 25), few = weighed(6, 1. / 45);
   EXPECT_LT(thin.sparse, 3 * thin.condensed);
   EXPECT_EQ(thin.condensed, thick.condensed);
   EXPECT_TRUE(std::isinf(thick.sparse));
