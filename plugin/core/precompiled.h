@@ -1,5 +1,5 @@
 // What nearly every file of the core reads: the Makefile compiles it once. No file includes it.
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <Eigen/SparseCore>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #pragma once
 #include "assembly/basis.h"
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <memory>
 #include <string>
 

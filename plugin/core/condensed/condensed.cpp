@@ -31,6 +31,13 @@ struct Stopwatch {
 
 }  // namespace
 
+Vector CondensedProblem::residual(const Vector& x) const {
+  Vector r = f;
+  r.noalias() -= S * x;
+  if (springs > 0) r.array() -= springs * D.array() * x.array();
+  return r;
+}
+
 /// One call: what its layers share, and the field as it is refined.
 struct CondensedSolver::Run {
   const ContactProblem& problem;

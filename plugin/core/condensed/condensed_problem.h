@@ -1,5 +1,5 @@
 #pragma once
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "settings.h"
 #include "model/contact_problem.h"
@@ -20,12 +20,7 @@ struct CondensedProblem {
   Index normal(Index i) const { return laws.system->first[i] - offset(); }
 
   /// f - (S + springs D) x
-  Vector residual(const Vector& x) const {
-    Vector r = f;
-    r.noalias() -= S * x;
-    if (springs > 0) r.array() -= springs * D.array() * x.array();
-    return r;
-  }
+  Vector residual(const Vector& x) const;
 };
 
 }  // namespace frictioncg

@@ -9,6 +9,10 @@ namespace {
 constexpr Real almost = 1e-4;
 }  // namespace
 
+Eigen::Matrix2d Branch::stiffness() const {
+  return w * (Eigen::Matrix2d::Identity() - d * d.transpose());
+}
+
 void Branch::choose_friction(const Tangent& y, Real limit, Real c, Real most) {
   const Real norm = y.norm();
   g = limit;

@@ -41,9 +41,7 @@ struct Branch {
                     const Eigen::Ref<const Vector>& r, Real c);
 
   /// w (I - dd'), symmetric positive semi-definite
-  Eigen::Matrix2d stiffness() const {
-    return w * (Eigen::Matrix2d::Identity() - d * d.transpose());
-  }
+  Eigen::Matrix2d stiffness() const;
 };
 using Branches = std::vector<Branch>;  ///< m
 

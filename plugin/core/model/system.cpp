@@ -41,6 +41,8 @@ bool same_pattern(const System& one, const System& other) {
          std::equal(A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros(), B.innerIndexPtr());
 }
 
+void AssembledSystem::multiply(const Vector& x, Vector& Ax) const { Ax.noalias() = A * x; }
+
 Vector AssembledSystem::multiply_sized(const Vector& x_in, Vector& Ax) const {
   if (x_in.isZero(0)) return Ax = Vector::Zero(A.rows());  // rest, a start of every increment
   Ax.resize(A.rows());

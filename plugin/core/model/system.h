@@ -86,7 +86,7 @@ struct System {
 struct AssembledSystem final : System {
   Matrix A;
 
-  void multiply(const Vector& x, Vector& Ax) const override { Ax.noalias() = A * x; }
+  void multiply(const Vector& x, Vector& Ax) const override;
   Vector multiply_sized(const Vector& x, Vector& Ax) const override;
   void move_contact(const Vector& dx_C, Vector& r) const override;
   Bodies bodies() const override;
