@@ -10,8 +10,8 @@ ifdef CI
 WARN      += -Werror
 endif
 INCLUDE   := -Iplugin/core -DEIGEN_USE_BLAS -isystem /usr/include/eigen3 -isystem /usr/include/suitesparse
-# GCC collects its garbage from 1 GB on: sooner, that takes a quarter of its time.
-HEAP      := --param ggc-min-heapsize=1000000
+# GCC collects its garbage from 1 GB on: sooner, that takes a quarter of its time. clang has none.
+HEAP      := $(if $(findstring clang,$(CXX)),,--param ggc-min-heapsize=1000000)
 FLAGS      = -std=c++17 -fPIC $(HEAP) $(CXXFLAGS) $(WARN) $(INCLUDE)
 LIBS      := -lcholmod -lblas
 PACKAGES  := libeigen3-dev libsuitesparse-dev libopenblas0-pthread libopenblas-dev libgtest-dev \

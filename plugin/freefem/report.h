@@ -192,7 +192,7 @@ inline std::string reason_of(const Solution& solution) {
 inline void report_end(const Solution& solution) {
   line() << name_of(solution.status) << reason_of(solution) << ", residual "
          << solution.certificate.residual << ", " << counted(solution.iterations, "iteration");
-  if (solution.levels.count > 0)
+  if (solution.levels.count > 1)
     std::cout << " on " << solution.levels.count << " levels of complexity "
               << solution.levels.complexity;
   if (solution.passes > 0)
