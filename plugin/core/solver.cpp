@@ -141,7 +141,7 @@ Solution Solver::by_route(const ContactProblem& problem, const Settings& setting
   const Plan plan = make_plan(problem, settings);
   switch (plan.route) {
     case Route::iterative:
-    case Route::sparse:  // after multigrid alone
+    case Route::sparse:  // no plan has it: it comes after multigrid
       break;
     case Route::condensed:
       if (may_replace_a_factor(settings) && !condense(settings, observer) && !indefinite_)
@@ -241,7 +241,8 @@ bool Solver::is_cheaper_on_A(const Settings& settings) {
   return lay_out_sparse_factor(settings) && sparse_->flops() < dense;
 }
 
-/// What the next route costs, over multigrid as a rule: infinite where the latter is named.
+/// What the cheaper of the routes after it costs, over multigrid as a rule: infinite where the
+/// latter is named.
 double Solver::allowance(const Settings& settings, const Costs& costs) const {
   if (settings.method != Method::automatic) return std::numeric_limits<double>::infinity();
   if (indefinite_ || settings.memory < memory_needed_) return only_gradients;

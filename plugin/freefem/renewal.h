@@ -44,7 +44,7 @@ inline std::shared_ptr<Scene> moved(Stack stack, const Arguments& args, const Sc
   scene->tangents = before.tangents;
   scene->unnamed_radius = before.unnamed_radius;
   scene->facing = before.facing;
-  scene->facing.force.clear();  // of the call alone
+  scene->facing.force.clear();  // forceold belongs to the call that names it
   read_obstacle_points(stack, args, true, *scene);
   scene->moving = before.moving;
   if (scene->moving) {

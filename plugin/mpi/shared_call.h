@@ -13,7 +13,7 @@ namespace frictioncg {
 /// in place of the cycle, for this call and those that follow.   Collective.
 inline Solution by_layers(SharedScene& shared, const ContactProblem& problem, Settings settings,
                           const Vector& x0, Observer* observer) {
-  // over the usual cost of multigrid: a factorization takes less than so many cycles
+  // over the usual cost of multigrid: a factorization takes less; springs wait for it
   constexpr double patience = 10;
   const bool last = shared.coarsening == Coarsening::none || !may_be_factorized(*shared.A);
   const double allowance = last ? std::numeric_limits<double>::infinity() : patience;

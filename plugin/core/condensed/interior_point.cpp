@@ -12,6 +12,9 @@ namespace {
 /// Of the start, y = (K + shift)^{-1} (f + shift gap): at 1 to 1e-2 a beam takes four times the
 /// steps that it takes at 1e-6, at 1e-10 a quarter more.
 constexpr Real first_shift = 1e-6;
+/// Gaps beyond so many times what the body moves in such springs are taken for that: springs to
+/// where nothing is pull a slender body along, and products there hide all others.
+constexpr Real far = 100;
 constexpr Real proximal = 1e-8;   ///< stiffness against the step of a dof without a law, over D
 constexpr Real far_enough = 1.5;  ///< times the largest negative entry that the start adds
 /// Of the way to the nearest bound at most all but this share, and all but the share of the mean
@@ -81,9 +84,13 @@ bool CentralPath::start() {
   springs.diagonal = Vector::Zero(f_.size());
   springs.diagonal.tail(problem_.contact_dofs()).setConstant(first_shift);
   if (!K_->factor(springs)) return false;
-  Vector b = f_;
-  for (Index i = 0; i < nodes_; ++i) b[normal(i)] += first_shift * gap_[i];
-  at_.y = K_->solve(b);
+  const auto pulled_to = [&](const Vector& gap) {
+    Vector b = f_;
+    for (Index i = 0; i < nodes_; ++i) b[normal(i)] += first_shift * gap[i];
+    return K_->solve(b);
+  };
+  bring_near(pulled_to);
+  at_.y = pulled_to(gap_);
   at_.s = at_.N = at_.t = Vector::Zero(nodes_);
   at_.T = Vector::Zero(at_.y.size());
   make_positive();
@@ -96,6 +103,20 @@ bool CentralPath::start() {
     at_.T.segment(T, d) = 0.5 * g / at_.t[i] * at_.y.segment(T, d);
   }
   return at_.y.allFinite() && at_.t.allFinite();
+}
+
+/// Takes nearer gaps, which nothing reaches either, for those out of reach. pulled_to: what the
+/// body does in springs to such gaps.
+template <class Pulled>
+void CentralPath::bring_near(const Pulled& pulled_to) {
+  Real nearest = infinity;
+  for (Index i = 0; i < nodes_; ++i)
+    if (closes_[i]) nearest = std::min(nearest, std::abs(gap_[i]));
+  const Vector y = pulled_to(gap_.cwiseMin(nearest));
+  Real reach = nearest;
+  for (Index i = 0; i < nodes_; ++i)
+    if (closes_[i]) reach = std::max({reach, std::abs(y[normal(i)]), -gap_[i]});
+  gap_ = gap_.cwiseMin(far * reach);
 }
 
 /// s and r_N from y, shifted to where both are positive and their products alike.

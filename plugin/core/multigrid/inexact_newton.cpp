@@ -250,7 +250,8 @@ bool InexactNewton::retreat(bool solved) {
   return true;
 }
 
-/// False where the violation does not fall any more, or grows out of bounds.
+/// False where the violation does not fall any more, grows out of bounds, or is out of hand, where
+/// the method gives up.
 bool InexactNewton::violation_falls(Real violation) {
   if (!std::isfinite(first_violation_)) first_violation_ = violation;
   gave_up_ = std::isfinite(affordable_) && violation > out_of_hand * load_;

@@ -25,8 +25,8 @@ class InexactNewton {
                const Branches& start = {});
 
   /// For a caller who has another method, which costs as much as so many cycles. Ends, stagnated,
-  /// as soon as the rate of a linear system promises more than that, or the first one leaves the
-  /// laws violated out of hand, or faces do not settle and springs would cost as much.
+  /// where the rate of a linear system promises more than that, where forces violate the laws out
+  /// of hand, or where faces do not settle and springs are not worth trying.
   void give_up_beyond(Real cycles) { affordable_ = cycles; }
 
   const Vector& x() const { return x_; }
@@ -65,7 +65,7 @@ class InexactNewton {
   Vector accepted_;             ///< n, the last x that the certificate lets pass; or empty
   Certificate certificate_;     ///< of the last x that passes
   Real goal_ = 0;               ///< of residual and violation [norm_D]
-  Real load_ = 0;               ///< or what gaps below 0 press with, where it is more [norm_D]
+  Real load_ = 0;               ///< norm_D of the load, or of what gaps press with, if more
   Real affordable_ = infinity;  ///< cycles
   bool gave_up_ = false;
   /// Violations (norm_D) since the springs were set: after the first update, the least one, and the

@@ -33,7 +33,7 @@ class MultigridSolver {
   /// from rest, whichever is nearest to the laws. The faces are those of the last answer, or, where
   /// there is none, or two of them led to the start, those of the start. allowance: where it is
   /// finite there is another route, at so many times what multigrid costs as a rule; this one then
-  /// ends, stagnated, as soon as it costs more.
+  /// ends, stagnated, as soon as it costs more, and tries springs only if much is left.
   Solution solve(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                  Observer* observer, double allowance = std::numeric_limits<double>::infinity());
 

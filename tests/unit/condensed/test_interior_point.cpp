@@ -15,7 +15,7 @@ namespace {
 
 /// A strip 100 times as long as thick, held at one end, pressed onto a floor and lifted at the
 /// other end.
-Scene lifted(int cells, Law law, Real mu) {
+SparseScene lifted(int cells, Law law, Real mu) {
   SparseOptions o;
   o.d = 2;
   o.cells = {cells, 2, 1};
@@ -101,6 +101,20 @@ TEST(InteriorPoint, AnswersForStripsOnAFloorInAsManyStepsWhateverTheirMesh) {
       const auto verdict = verify(s, posed.to_global(a.x), posed.force_to_global(a.certificate.r));
       EXPECT_LT(verdict.worst(), 1e-5) << cells << " " << mu;
     }
+}
+
+TEST(InteriorPoint, GapsOutOfReachAreAsGoodAsNearOnes) {
+  for (Real mu : {0., 0.2}) {
+    SparseScene s = lifted(200, mu > 0 ? Law::coulomb : Law::frictionless, mu);
+    const Solution near = solve(s.system().problem(), Settings());
+    for (std::size_t k = 0; k < s.points.size(); ++k)
+      if (s.position(s.points[k].dof[0] / 2, 0) > 0.8) s.gap[static_cast<Index>(k)] = 1e3;
+    const Solution far = solve(s.system().problem(), Settings());
+    EXPECT_EQ(far.status, Status::converged) << mu;
+    EXPECT_EQ(far.layer, Layer::interior_point) << mu;
+    EXPECT_LE(far.iterations, 70) << mu;
+    EXPECT_LT((far.x - near.x).norm(), 1e-7 * near.x.norm()) << mu;
+  }
 }
 
 TEST(InteriorPoint, CohesionAndCapsAddFewSteps) {

@@ -15,6 +15,7 @@ namespace {
 /// One vertex stands for a facet of which less than this share is covered; from twice as much on
 /// each has its part, and between the two both ways share it: nothing jumps as bodies slide.
 constexpr Real barely = 1e-3;
+
 Index label_position(const Surface& surface, long label) {
   const auto at = std::find(surface.labels.begin(), surface.labels.end(), label);
   return static_cast<Index>(at - surface.labels.begin());

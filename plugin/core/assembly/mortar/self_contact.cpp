@@ -74,8 +74,8 @@ std::vector<Meeting> meetings(const Side& side, const Cover& cover, const std::v
   return all;
 }
 
-/// A facet that faces nothing is on the side of the nearest one that does, along the surface: where
-/// the one side ends before the other, its last node is not on both.
+/// A facet that faces nothing joins the side from which the fewest facets part it, between two as
+/// near the master: where the one side ends before the other, its last node is not on both.
 /// decided: facets whose side is known
 void spread(const Side& side, std::vector<Index> decided, std::vector<char>& is_slave) {
   std::vector<std::vector<Index>> beside(side.facets());

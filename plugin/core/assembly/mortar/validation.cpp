@@ -117,7 +117,8 @@ void refuse_weightless(const Nodes& nodes, const Side& slave, const Cover& cover
 /// Whether nothing is yet before a node whose normal no Dirichlet condition holds: bodies that move
 /// may bring it something.
 bool may_carry_later(const Arrangement& of, const Side& slave) {
-  for (Index f = 0; f < slave.facets() && !of.nodes.reference.empty(); ++f)
+  if (of.nodes.reference.empty()) return false;  // nothing moves
+  for (Index f = 0; f < slave.facets(); ++f)
     for (int v = 0; v < slave.d; ++v) {
       const Index i = slave.facet(f).node[v];
       Vec3 held = Vec3::Zero();
