@@ -12,8 +12,8 @@ namespace {
 /// Of the start, y = (K + shift)^{-1} (f + shift gap): at 1 to 1e-2 a beam takes four times the
 /// steps that it takes at 1e-6, at 1e-10 a quarter more.
 constexpr Real first_shift = 1e-6;
-/// Gaps beyond so many times what the body moves in such springs are taken for that: springs to
-/// where nothing is pull a slender body along, and products there hide all others.
+/// A gap is out of reach beyond so many times what the body moves in such springs. Those to far
+/// places would pull a slender body along, and the products there hide all others.
 constexpr Real far = 100;
 constexpr Real proximal = 1e-8;   ///< stiffness against the step of a dof without a law, over D
 constexpr Real far_enough = 1.5;  ///< times the largest negative entry that the start adds
@@ -84,12 +84,7 @@ bool CentralPath::start() {
   springs.diagonal = Vector::Zero(f_.size());
   springs.diagonal.tail(problem_.contact_dofs()).setConstant(first_shift);
   if (!K_->factor(springs)) return false;
-  const auto pulled_to = [&](const Vector& gap) {
-    Vector b = f_;
-    for (Index i = 0; i < nodes_; ++i) b[normal(i)] += first_shift * gap[i];
-    return K_->solve(b);
-  };
-  bring_near(pulled_to);
+  bring_near();
   at_.y = pulled_to(gap_);
   at_.s = at_.N = at_.t = Vector::Zero(nodes_);
   at_.T = Vector::Zero(at_.y.size());
@@ -105,13 +100,22 @@ bool CentralPath::start() {
   return at_.y.allFinite() && at_.t.allFinite();
 }
 
-/// Takes nearer gaps, which nothing reaches either, for those out of reach. pulled_to: what the
-/// body does in springs to such gaps.
-template <class Pulled>
-void CentralPath::bring_near(const Pulled& pulled_to) {
-  Real nearest = infinity;
-  for (Index i = 0; i < nodes_; ++i)
-    if (closes_[i]) nearest = std::min(nearest, std::abs(gap_[i]));
+/// y where springs pull the nodes to such gaps.
+Vector CentralPath::pulled_to(const Vector& gap) const {
+  Vector b = f_;
+  for (Index i = 0; i < nodes_; ++i) b[normal(i)] += first_shift * gap[i];
+  return K_->solve(b);
+}
+
+/// Takes nearer gaps, which nothing reaches either, for those out of reach.
+void CentralPath::bring_near() {
+  Real nearest = infinity, farthest = 0;
+  for (Index i = 0; i < nodes_; ++i) {
+    if (!closes_[i]) continue;
+    nearest = std::min(nearest, std::abs(gap_[i]));
+    farthest = std::max(farthest, gap_[i]);
+  }
+  if (farthest <= far * nearest) return;
   const Vector y = pulled_to(gap_.cwiseMin(nearest));
   Real reach = nearest;
   for (Index i = 0; i < nodes_; ++i)

@@ -42,8 +42,8 @@ class CentralPath {
     Vector rest;    ///< m, right side of the law that has dt
   };
   bool start();
-  template <class Pulled>
-  void bring_near(const Pulled& pulled_to);
+  Vector pulled_to(const Vector& gap) const;
+  void bring_near();
   void make_positive();
   Real mean_product(const Point& p) const;
   bool factor();

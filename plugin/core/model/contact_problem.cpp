@@ -10,7 +10,10 @@ Real norm_D(const System& system, const Vector& r) {
 
 Real driving_norm(const System& system, const Increment& increment) {
   const Real load = norm_D(system, increment.F);
-  if (load > 0) return load;
+  return load > 0 ? load : closing_norm(system, increment);
+}
+
+Real closing_norm(const System& system, const Increment& increment) {
   Real closing = 0;
   for (Index i = 0; i < system.nodes(); ++i) {
     const Real gap = increment.gap[i], depth = increment.bilateral ? gap : std::min(gap, 0.0);

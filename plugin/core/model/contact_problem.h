@@ -56,5 +56,7 @@ Real norm_D(const System& system, const Vector& r);
 /// What drives the increment, in norm_D: the norm of its load F, or, without a load, of the forces
 /// that close the initial penetration (bilateral: the gap); 0 where there is neither.
 Real driving_norm(const System& system, const Increment& increment);
+/// The norm of the latter forces, whatever the load.
+Real closing_norm(const System& system, const Increment& increment);
 
 }  // namespace frictioncg

@@ -81,11 +81,9 @@ InexactNewton::InexactNewton(const ContactProblem& problem, Hierarchy& hierarchy
 
 Status InexactNewton::solve(Real tol, Index max_iterations, const Vector& x0, const Vector& b0,
                             const Branches& start) {
-  Increment gaps = problem_.increment;  // without its load
-  gaps.F.setZero();
-  load_ = driving_norm(system_, problem_.increment);
-  goal_ = tol * load_;
-  load_ = std::max(load_, driving_norm(system_, gaps));
+  const Real driving = driving_norm(system_, problem_.increment);
+  goal_ = tol * driving;
+  load_ = std::max(driving, closing_norm(system_, problem_.increment));
   max_iterations_ = max_iterations;
   x_ = x0.size() > 0 ? x0 : Vector(Vector::Zero(system_.dofs()));
   rest_ = x_;
