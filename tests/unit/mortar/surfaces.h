@@ -60,4 +60,14 @@ struct Surfaces {
   std::map<std::pair<Index, Index>, Index> middle;
 };
 
+/// A sheet at height z that reaches along the first coordinate so far.
+inline std::function<Vec3(const Vec3&)> lifted(int d, Real z, Real from = 0, Real to = 1) {
+  return [=](const Vec3& x) {
+    Vec3 y = x;
+    y[0] = from + (to - from) * y[0];
+    y[d - 1] = z;
+    return y;
+  };
+}
+
 }  // namespace frictioncg::mortar::test

@@ -37,13 +37,15 @@ void expect_continuous(const Scene& scene, const Hold& hold) {
     }
 }
 
-std::function<Vec3(const Vec3&)> lifted(int d, Real z, Real from, Real to) {
-  return [=](const Vec3& x) {
-    Vec3 y = x;
-    y[0] = from + (to - from) * y[0];
-    y[d - 1] = z;
-    return y;
-  };
+/// The slave over a sheet, and over one beyond half of it that is farther than maxgap by t.
+Surfaces left_out(int d, Real t) {
+  Surfaces s(d);
+  s.options.maxgap = 0.1;
+  s.pairs[0].master = s.sheet(5, 1, lifted(d, 0, 0, 0.5), 1);
+  for (const Facet& f : s.sheet(4, 1, lifted(d, -0.1 - t, 0.5, 1), 1).facets)
+    s.pairs[0].master.facets.push_back(f);
+  s.pairs[0].slave = s.sheet(6, -1, lifted(d, 0, 0, 1), 2);
+  return s;
 }
 
 void hold_facing(const Surfaces& from, Surfaces& kept) { kept.nodes.before = from.nodes.X; }
@@ -69,30 +71,14 @@ TEST(MortarIncrement, ASurfaceStaysOnItsSideOfAStep) {
 }
 
 TEST(MortarIncrement, WhatMaxgapLeavesOutStaysOut) {
-  for (int d : {2, 3})
-    expect_continuous(
-        [&](Real t) {
-          Surfaces s(d);
-          s.options.maxgap = 0.1;
-          s.pairs[0].master = s.sheet(5, 1, lifted(d, 0, 0, 0.5), 1);
-          for (const Facet& f : s.sheet(4, 1, lifted(d, -0.1 - t, 0.5, 1), 1).facets)
-            s.pairs[0].master.facets.push_back(f);
-          s.pairs[0].slave = s.sheet(6, -1, lifted(d, 0, 0, 1), 2);
-          return s;
-        },
-        hold_facing);
+  for (int d : {2, 3}) expect_continuous([&](Real t) { return left_out(d, t); }, hold_facing);
 }
 
 TEST(MortarIncrement, ASurfaceThatDoesNotFaceItselfLeavesOtherPairsWhatTheyDecided) {
   for (int d : {2, 3})
     expect_continuous(
         [&](Real t) {
-          Surfaces s(d);
-          s.options.maxgap = 0.1;
-          s.pairs[0].master = s.sheet(5, 1, lifted(d, 0, 0, 0.5), 1);
-          for (const Facet& f : s.sheet(4, 1, lifted(d, -0.1 - t, 0.5, 1), 1).facets)
-            s.pairs[0].master.facets.push_back(f);
-          s.pairs[0].slave = s.sheet(6, -1, lifted(d, 0, 0, 1), 2);
+          Surfaces s = left_out(d, t);
           s.pairs.resize(2);
           s.pairs[1].slave = s.pairs[1].master = s.sheet(2, 1, lifted(d, 5, 0, 1), 3);
           s.nodes.reference = s.nodes.X;

@@ -84,22 +84,14 @@ TEST(MortarSearch, TheNearestOfSeveralSurfacesIsThePartner) {
   // three sheets below the slave, of other meshes; the middle one reaches half way
   for (int d : {2, 3}) {
     Surfaces s(d);
-    const auto lift = [d](Real z, Real reach) {
-      return [=](const Vec3& x) {
-        Vec3 y = x;
-        y[0] *= reach;
-        y[d - 1] = z;
-        return y;
-      };
-    };
-    s.pairs[0].master = s.sheet(5, 1, lift(0, 1), 1);
+    s.pairs[0].master = s.sheet(5, 1, lifted(d, 0), 1);
     const Index near = static_cast<Index>(s.nodes.X.size());
-    for (const Facet& f : s.sheet(4, 1, lift(0.3, 0.5), 1).facets)
+    for (const Facet& f : s.sheet(4, 1, lifted(d, 0.3, 0, 0.5), 1).facets)
       s.pairs[0].master.facets.push_back(f);
     const Index away = static_cast<Index>(s.nodes.X.size());
-    for (const Facet& f : s.sheet(3, -1, lift(0.4, 1), 1).facets)  // faces the other way
+    for (const Facet& f : s.sheet(3, -1, lifted(d, 0.4), 1).facets)  // faces the other way
       s.pairs[0].master.facets.push_back(f);
-    s.pairs[0].slave = s.sheet(8, -1, lift(1, 1), 2);
+    s.pairs[0].slave = s.sheet(8, -1, lifted(d, 1), 2);
     const Mortar mortar = s.mortar();
     EXPECT_EQ(mortar.statistics().partly_covered, 0);
     for (const ContactNode& node : mortar.nodes()) {
@@ -125,18 +117,10 @@ TEST(MortarSearch, BesideAStepEachNodeHasTheGapOfOneSurface) {
   for (int d : {2, 3})
     for (Real drop : {0.05, 0.5}) {
       Surfaces s(d, false);
-      const auto lift = [&](Real z, Real from, Real to) {
-        return [=](const Vec3& x) {
-          Vec3 y = x;
-          y[0] = from + (to - from) * y[0];
-          y[d - 1] = z;
-          return y;
-        };
-      };
-      s.pairs[0].master = s.sheet(5, 1, lift(0, 0, 0.53), 1);
-      for (const Facet& f : s.sheet(4, 1, lift(-drop, 0.53, 1), 1).facets)
+      s.pairs[0].master = s.sheet(5, 1, lifted(d, 0, 0, 0.53), 1);
+      for (const Facet& f : s.sheet(4, 1, lifted(d, -drop, 0.53), 1).facets)
         s.pairs[0].master.facets.push_back(f);
-      s.pairs[0].slave = s.sheet(6, -1, lift(0, 0, 1), 2);
+      s.pairs[0].slave = s.sheet(6, -1, lifted(d, 0), 2);
       const Mortar mortar = s.mortar();
       EXPECT_GT(mortar.statistics().partly_covered, 0);
       std::size_t near = 0, far = 0;

@@ -97,16 +97,8 @@ namespace {
 /// An arm of `length` above one of length 1, which comes last, and nothing else.
 Surfaces two_arms(int d, Real length, int cells) {
   Surfaces s(d);
-  const auto arm = [d](Real l, Real height) {
-    return [=](const Vec3& x) {
-      Vec3 y = x;
-      y[0] *= l;
-      y[d - 1] = height;
-      return y;
-    };
-  };
-  Surface all = s.sheet(cells, -1, arm(length, opening), 1);
-  for (const Facet& f : s.sheet(6, 1, arm(1, 0), 1).facets) all.facets.push_back(f);
+  Surface all = s.sheet(cells, -1, lifted(d, opening, 0, length), 1);
+  for (const Facet& f : s.sheet(6, 1, lifted(d, 0), 1).facets) all.facets.push_back(f);
   s.pairs[0].slave = s.pairs[0].master = all;
   return s;
 }

@@ -11,10 +11,6 @@ namespace {
 
 Vec3 same(const Vec3& x) { return x; }
 
-std::function<Vec3(const Vec3&)> lifted(int d, Real z) {
-  return [d, z](const Vec3& x) { return Vec3(x + z * Vec3::Unit(d - 1)); };
-}
-
 /// Slave (label 2) at height z above a master (label 1).
 Surfaces above(int d, Real z, bool quadratic = false) {
   Surfaces s(d, quadratic);
