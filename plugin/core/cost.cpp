@@ -18,11 +18,11 @@ constexpr double of_entries = 5e-8;      ///< over the entries of A: ordering, a
 constexpr double of_laws = 4.5e-11;      ///< over contact_dofs^3: S, and ten Newton steps on it
 constexpr double of_cycles = 1.5e-7;     ///< over the entries of A: 15 to 30 cycles, and the set-up
 constexpr double of_levels = 5e-8;       ///< over the entries of A: the set-up alone
-/// A central path takes 13 to 40 steps, Newton's after it included. On A all of it costs about as
+/// A central path takes up to 40 steps, Newton's after it included. On A all of it costs about as
 /// much as 15 sparse factors with their ordering, on S six times what Newton's method does there.
 constexpr double steps_on_A = 15, path_on_S = 6;
-/// From this slenderness on hierarchies may be poor, and sparse factors cost no more than that. A
-/// plate or a beam of one layer of elements has 0.58 L/t.
+/// From this slenderness on hierarchies may be poor, and sparse factors are looked at. A plate or a
+/// beam of one layer of elements has 0.58 L/t.
 constexpr double slender = 20;
 
 }  // namespace

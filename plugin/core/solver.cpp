@@ -26,6 +26,9 @@ constexpr Real runaway_rounding = 1e-3;
 /// Flops of a dense factor from which on another ordering of A is looked at.
 constexpr double worth_an_ordering = 1e8;
 
+/// Of a sparse factor, over the entries of A: what a quarter of multigrid's usual cycles takes.
+constexpr double few_flops = 250;
+
 /// Where no factor can be had, the alternative to multigrid is a gradient method: multigrid may
 /// then cost so many times what it does as a rule, which is more than it ever does.
 constexpr double only_gradients = 1e6;
@@ -35,6 +38,8 @@ bool is_rounding(const Certificate& c) {
   const bool known = c.attainable < runaway_rounding;
   return c.residual <= std::max(rounding, known ? c.attainable : 0);
 }
+
+bool arrives(const Solution& s) { return decided(s) || s.certificate.residual <= rounding; }
 
 /// t, made after s did not arrive, takes its place where it decides or is nearer to the laws; what
 /// both took counts. Returns how t ended.
@@ -113,7 +118,7 @@ void Solver::renew(SystemPtr system) {
   const bool dofs = same_dofs(*system_, *system), pattern = same_pattern(*system_, *system);
   system_ = std::move(system);
   floating_ = FloatingMotions(system_);
-  poor_ = dofs && (poor_ || (multigrid_ && (factored_ || sparse_)));
+  poor_ = dofs && poor_;
   factored_ = factor_reported_ = indefinite_ = false;
   memory_needed_ = 0;
   if (!pattern) sparse_.reset();
@@ -141,14 +146,15 @@ Solution Solver::by_route(const ContactProblem& problem, const Settings& setting
   const Plan plan = make_plan(problem, settings);
   switch (plan.route) {
     case Route::iterative:
-    case Route::sparse:  // no plan has it: it comes after multigrid
+    case Route::sparse:  // no plan has it: that it comes first shows once A is ordered
       break;
     case Route::condensed:
       if (may_replace_a_factor(settings) && !condense(settings, observer) && !indefinite_)
         return by_multigrid(problem, settings, x0, plan.costs, observer);
       return by_condensation(problem, settings, x0, observer);
     case Route::multigrid:
-      if ((poor_ || factored_ || sparse_) && may_replace_a_factor(settings))  // poor hierarchies
+      if (may_replace_a_factor(settings) &&
+          (poor_ || factored_ || sparse_comes_first(plan.costs, settings)))
         return (this->*after_multigrid(plan.costs))(problem, settings, x0, observer);
       return by_multigrid(problem, settings, x0, plan.costs, observer);
   }
@@ -192,16 +198,16 @@ Solution Solver::by_multigrid(const ContactProblem& problem, const Settings& set
       multigrid_ = std::make_unique<MultigridSolver>(system_);
   }
   if (!multigrid_->has_hierarchy()) return by_condensation(problem, rest, x0, observer);
-  return or_by(after_multigrid(costs),
-               multigrid_->solve(problem, settings, x0, observer, allowance(settings, costs)),
-               problem, rest, observer);
+  Solution s = multigrid_->solve(problem, settings, x0, observer, allowance(settings, costs));
+  poor_ = !arrives(s);
+  return or_by(after_multigrid(costs), std::move(s), problem, rest, observer);
 }
 
 /// Sparse factors of A: along the central path at once where Newton's method by multigrid has just
 /// failed. Where they do not arrive, or do not fit, the condensed route.
 Solution Solver::by_sparse_factors(const ContactProblem& problem, const Settings& settings,
                                    const Vector& x0, Observer* observer) {
-  const bool newton_failed = multigrid_ && !sparse_;
+  const bool newton_failed = poor_ && multigrid_ && !(sparse_ && sparse_->has_answered());
   if (!lay_out_sparse_factor(settings)) return by_condensation(problem, settings, x0, observer);
   return or_by(&Solver::by_condensation,
                newton_failed
@@ -216,6 +222,13 @@ bool Solver::lay_out_sparse_factor(const Settings& settings) {
   return sparse_->laid_out() && sparse_->bytes() <= settings.memory;
 }
 
+/// Whether Newton's method on sparse factors costs no more than by multigrid. It does not on wide
+/// plates, whose factors grow with n^1.5.
+bool Solver::sparse_comes_first(const Costs& costs, const Settings& settings) {
+  return std::isfinite(costs.sparse) && lay_out_sparse_factor(settings) &&
+         sparse_->flops() <= few_flops * double(system_->entries().nonZeros());
+}
+
 /// Sparse factors do for slender bodies, unless contact dofs are few.
 Solver::Way Solver::after_multigrid(const Costs& costs) {
   return std::isfinite(costs.sparse) ? &Solver::by_sparse_factors : &Solver::by_condensation;
@@ -225,7 +238,7 @@ Solver::Way Solver::after_multigrid(const Costs& costs) {
 /// with what it has left of the bound on the iterations.
 Solution Solver::or_by(Way next, Solution s, const ContactProblem& problem, Settings rest,
                        Observer* observer) {
-  if (decided(s) || s.certificate.residual <= rounding) return s;
+  if (arrives(s)) return s;
   rest.nbiter = bound_of(problem, rest) - s.iterations;
   const Status last = rest.nbiter > 0
                           ? replace_if_better(s, (this->*next)(problem, rest, {}, observer))
@@ -242,11 +255,12 @@ bool Solver::is_cheaper_on_A(const Settings& settings) {
 }
 
 /// What the cheaper of the routes after it costs, over multigrid as a rule: infinite where the
-/// latter is named.
-double Solver::allowance(const Settings& settings, const Costs& costs) const {
-  if (settings.method != Method::automatic) return std::numeric_limits<double>::infinity();
-  if (indefinite_ || settings.memory < memory_needed_) return only_gradients;
-  return std::min(costs.condensed, costs.sparse) / costs.multigrid;
+/// latter is named. Sparse factors do better by slender bodies that are lifted.
+Allowance Solver::allowance(const Settings& settings, const Costs& costs) const {
+  if (settings.method != Method::automatic) return {};
+  if (indefinite_ || settings.memory < memory_needed_) return {only_gradients};
+  const double next = std::min(costs.condensed, costs.sparse) / costs.multigrid;
+  return {next, std::isfinite(costs.sparse) ? lifts : Allowance().violation};
 }
 
 /// Whether the condensed route is open: factors A where that was not done, and fits now.

@@ -23,6 +23,7 @@ Plan make_plan(const ContactProblem& problem, const Settings& settings);
 class CondensedSolver;
 class MultigridSolver;
 class SparseSolver;
+struct Allowance;
 
 /// Solves increment after increment of one system: a factorization, or a hierarchy, is made at the
 /// first call that wants it, and kept.
@@ -63,7 +64,8 @@ class Solver {
                  Observer* observer);
   bool lay_out_sparse_factor(const Settings& settings);
   bool is_cheaper_on_A(const Settings& settings);
-  double allowance(const Settings& settings, const Costs& costs) const;
+  bool sparse_comes_first(const Costs& costs, const Settings& settings);
+  Allowance allowance(const Settings& settings, const Costs& costs) const;
   bool condense(const Settings& settings, Observer* observer);
   [[noreturn]] void refuse_memory(double given) const;
 
@@ -74,7 +76,7 @@ class Solver {
   bool factored_ = false;
   bool factor_reported_ = false;  ///< a solution has told what the factorization took
   bool indefinite_ = false;       ///< A has no factor, whatever the memory
-  bool poor_ = false;             ///< the hierarchy of the matrix before was
+  bool poor_ = false;             ///< the hierarchy is, or that of the matrix before was
   std::unique_ptr<MultigridSolver> multigrid_;
   std::unique_ptr<SparseSolver> sparse_;
 };

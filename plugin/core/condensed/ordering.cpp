@@ -62,6 +62,15 @@ struct NodeGraph {
     view = symmetric_view(nodes, column, row, nullptr);
   }
 
+  /// The dofs of the first so many nodes of an order.
+  std::vector<Index> dofs_of(const std::vector<Index>& order, Index count) const {
+    std::vector<Index> list;
+    list.reserve(dofs.size());
+    for (Index v = 0; v < count; ++v)
+      for (Index k = first_dof[order[v]]; k < first_dof[order[v] + 1]; ++k) list.push_back(dofs[k]);
+    return list;
+  }
+
   void restrict_to_interior() {
     view.nrow = view.ncol = interior;
     view.nzmax = column[interior];
@@ -119,13 +128,16 @@ std::vector<Index> contact_last(const System& s, Ordering ordering, cholmod_comm
              : cholmod_metis(&graph.view, nullptr, 0, 0, order.data(), &common);
   }
   check(ok, common);
-  std::vector<Index> dofs;
-  dofs.reserve(s.dofs());
-  for (Index v = 0; v < graph.interior; ++v)
-    for (Index k = graph.first_dof[order[v]]; k < graph.first_dof[order[v] + 1]; ++k)
-      dofs.push_back(graph.dofs[k]);
+  std::vector<Index> dofs = graph.dofs_of(order, graph.interior);
   for (Index i = s.interior(); i < s.dofs(); ++i) dofs.push_back(i);
   return dofs;
+}
+
+std::vector<Index> by_nodes(const System& s, cholmod_common& common) {
+  NodeGraph graph(s);
+  std::vector<Index> order(graph.view.nrow);
+  check(cholmod_amd(&graph.view, nullptr, 0, order.data(), &common), common);
+  return graph.dofs_of(order, static_cast<Index>(order.size()));
 }
 
 std::vector<Index> last_of_each_part(const System& s, const std::vector<Index>& order) {

@@ -20,6 +20,10 @@ enum class Ordering {
 /// A permutation of the dofs (n) with little fill-in, the contact dofs last and in their order.
 std::vector<Index> contact_last(const System& system, Ordering ordering, cholmod_common& common);
 
+/// A permutation of the dofs (n) with little fill-in, those of a mesh node together: minimum
+/// degree.
+std::vector<Index> by_nodes(const System& system, cholmod_common& common);
+
 /// In each connected part of the interior, the dof that `order` eliminates last: the root of its
 /// tree.
 std::vector<Index> last_of_each_part(const System& system, const std::vector<Index>& order);

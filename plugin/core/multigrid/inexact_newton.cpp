@@ -1,6 +1,7 @@
 #include "multigrid/inexact_newton.h"
 
 #include <cmath>
+#include <utility>
 
 #include "multigrid/bed.h"
 
@@ -54,17 +55,6 @@ constexpr int most_retreats = 10;
 /// The rate of a linear system is asked for what is left from this cycle on. Half: 3 calls give up
 /// that would have arrived in time.
 constexpr Index least_cycles = 8;
-/// Springs are tried where at least so many are affordable. Of 52 calls on slender bodies that are
-/// lifted at an end, those in which springs arrive take 95 to 215 cycles, the others waste 104 to
-/// 504. Springs arrive in 6 of 39 calls that can afford fewer than 600, and in 6 of 13 that can
-/// afford more, where the other method takes 3 to 36 times as long.
-constexpr Real for_springs = 600;
-/// The method ends where the laws are violated by so many times the load. Of 139 calls on slender
-/// bodies, those on bodies that lie, slip, fall or are lifted stay below 50. Where bodies hang over
-/// a gap the violation reaches 3e2 to 1.8e4 in ten calls, which arrive, and 5.5e4 to 9e5 in eight,
-/// all but one of which do not; that one takes 1.2 times as long by sparse factors. At half of the
-/// bound one more call would leave, at twice two would stay, and waste 256 cycles.
-constexpr Real out_of_hand = 3e4;
 
 }  // namespace
 
@@ -89,6 +79,7 @@ Status InexactNewton::solve(Real tol, Index max_iterations, const Vector& x0, co
   rest_ = x_;
   b_ = x0.size() > 0 ? b0 : problem_.increment.F;
   b_C_ = b_.tail(springs_.size());
+  from_stick_ = start.empty() && x0.size() == 0;
   if (!start.empty())
     faces_.start_from(start);
   else if (x0.size() > 0)
@@ -232,8 +223,7 @@ bool InexactNewton::release_springs() {
 /// hold it: first from stick at x = 0, then from where the last of them were at rest, stiffer.
 /// False where that was tried often enough.
 bool InexactNewton::retreat(bool solved) {
-  if (retreats_++ > most_retreats || affordable_ < for_springs) return false;
-  if (std::isfinite(affordable_) && !solved) return false;
+  if (retreats_++ > most_retreats || (std::isfinite(affordable_) && !solved)) return false;
   faces_.lag(false);
   if (!sprung_) {
     x_.setZero();
@@ -248,11 +238,11 @@ bool InexactNewton::retreat(bool solved) {
   return true;
 }
 
-/// False where the violation does not fall any more, grows out of bounds, or is out of hand, where
-/// the method gives up.
+/// False where the violation does not fall any more, grows out of bounds, or is more at the start
+/// than the method is to try.
 bool InexactNewton::violation_falls(Real violation) {
   if (!std::isfinite(first_violation_)) first_violation_ = violation;
-  gave_up_ = std::isfinite(affordable_) && violation > out_of_hand * load_;
+  gave_up_ = std::exchange(from_stick_, false) && violation > most_violation_ * load_;
   if (gave_up_ || !(violation <= out_of_bounds * first_violation_)) return false;
   if (violation < better * least_violation_) {
     least_violation_ = violation;

@@ -25,9 +25,13 @@ class InexactNewton {
                const Branches& start = {});
 
   /// For a caller who has another method, which costs as much as so many cycles. Ends, stagnated,
-  /// where the rate of a linear system promises more than that, where forces violate the laws out
-  /// of hand, or where faces do not settle and springs are not worth trying.
-  void give_up_beyond(Real cycles) { affordable_ = cycles; }
+  /// where the rate of a linear system promises more than that, where the forces of the first one
+  /// from stick violate the laws by more than so many times the load, or where faces leave a motion
+  /// free.
+  void give_up_beyond(Real cycles, Real violation) {
+    affordable_ = cycles;
+    most_violation_ = violation;
+  }
 
   const Vector& x() const { return x_; }
   const Certificate& certificate() const { return certificate_; }  ///< of x, where it has converged
@@ -60,13 +64,14 @@ class InexactNewton {
   Observer* const observer_;
   Faces faces_;
   ConjugateResiduals inner_;
-  Vector x_, b_;                ///< n; b = F - Ax, and the springs' force
-  Vector b_C_, s_;              ///< contact dofs of b; n, residual of the linear system
-  Vector accepted_;             ///< n, the last x that the certificate lets pass; or empty
-  Certificate certificate_;     ///< of the last x that passes
-  Real goal_ = 0;               ///< of residual and violation [norm_D]
-  Real load_ = 0;               ///< norm_D of the load, or of what gaps press with, if more
-  Real affordable_ = infinity;  ///< cycles
+  Vector x_, b_;                    ///< n; b = F - Ax, and the springs' force
+  Vector b_C_, s_;                  ///< contact dofs of b; n, residual of the linear system
+  Vector accepted_;                 ///< n, the last x that the certificate lets pass; or empty
+  Certificate certificate_;         ///< of the last x that passes
+  Real goal_ = 0;                   ///< of residual and violation [norm_D]
+  Real load_ = 0;                   ///< norm_D of the load, or of what gaps press with, if more
+  Real affordable_ = infinity;      ///< cycles
+  Real most_violation_ = infinity;  ///< over the load
   bool gave_up_ = false;
   /// Violations (norm_D) since the springs were set: after the first update, the least one, and the
   /// updates since then.
@@ -77,7 +82,7 @@ class InexactNewton {
   Vector springs_;  ///< contact_dofs [force/length]; 0 until faces have left a motion free
   Vector rest_;     ///< n, x where they are at rest
   Branches faces_at_rest_;
-  bool sprung_ = false;
+  bool sprung_ = false, from_stick_ = false;
   int retreats_ = 0, soft_releases_ = 0;
 
   StepCounts steps_;

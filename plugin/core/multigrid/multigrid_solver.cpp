@@ -14,7 +14,7 @@ namespace {
 
 /// What takes more cycles is better left to another route.
 constexpr Index most_iterations = 2000;
-/// The route costs so many cycles as a rule, set-up included: the unit of `allowance`.
+/// The route costs so many cycles as a rule, set-up included: the unit of `Allowance::cost`.
 constexpr Real usual_iterations = 40;
 
 }  // namespace
@@ -46,7 +46,7 @@ void MultigridSolver::take(SystemPtr system) {
 }
 
 Solution MultigridSolver::solve(const ContactProblem& problem, const Settings& settings,
-                                const Vector& x0, Observer* observer, double allowance) {
+                                const Vector& x0, Observer* observer, const Allowance& allowance) {
   Solution s;
   s.route = Route::multigrid;
   s.layer = system_->largest(problem.nodes()) == 0 ? Layer::linear : Layer::multigrid;
@@ -74,10 +74,11 @@ Solution MultigridSolver::solve(const ContactProblem& problem, const Settings& s
 }
 
 void MultigridSolver::iterate(const ContactProblem& problem, const Settings& settings,
-                              const Vector& x0, Observer* observer, double allowance, Solution& s) {
+                              const Vector& x0, Observer* observer, const Allowance& allowance,
+                              Solution& s) {
   InexactNewton newton(problem, *hierarchy_, observer);
-  const Real affordable = allowance * usual_iterations;
-  newton.give_up_beyond(affordable);
+  const Real affordable = allowance.cost * usual_iterations;
+  newton.give_up_beyond(affordable, allowance.violation);
   const Index most = static_cast<Index>(std::min<Real>(affordable, most_iterations));
   const Index bound = std::min(settings.nbiter > 0 ? settings.nbiter : most, most);
   const Vector going_on = past_.next(*system_, problem.increment);

@@ -9,6 +9,14 @@
 
 namespace frictioncg {
 
+/// For a caller that has another route: this one ends, stagnated, as soon as it costs so many times
+/// what multigrid costs as a rule, or where the forces of the first linear system from stick
+/// violate the laws by more than so many times the load.
+struct Allowance {
+  double cost = std::numeric_limits<double>::infinity();
+  Real violation = std::numeric_limits<Real>::infinity();
+};
+
 /// The scalable route: the hierarchy of A, kept for further loads, gaps and laws; then inexact
 /// semismooth Newton steps on the unregularized laws.
 class MultigridSolver {
@@ -31,11 +39,9 @@ class MultigridSolver {
 
   /// Wants a hierarchy. Starts from x0 (n, or empty), from where the answers before lead to, or
   /// from rest, whichever is nearest to the laws. The faces are those of the last answer, or, where
-  /// there is none, or two of them led to the start, those of the start. allowance: where it is
-  /// finite there is another route, at so many times what multigrid costs as a rule; this one then
-  /// ends, stagnated, as soon as it costs more, and tries springs only if much is left.
+  /// there is none, or two of them led to the start, those of the start.
   Solution solve(const ContactProblem& problem, const Settings& settings, const Vector& x0,
-                 Observer* observer, double allowance = std::numeric_limits<double>::infinity());
+                 Observer* observer, const Allowance& allowance = Allowance());
 
   const Eigen::MatrixXd& floating() const { return motions_; }
   /// The answers before count no more.
@@ -48,7 +54,7 @@ class MultigridSolver {
   };
   Start best_of(const ContactProblem& problem, const Vector& x0, const Vector& going_on) const;
   void iterate(const ContactProblem& problem, const Settings& settings, const Vector& x0,
-               Observer* observer, double allowance, Solution& s);
+               Observer* observer, const Allowance& allowance, Solution& s);
 
   SystemPtr system_;
   std::unique_ptr<Hierarchy> hierarchy_;

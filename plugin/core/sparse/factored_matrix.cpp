@@ -20,7 +20,13 @@ FactoredMatrix::FactoredMatrix(SystemPtr system) : system_(std::move(system)) {
   copy_upper_triangle();
   now_ = value_;
   view_ = symmetric_view(system_->dofs(), column_, row_, now_.data());
-  L_ = cholmod_analyze(&view_, &common_);
+  // On plates of 3650, 25 000 and 73 000 dofs nested dissection saves at most 6 % of the flops, and
+  // takes three times as long; CHOLMOD's own choice, by dofs, 0.8 to 1.9 times the flops and up to
+  // 20 times as long.
+  common_.nmethods = 1;
+  common_.method[0].ordering = CHOLMOD_GIVEN;
+  std::vector<Index> order = by_nodes(*system_, common_);
+  L_ = cholmod_analyze_p(&view_, order.data(), nullptr, 0, &common_);
   if (common_.status != CHOLMOD_TOO_LARGE) check(L_ != nullptr, common_);
 }
 

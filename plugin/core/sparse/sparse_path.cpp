@@ -4,7 +4,9 @@ namespace frictioncg {
 
 namespace {
 
-constexpr Real enough = 1e-8;  ///< of the residual: the next step starts from what this one leaves
+/// Of the residual: the next step starts from what this one leaves. At 1e-8 slender bodies take up
+/// to 1.5 times the cycles, at 1e-3 a third less, but up to five steps more.
+constexpr Real enough = 1e-5;
 constexpr int most_directions = 40;
 
 }  // namespace

@@ -198,3 +198,47 @@ TEST(SparseRoute, AnswersForPlatesThatFallFarAfterFewCyclesAndAsTheCondensedRout
   EXPECT_EQ(d.status, Status::converged);
   EXPECT_LE(d.iterations, 30);
 }
+
+TEST(SparseRoute, ComesFirstWhereItsFactorsAreCheap) {
+  SparseOptions beam;
+  beam.d = 2;
+  beam.cells = {225, 2, 1};
+  beam.size = {50, 1, 1};
+  SparseOptions bar;
+  bar.cells = {90, 2, 2};
+  bar.size = {50, 1, 1};
+  for (const SparseOptions& o : {beam, bar}) {
+    const SceneInBlocks s(o);
+    ASSERT_EQ(make_plan(s.posed.problem(), Settings()).route, Route::multigrid) << o.d;
+    const Solution a = solve(s.posed.problem(), Settings());
+    EXPECT_EQ(a.status, Status::converged) << o.d;
+    EXPECT_EQ(a.layer, Layer::sparse_newton) << o.d;
+    EXPECT_LE(a.iterations, 20) << o.d;
+  }
+}
+
+TEST(SparseRoute, LeavesWidePlatesToMultigridUnlessTheyAreLifted) {
+  SparseScene scene = sparse_block(plate(24));
+  const Posed lying = scene.system(scene.node_of_dof);
+  const Solution a = solve(lying.problem(), Settings());
+  EXPECT_EQ(a.status, Status::converged);
+  EXPECT_EQ(a.layer, Layer::multigrid);
+  scene.gap.setConstant(1e-3);
+  const Posed hanging = scene.system(scene.node_of_dof);
+  Solver solver(hanging.problem().system);
+  const Solution b = solver.solve(hanging.problem().increment, Settings());
+  EXPECT_EQ(b.status, Status::converged);
+  EXPECT_EQ(b.layer, Layer::sparse_interior_point);
+  EXPECT_LE(b.steps.total(), 10);  // of multigrid, until the first linear system has shown it
+  const Solution again = solver.solve(hanging.problem().increment, Settings());
+  EXPECT_EQ(again.status, Status::converged);
+  EXPECT_EQ(again.layer, Layer::sparse_newton);
+  EXPECT_LE(again.steps.total(), 1);  // none of multigrid's
+  for (std::size_t e = 0; e < scene.a.size(); ++e)
+    if (scene.a[e] < 1e20) scene.a[e] *= 1.01;
+  solver.renew(scene.system(scene.node_of_dof).problem().system);
+  const Solution stiffer = solver.solve(hanging.problem().increment, Settings());
+  EXPECT_EQ(stiffer.status, Status::converged);
+  EXPECT_EQ(stiffer.layer, Layer::sparse_newton);
+  std::cout << again.steps.total() << " " << b.steps.total() << " " << stiffer.steps.total() << std::endl;
+}
