@@ -41,7 +41,36 @@ bool same_pattern(const System& one, const System& other) {
          std::equal(A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros(), B.innerIndexPtr());
 }
 
+DenseMatrix System::product(const DenseMatrix& M) const {
+  DenseMatrix AM(M.rows(), M.cols());
+  Vector column;
+  for (Index k = 0; k < M.cols(); ++k) {
+    multiply(M.col(k), column);
+    AM.col(k) = column;
+  }
+  return AM;
+}
+
 void AssembledSystem::multiply(const Vector& x, Vector& Ax) const { Ax.noalias() = A * x; }
+
+DenseMatrix AssembledSystem::product(const DenseMatrix& M) const {
+  constexpr Index width = 6;  // rigid motions in 3D
+  if (M.cols() == 1) return System::product(M);
+  const auto [row, col, a] = arrays_of(A);
+  DenseMatrix AM(M.rows(), M.cols());
+  for (Index begin = 0; begin < M.cols(); begin += width) {
+    const Index count = std::min(width, static_cast<Index>(M.cols()) - begin);
+    Eigen::Matrix<Real, Eigen::Dynamic, width, Eigen::RowMajor> x;
+    x.setZero(M.rows(), width);
+    x.leftCols(count) = M.middleCols(begin, count);
+    for (Index i = 0; i < A.rows(); ++i) {
+      Eigen::Matrix<Real, 1, width> sum = Eigen::Matrix<Real, 1, width>::Zero();
+      for (Index k = row[i]; k < row[i + 1]; ++k) sum += a[k] * x.row(col[k]);
+      AM.row(i).segment(begin, count) = sum.head(count);
+    }
+  }
+  return AM;
+}
 
 Vector AssembledSystem::multiply_sized(const Vector& x_in, Vector& Ax) const {
   if (x_in.isZero(0)) return Ax = Vector::Zero(A.rows());  // rest, a start of every increment

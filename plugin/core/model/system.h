@@ -76,6 +76,7 @@ struct System {
   /// One vector in place of those of all, of one size, by what stands for two of them.
   using Both = std::function<Vector(const Vector&, const Vector&)>;
   virtual Vector combined(const Vector& own, const Both& /*both*/) const { return own; }
+  virtual DenseMatrix product(const DenseMatrix& M) const;  ///< A M
   Real sum(Real value) const {
     sum(&value, 1);
     return value;
@@ -87,6 +88,7 @@ struct AssembledSystem final : System {
   Matrix A;
 
   void multiply(const Vector& x, Vector& Ax) const override;
+  DenseMatrix product(const DenseMatrix& M) const override;  ///< six columns at a time
   Vector multiply_sized(const Vector& x, Vector& Ax) const override;
   void move_contact(const Vector& dx_C, Vector& r) const override;
   Bodies bodies() const override;

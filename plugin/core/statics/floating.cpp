@@ -63,17 +63,6 @@ DenseMatrix candidates_of(const System& system) {
   return system.largest(of_use ? 0 : 1) == 0 ? M : DenseMatrix(system.dofs(), 0);  // on all alike
 }
 
-/// A M, column by column.
-DenseMatrix product(const System& system, const DenseMatrix& M) {
-  DenseMatrix AM(M.rows(), M.cols());
-  Vector column;
-  for (Index k = 0; k < M.cols(); ++k) {
-    system.multiply(M.col(k), column);
-    AM.col(k) = column;
-  }
-  return AM;
-}
-
 /// The rigid ones among combinations of candidates M (n x k). Bodies share no entry of A: one
 /// product tries a combination of each.
 class RigidMotions {
@@ -92,7 +81,7 @@ class RigidMotions {
         if (const DenseMatrix& own = c[bodies_.of[i]]; j < own.cols())
           w[i] = M_.row(i).dot(own.col(j));
       const DenseMatrix size = gram(system_, bodies_, w, system_.D.cwiseProduct(w));
-      const DenseMatrix energy = gram(system_, bodies_, w, product(system_, w));
+      const DenseMatrix energy = gram(system_, bodies_, w, system_.product(w));
       for (Index body = 0; body < bodies_.count; ++body) {
         if (!(size(body) > 0) || !costs_no_energy(energy(body), size(body))) continue;
         found_.push_back({body, tried_.size(), 1 / std::sqrt(size(body))});
@@ -131,7 +120,7 @@ DenseMatrix floating_motions(const System& system) {
   const DenseMatrix M = candidates_of(system);
   if (M.cols() == 0) return DenseMatrix(system.dofs(), 0);
   const Bodies bodies = system.bodies();
-  const DenseMatrix in_A = gram(system, bodies, M, product(system, M));
+  const DenseMatrix in_A = gram(system, bodies, M, system.product(M));
   const DenseMatrix in_D = gram(system, bodies, M, system.D.asDiagonal() * M);
   const Index k = static_cast<Index>(M.cols()), each = system.dimension == 2 ? 3 : 6;
   RigidMotions motions(system, bodies, M);

@@ -123,6 +123,15 @@ TEST(System, DofsThatAPenaltyCouplesStronglyAreHeldWithIt) {
   EXPECT_EQ(w.tail(5), s.D.tail(5));
 }
 
+TEST(System, AProductWithSeveralColumnsIsThatWithEachOfThem) {
+  const AssembledSystem s = chain(Vector::Ones(6), 3);
+  for (const Index columns : {1, 3, 8, 12}) {
+    const DenseMatrix M = DenseMatrix::Random(s.dofs(), columns), AM = s.product(M);
+    ASSERT_EQ(AM.cols(), columns);
+    EXPECT_LT((AM - s.A * M).norm(), 1e-14 * AM.norm());
+  }
+}
+
 TEST(System, ResidualsAreMeasuredOverTheRootOfTheWeight) {
   const AssembledSystem s = small({4, 4, 0, 1, 1, 1, 2});
   Vector r = Vector::Zero(7);
