@@ -262,7 +262,8 @@ void check_symmetry(const Triplets& A, const Matrix& A_local, const Vector& D,
            "sym=1 lose a half in [[A1, 0], [0, A2]]: assemble them without)");
   };
   for (Index p = 0; p < A_local.rows(); ++p) {
-    for (Index k = row[p]; k < row[p + 1] && col[k] < p; ++k) {
+    Index k = row[p];
+    for (; k < row[p + 1] && col[k] < p; ++k) {
       const Index q = col[k];
       Index& c = cursor[q];
       for (; c < row[q + 1] && col[c] < p; ++c) compare(q, col[c], a[c], 0);
@@ -270,7 +271,7 @@ void check_symmetry(const Triplets& A, const Matrix& A_local, const Vector& D,
       compare(p, q, a[k], mirrored ? a[c] : 0);
       if (mirrored) ++c;
     }
-    cursor[p] = static_cast<Index>(std::upper_bound(col + row[p], col + row[p + 1], p) - col);
+    cursor[p] = k < row[p + 1] && col[k] == p ? k + 1 : k;
   }
   for (Index q = 0; q < A_local.rows(); ++q)
     for (Index c = cursor[q]; c < row[q + 1]; ++c) compare(q, col[c], a[c], 0);
