@@ -91,21 +91,22 @@ DEPENDS   := -MMD -MP
 
 # What nearly every file reads, Eigen above all, is compiled once. `PRECOMPILED=` does without: no file needs it.
 PRECOMPILED := precompiled.h
+PRELUDE     := plugin/core/precompiled.h plugin/core/types.h
 CORE_PCH     = $(PRECOMPILED:%=$(BUILD)/core/%)
 UNIT_PCH     = $(PRECOMPILED:%=$(BUILD)/unit/%)
 FF_PCH       = $(PRECOMPILED:%=$(BUILD)/freefem/%)
 # where ccache preprocesses, it reads the compiled one too
 READ        := -fpch-preprocess -include
 
-$(BUILD)/core/precompiled.h.gch: plugin/core/precompiled.h Makefile
+$(BUILD)/core/precompiled.h.gch: $(PRELUDE) Makefile
 	@mkdir -p $(@D) && cp $< $(@D)
 	$(CXX) $(FLAGS) $(CORE_FLAGS) -x c++-header $< -o $@
 
-$(BUILD)/unit/precompiled.h.gch: tests/unit/precompiled.h plugin/core/precompiled.h Makefile
+$(BUILD)/unit/precompiled.h.gch: tests/unit/precompiled.h $(PRELUDE) Makefile
 	@mkdir -p $(@D) && cp $< $(@D)
 	$(CXX) $(FLAGS) -O1 -Iplugin -Itests -x c++-header $< -o $@
 
-$(BUILD)/freefem/precompiled.h.gch: plugin/freefem/precompiled.h plugin/core/precompiled.h Makefile
+$(BUILD)/freefem/precompiled.h.gch: plugin/freefem/precompiled.h plugin/freefem/freefem.h $(PRELUDE) Makefile
 	@mkdir -p $(@D) && cp $< $(@D)
 	$(CXX) $(FLAGS) $(FF_FLAGS) -x c++-header $< -o $@
 

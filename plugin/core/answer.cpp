@@ -1,7 +1,5 @@
 #include "answer.h"
 
-#include <limits>
-
 #include "statics/undetermined.h"
 #include "model/certificate.h"
 

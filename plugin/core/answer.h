@@ -1,6 +1,4 @@
 #pragma once
-#include <functional>
-
 #include "settings.h"
 #include "solution.h"
 #include "model/contact_problem.h"

@@ -1,6 +1,4 @@
 #pragma once
-#include <array>
-
 #include "status.h"
 #include "types.h"
 

@@ -1,8 +1,22 @@
 #pragma once
+// Here once for all files that include this one: what nearly each of them uses of the library.
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <map>
+#include <memory>
+#include <numeric>
+#include <optional>
+#include <set>
 #include <sstream>
 #include <stdexcept>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace frictioncg {

@@ -1,11 +1,6 @@
 #pragma once
 #include "freefem.h"
 
-#include <array>
-#include <sstream>
-#include <string>
-#include <vector>
-
 #include "../core/assembly/local_system.h"
 
 namespace frictioncg {

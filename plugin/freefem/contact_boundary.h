@@ -1,12 +1,6 @@
 #pragma once
 #include "freefem.h"
 
-#include <algorithm>
-#include <map>
-#include <set>
-#include <sstream>
-#include <vector>
-
 #include "../core/assembly/mortar/surface.h"
 #include "boundary_node.h"
 #include "placement.h"

@@ -1,9 +1,6 @@
 #pragma once
 #include "freefem.h"
 
-#include <array>
-#include <vector>
-
 namespace frictioncg {
 
 /// What differs between FreeFEM's mesh and mesh3, and their finite-element spaces.

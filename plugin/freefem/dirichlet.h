@@ -1,8 +1,6 @@
 #pragma once
 #include "freefem.h"
 
-#include <limits>
-
 #include "scene.h"
 
 namespace frictioncg {

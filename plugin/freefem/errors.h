@@ -2,7 +2,6 @@
 #include "freefem.h"
 
 #include <new>
-#include <string>
 
 #include "../core/types.h"
 

@@ -1,7 +1,6 @@
 #pragma once
 // Eigen first: ff++.hpp redefines assert.
-#include <Eigen/Core>
-#include <Eigen/SparseCore>
+#include "../core/types.h"
 
 #include "ff++.hpp"
 #include "strversionnumber.hpp"

@@ -1,10 +1,6 @@
 #pragma once
 #include "freefem.h"
 
-#include <algorithm>
-#include <functional>
-#include <map>
-
 #include "../core/assembly/mortar/coupling.h"
 #include "../core/assembly/mortar/label_pairs.h"
 #include "../core/assembly/mortar/topology.h"

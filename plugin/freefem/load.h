@@ -4,9 +4,7 @@
 #include <sys/mman.h>
 
 #include <Eigen/Core>
-#include <cmath>
 #include <cstdlib>
-#include <sstream>
 
 namespace frictioncg {
 

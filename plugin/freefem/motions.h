@@ -1,9 +1,6 @@
 #pragma once
 #include "freefem.h"
 
-#include <numeric>
-#include <set>
-
 #include "large_turn.h"
 #include "obstacles.h"
 #include "report.h"

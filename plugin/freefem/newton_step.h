@@ -1,9 +1,6 @@
 #pragma once
 #include "freefem.h"
 
-#include <algorithm>
-#include <utility>
-
 #include "../core/gradient/anderson.h"
 #include "scene.h"
 

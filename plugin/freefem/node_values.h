@@ -1,8 +1,6 @@
 #pragma once
 #include "freefem.h"
 
-#include <cmath>
-
 #include "arguments.h"
 #include "scene.h"
 

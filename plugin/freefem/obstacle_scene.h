@@ -1,10 +1,6 @@
 #pragma once
 #include "freefem.h"
 
-#include <memory>
-#include <utility>
-#include <vector>
-
 #include "space.h"
 
 namespace frictioncg {

@@ -1,8 +1,6 @@
 #pragma once
 #include "freefem.h"
 
-#include <algorithm>
-
 #include "large_turn.h"
 #include "node_values.h"
 #include "outputs.h"

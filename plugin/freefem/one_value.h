@@ -1,9 +1,6 @@
 #pragma once
 #include "freefem.h"
 
-#include <algorithm>
-#include <map>
-
 #include "dirichlet.h"
 #include "report.h"
 

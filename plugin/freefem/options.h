@@ -1,10 +1,6 @@
 #pragma once
 #include "freefem.h"
 
-#include <cmath>
-#include <limits>
-#include <sstream>
-
 #include "../core/model/validate.h"
 #include "arguments.h"
 

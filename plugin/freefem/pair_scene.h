@@ -1,13 +1,6 @@
 #pragma once
 #include "freefem.h"
 
-#include <algorithm>
-#include <memory>
-#include <set>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "obstacle_scene.h"
 
 namespace frictioncg {

@@ -1,9 +1,6 @@
 #pragma once
 #include "freefem.h"
 
-#include <memory>
-#include <string>
-
 #include "../core/assembly/mortar/geometric_stiffness.h"
 #include "../core/assembly/mortar/slip.h"
 #include "../core/assembly/mortar/validation.h"

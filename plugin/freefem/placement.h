@@ -1,9 +1,6 @@
 #pragma once
 #include "freefem.h"
 
-#include <memory>
-#include <vector>
-
 #include "dimension.h"
 
 namespace frictioncg {

@@ -1,11 +1,8 @@
 #pragma once
 #include "freefem.h"
 
-#include <array>
 #include <chrono>
-#include <cmath>
 #include <iostream>
-#include <vector>
 
 #include "../core/clock.h"
 #include "../core/model/certificate.h"

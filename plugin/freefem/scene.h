@@ -1,10 +1,6 @@
 #pragma once
 #include "freefem.h"
 
-#include <functional>
-#include <memory>
-#include <optional>
-
 #include "../core/clock.h"
 #include "../core/solver.h"
 #include "contact_boundary.h"

@@ -1,10 +1,6 @@
 #pragma once
 #include "freefem.h"
 
-#include <algorithm>
-#include <memory>
-#include <vector>
-
 #include "scene.h"
 
 namespace frictioncg {

@@ -1,8 +1,6 @@
 #pragma once
 #include "freefem.h"
 
-#include <vector>
-
 #include "../core/assembly/triplets.h"
 
 namespace frictioncg {

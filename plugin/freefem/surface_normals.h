@@ -1,9 +1,6 @@
 #pragma once
 #include "freefem.h"
 
-#include <algorithm>
-#include <vector>
-
 #include "../core/assembly/mortar/surface.h"
 #include "../core/assembly/slippable.h"
 #include "../core/assembly/smooth_normals.h"

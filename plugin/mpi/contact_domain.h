@@ -1,8 +1,6 @@
 #pragma once
 #include "../freefem/freefem.h"
 
-#include <memory>
-
 #include "domain.h"
 #include "petsc.h"
 #include "together.h"

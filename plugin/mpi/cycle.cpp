@@ -1,8 +1,5 @@
 #include "levels.h"
 
-#include <cmath>
-#include <string>
-
 namespace frictioncg {
 
 namespace {

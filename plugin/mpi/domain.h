@@ -1,10 +1,6 @@
 #pragma once
 #include <mpi.h>
 
-#include <functional>
-#include <map>
-#include <string>
-
 #include "meeting.h"
 
 namespace frictioncg {

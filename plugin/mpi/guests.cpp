@@ -1,7 +1,5 @@
 #include "guests.h"
 
-#include <algorithm>
-#include <set>
 #include <unordered_set>
 
 namespace frictioncg {

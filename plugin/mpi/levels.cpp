@@ -1,7 +1,5 @@
 #include "levels.h"
 
-#include <string>
-
 namespace frictioncg {
 
 namespace {

@@ -1,12 +1,6 @@
 #pragma once
 #include <mpi.h>
 
-#include <array>
-#include <functional>
-#include <memory>
-#include <string>
-#include <vector>
-
 #include "types.h"
 
 namespace frictioncg {

@@ -1,7 +1,5 @@
 #include "numbering.h"
 
-#include <map>
-
 namespace frictioncg {
 
 Numbering::Numbering(const Domain& domain, const LocalSystem& local,

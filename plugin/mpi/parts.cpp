@@ -1,8 +1,5 @@
 #include "parts.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace frictioncg {
 
 namespace {

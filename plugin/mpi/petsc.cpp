@@ -2,8 +2,6 @@
 
 #include <iterator>
 #include <new>
-#include <stdexcept>
-#include <string>
 
 namespace frictioncg {
 

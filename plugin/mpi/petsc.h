@@ -1,10 +1,6 @@
 #pragma once
 #include <petscksp.h>
 
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "domain.h"
 
 namespace frictioncg {

@@ -1,9 +1,5 @@
 #include "shared_matrix.h"
 
-#include <algorithm>
-#include <map>
-#include <stdexcept>
-
 #include "parts.h"
 
 namespace frictioncg {

@@ -1,12 +1,7 @@
 #pragma once
 #include "../freefem/freefem.h"
 
-#include <algorithm>
-#include <array>
-#include <map>
-#include <set>
 #include <unordered_map>
-#include <vector>
 
 #include "../freefem/scene.h"
 #include "parts.h"

@@ -2,7 +2,6 @@
 #include "../freefem/freefem.h"
 
 #include <new>
-#include <string>
 
 #include "../freefem/errors.h"
 #include "domain.h"

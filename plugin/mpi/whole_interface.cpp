@@ -1,8 +1,5 @@
 #include "whole_interface.h"
 
-#include <algorithm>
-#include <set>
-
 namespace frictioncg {
 
 namespace {

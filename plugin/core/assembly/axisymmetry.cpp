@@ -1,7 +1,5 @@
 #include "assembly/axisymmetry.h"
 
-#include <cmath>
-
 namespace frictioncg {
 
 namespace {

@@ -1,9 +1,5 @@
 #include "assembly/dirichlet.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 namespace frictioncg {
 
 namespace {

@@ -1,6 +1,4 @@
 #pragma once
-#include <array>
-
 #include "assembly/triplets.h"
 #include "types.h"
 

@@ -1,9 +1,5 @@
 #include "assembly/frames.h"
 
-#include <algorithm>
-#include <cmath>
-#include <string>
-
 #include "linear_algebra.h"
 
 namespace frictioncg {

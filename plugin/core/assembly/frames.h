@@ -1,8 +1,6 @@
 #pragma once
 #include "assembly/basis.h"
 #include <Eigen/Geometry>
-#include <memory>
-#include <string>
 
 #include "assembly/dirichlet.h"
 

@@ -1,8 +1,5 @@
 #include "assembly/osculating_quadric.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "linear_algebra.h"
 
 namespace frictioncg {

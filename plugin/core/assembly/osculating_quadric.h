@@ -1,9 +1,6 @@
 #pragma once
 #include <Eigen/Geometry>
 
-#include <optional>
-#include <vector>
-
 #include "types.h"
 
 namespace frictioncg {

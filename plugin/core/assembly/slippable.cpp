@@ -1,8 +1,5 @@
 #include "assembly/slippable.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace frictioncg {
 
 namespace {

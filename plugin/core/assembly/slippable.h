@@ -1,9 +1,6 @@
 #pragma once
 #include <Eigen/Geometry>
 
-#include <functional>
-#include <vector>
-
 #include "linear_algebra.h"
 #include "types.h"
 

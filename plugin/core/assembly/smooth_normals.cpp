@@ -1,9 +1,5 @@
 #include "assembly/smooth_normals.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include "assembly/osculating_quadric.h"
 
 namespace frictioncg {

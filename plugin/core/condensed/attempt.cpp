@@ -1,7 +1,5 @@
 #include "condensed/attempt.h"
 
-#include <algorithm>
-
 namespace frictioncg {
 
 namespace {

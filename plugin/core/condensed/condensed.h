@@ -1,9 +1,4 @@
 #pragma once
-#include <functional>
-#include <memory>
-#include <optional>
-#include <utility>
-
 #include "condensed/attempt.h"
 #include "condensed/elimination.h"
 #include "statics/equilibrium.h"

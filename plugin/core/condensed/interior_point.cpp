@@ -1,8 +1,5 @@
 #include "condensed/interior_point.h"
 
-#include <cmath>
-#include <limits>
-
 #include "model/law.h"
 
 namespace frictioncg {

@@ -1,7 +1,4 @@
 #pragma once
-#include <algorithm>
-#include <memory>
-
 #include "condensed/attempt.h"
 #include "condensed/path_matrix.h"
 

@@ -1,7 +1,4 @@
 #pragma once
-#include <memory>
-#include <optional>
-
 #include "condensed/single_precision.h"
 #include "factorization.h"
 

@@ -1,7 +1,5 @@
 #include "condensed/proximal.h"
 
-#include <algorithm>
-
 #include "model/proximal_springs.h"
 
 namespace frictioncg {

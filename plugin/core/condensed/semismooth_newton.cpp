@@ -1,9 +1,5 @@
 #include "condensed/semismooth_newton.h"
 
-#include <cmath>
-#include <limits>
-#include <set>
-
 #include "condensed/single_precision.h"
 #include "factorization.h"
 #include "linear_algebra.h"

@@ -1,6 +1,4 @@
 #pragma once
-#include <algorithm>
-
 #include "linear_algebra.h"
 
 namespace frictioncg {

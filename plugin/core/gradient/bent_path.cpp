@@ -1,7 +1,5 @@
 #include "gradient/bent_path.h"
 
-#include <cmath>
-
 namespace frictioncg {
 
 BentPath::BentPath(const ContactProblem& problem)

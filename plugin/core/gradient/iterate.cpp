@@ -1,8 +1,5 @@
 #include "gradient/iterate.h"
 
-#include <cmath>
-#include <limits>
-
 namespace frictioncg {
 
 ContactRows::ContactRows(const ContactProblem& problem)

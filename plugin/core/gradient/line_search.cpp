@@ -1,8 +1,5 @@
 #include "gradient/line_search.h"
 
-#include <algorithm>
-#include <limits>
-
 namespace frictioncg {
 
 namespace {

@@ -1,6 +1,4 @@
 #pragma once
-#include <memory>
-
 #include "settings.h"
 #include "model/system.h"
 

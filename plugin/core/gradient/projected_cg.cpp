@@ -1,6 +1,3 @@
-#include <cmath>
-#include <limits>
-
 #include "gradient/bent_path.h"
 #include "gradient/friction_term.h"
 #include "gradient/iterate.h"

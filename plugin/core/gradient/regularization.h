@@ -1,6 +1,4 @@
 #pragma once
-#include <cmath>
-
 #include "settings.h"
 
 namespace frictioncg {

@@ -1,7 +1,5 @@
 #include "gradient/release_rule.h"
 
-#include <cmath>
-
 #include "model/law.h"
 
 namespace frictioncg {

@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "gradient/iterate.h"
 #include "gradient/tresca.h"
 #include "model/contact_problem.h"

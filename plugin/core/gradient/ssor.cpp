@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <cmath>
-
 #include "gradient/preconditioner.h"
 
 namespace frictioncg {

@@ -1,7 +1,4 @@
 #pragma once
-#include <cmath>
-#include <limits>
-
 #include "gradient/preconditioner.h"
 #include "settings.h"
 

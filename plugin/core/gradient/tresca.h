@@ -1,6 +1,4 @@
 #pragma once
-#include <memory>
-
 #include "model/law.h"
 #include "settings.h"
 

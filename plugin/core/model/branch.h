@@ -1,6 +1,4 @@
 #pragma once
-#include <limits>
-
 #include "model/law.h"
 
 namespace frictioncg {

@@ -1,8 +1,4 @@
 #pragma once
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include "model/contact_problem.h"
 
 namespace frictioncg {

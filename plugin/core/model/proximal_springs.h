@@ -1,6 +1,4 @@
 #pragma once
-#include <algorithm>
-
 #include "types.h"
 
 namespace frictioncg {

@@ -1,7 +1,5 @@
 #include "model/validate.h"
 
-#include <cmath>
-
 namespace frictioncg {
 
 namespace {

@@ -1,8 +1,5 @@
 #include "multigrid/bed.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "linear_algebra.h"
 
 namespace frictioncg {

@@ -1,7 +1,4 @@
 #pragma once
-#include <limits>
-#include <string>
-
 #include "types.h"
 
 namespace frictioncg {

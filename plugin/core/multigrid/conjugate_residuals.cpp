@@ -1,9 +1,5 @@
 #include "multigrid/conjugate_residuals.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-
 namespace frictioncg {
 
 namespace {

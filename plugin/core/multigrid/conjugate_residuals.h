@@ -1,6 +1,4 @@
 #pragma once
-#include <vector>
-
 #include "multigrid/faces.h"
 #include "multigrid/hierarchy.h"
 

@@ -1,7 +1,5 @@
 #include "multigrid/multigrid_solver.h"
 
-#include <cmath>
-
 #include "clock.h"
 #include "statics/equilibrium.h"
 #include "statics/undetermined.h"

@@ -1,7 +1,5 @@
 #pragma once
 #include <Eigen/Core>
-#include <limits>
-#include <memory>
 
 #include "multigrid/faces.h"
 #include "multigrid/past.h"

@@ -1,8 +1,5 @@
 #include "multigrid/past.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace frictioncg {
 
 namespace {

@@ -1,8 +1,5 @@
 #include "statics/equilibrium.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "linear_algebra.h"
 #include "model/law.h"
 #include "statics/floating.h"

@@ -1,8 +1,5 @@
 #include "statics/floating.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "linear_algebra.h"
 
 namespace frictioncg {

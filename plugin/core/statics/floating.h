@@ -1,6 +1,4 @@
 #pragma once
-#include <optional>
-
 #include "model/system.h"
 
 namespace frictioncg {

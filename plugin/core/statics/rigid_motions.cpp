@@ -1,9 +1,5 @@
 #include "statics/rigid_motions.h"
 
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
 #include "factorization.h"
 #include "linear_algebra.h"
 
