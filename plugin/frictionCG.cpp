@@ -9,7 +9,6 @@
 #include "freefem/load.h"
 #include "freefem/memory.h"
 #include "freefem/operators.h"
-#include "freefem/usage.h"
 
 namespace frictioncg {
 namespace {
@@ -20,12 +19,7 @@ void load() {
   if (!take_buffer_of_blas())
     throw ErrorLoad("frictionCG: not enough memory for a buffer of BLAS", 1);
   register_contactproblem();
-  for_each_site<v_fes>(add_site);
-  for_each_site<v_fes3>(add_site);
-  Global.Add(operator_name, "(", new OneOperatorCode<SolveIncrement>());
-  Global.Add(operator_name, "(", new OneOperatorCode<Renew>());
-  add_usage();
-  add_version();
+  add_operators<SolveOnce, Construct, SolveIncrement, SiteOf<v_fes>, SiteOf<v_fes3>>();
 }
 
 }  // namespace

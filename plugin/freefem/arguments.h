@@ -1,13 +1,6 @@
 #pragma once
 #include "freefem.h"
 
-#include <algorithm>
-#include <array>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "errors.h"
 #include "labels.h"
 #include "parameters.h"
@@ -131,7 +124,6 @@ class Arguments {
   }
   explicit Arguments(const basicAC_F0& args) {
     refuse_domain(args);
-    refuse_older_names(args);
     read_names(args);
     if (has(p_init) && has(p_start)) refuse(p_start, "is another name of init; give one");
   }
@@ -146,7 +138,7 @@ class Arguments {
     if (!given) return;
     args.named_parameter->emplace(name, labels);
     named_[p_obstacle] = labels.LeftValue();
-    obstacle_.emplace(labels, form_of(labels));
+    obstacle_.emplace(labels);
   }
   /// Before FreeFEM looks for the type of domain, which frictionCG-mpi alone has.
   static void refuse_domain(const basicAC_F0& args) {
@@ -155,14 +147,6 @@ class Arguments {
       refuse(p_domain,
              "belongs to a problem that several processes share, which frictionCG has none of; "
              "load \"frictionCG-mpi\" in its place, or leave domain out");
-  }
-  /// FreeFEM would say of an older interface's names that they are unknown, and no more.
-  static void refuse_older_names(const basicAC_F0& args) {
-    constexpr std::pair<const char*, Parameter> older_names[] = {{"polish", p_newton}};
-    for (const auto& [name, now] : older_names)
-      if (args.find(name).LeftValue())
-        CompileError(std::string(operator_name) + ": " + name + " is called " +
-                     parameters[now].name + " now");
   }
   static void refuse(Parameter p, const std::string& rule) {
     CompileError(std::string(operator_name) + ": " + parameters[p].name + " " + rule);

@@ -1,34 +1,13 @@
 #pragma once
 #include "freefem.h"
 
-#include <sstream>
-#include <string>
-#include <vector>
-
 #include "errors.h"
 
 namespace frictioncg {
 
-/// The forms in which a script may give labels, told apart by FreeFEM's types: 1, int[int], [1, 2].
-enum class LabelForm { number, array, list };
-constexpr LabelForm label_forms[] = {LabelForm::number, LabelForm::array, LabelForm::list};
-
-inline aType type_of(LabelForm form) {
-  switch (form) {
-    case LabelForm::array:
-      return atype<KN_<long>>();
-    case LabelForm::list:
-      return atype<E_Array>();
-    default:
-      return atype<long>();
-  }
-}
-
-inline LabelForm form_of(const C_F0& labels) {
-  const aType type = labels.left();
-  if (type == atype<E_Array>()) return LabelForm::list;
-  return type == atype<KN_<long>>() || type == atype<KN<long>*>() ? LabelForm::array
-                                                                  : LabelForm::number;
+/// The types of the forms in which a script may give labels: 1, int[int], [1, 2].
+inline std::vector<aType> label_types() {
+  return {atype<long>(), atype<KN_<long>>(), atype<E_Array>()};
 }
 
 /// One label of a script: FreeFEM would cast a real or a bool to a label that nobody has meant.
@@ -62,11 +41,11 @@ class LabelExpression {
 /// The labels of one boundary, as expressions.
 class Labels {
  public:
-  Labels(const C_F0& argument, LabelForm form) : form_(form) {
-    if (form == LabelForm::list) {
-      const E_Array* list = dynamic_cast<const E_Array*>(argument.LeftValue());
-      for (int k = 0; list && k < list->size(); ++k) labels_.emplace_back((*list)[k]);
-    } else if (form == LabelForm::array) {
+  explicit Labels(const C_F0& argument) {
+    const aType type = argument.left();
+    if (const auto* list = dynamic_cast<const E_Array*>(argument.LeftValue())) {
+      for (int k = 0; k < list->size(); ++k) labels_.emplace_back((*list)[k]);
+    } else if (type == atype<KN_<long>>() || type == atype<KN<long>*>()) {
       array_ = to<KN_<long>>(argument);
     } else {
       labels_.emplace_back(argument);
@@ -80,7 +59,7 @@ class Labels {
  private:
   std::vector<long> read(Stack stack, const char* what) const {
     std::vector<long> all;
-    if (form_ == LabelForm::array) {
+    if (array_) {
       const KN_<long> list = GetAny<KN_<long>>((*array_)(stack));
       for (long k = 0; k < list.N(); ++k) all.push_back(list[k]);
     } else {
@@ -91,9 +70,8 @@ class Labels {
     return all;
   }
 
-  LabelForm form_;
   std::vector<LabelExpression> labels_;
-  Expression array_ = nullptr;
+  Expression array_ = nullptr;  ///< in place of single ones
 };
 
 }  // namespace frictioncg

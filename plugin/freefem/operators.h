@@ -4,7 +4,9 @@
 #include "call.h"
 #include "contactproblem.h"
 #include "errors.h"
+#include "overload.h"
 #include "renewal.h"
+#include "usage.h"
 
 namespace frictioncg {
 
@@ -29,11 +31,18 @@ class SolveOnce : public E_F0mps {
     });
   }
 
- private:
+ protected:
   Arguments arguments_;
   Expression A_, b_;
   std::shared_ptr<const Site> site_;
 };
+
+/// A temporary, to the end of the statement; variables take copies.
+inline AnyType variable(Stack stack, PosedProblem posed) {
+  auto* C = Add2StackOfPtr2Free(stack, new ContactProblemVariable);
+  C->set(std::move(posed));
+  return SetAny<ContactProblemVariable*>(C);
+}
 
 /// contactproblem C = contactProblem(A, site, ...): FreeFEM's grammar takes no fespace in
 /// C(A, Vh, ...).
@@ -56,14 +65,11 @@ class Construct : public E_F0mps {
     return translated(constructor_name, [&] {
       PosedProblem posed;
       posed.scene = read_scene(stack, arguments_, A_, *site_, true, posed.laws);
-      // a temporary, to the end of the statement; variables take copies
-      auto* C = Add2StackOfPtr2Free(stack, new ContactProblemVariable);
-      C->set(std::move(posed));
-      return SetAny<ContactProblemVariable*>(C);
+      return variable(stack, std::move(posed));
     });
   }
 
- private:
+ protected:
   Arguments arguments_;
   Expression A_;
   std::shared_ptr<const Site> site_;
@@ -104,7 +110,7 @@ class SolveIncrement : public E_F0mps {
     });
   }
 
- private:
+ protected:
   Arguments arguments_;
   Expression C_, b_;
 };
@@ -159,30 +165,10 @@ class Renew : public E_F0mps {
   Expression C_, A_, b_;
 };
 
-/// One form of the arguments of an operator: FreeFEM chooses among them by their types.
-class Overload : public OneOperator {
- public:
-  using Make = std::function<E_F0*(const basicAC_F0&)>;
-  Overload(aType result, const std::vector<aType>& types, Make make)
-      : OneOperator(result, Types(types)), make_(std::move(make)) {}
-  E_F0* code(const basicAC_F0& args) const override { return make_(args); }
-
- private:
-  struct Types : ArrayOfaType {
-    explicit Types(const std::vector<aType>& types) {
-      n = static_cast<int>(types.size());
-      t = new aType[n];  // ArrayOfaType deletes it
-      std::copy(types.begin(), types.end(), t);
-    }
-  };
-  Make make_;
-};
-
-/// Makes a site of the arguments from `first` on.
-using MakeSite = std::function<std::shared_ptr<const Site>(const basicAC_F0& args, int first)>;
-
-template <class Operator>
-void add_operator(const char* name, const std::vector<aType>& site, const MakeSite& make) {
+/// Registers an operator on a site, whose types these are: make(args, first) makes it of the
+/// arguments from `first` on.
+template <class Operator, class Make>
+void add_operator(const char* name, const std::vector<aType>& site, const Make& make) {
   std::vector<aType> types = Operator::before_site();
   const int first = static_cast<int>(types.size());
   types.insert(types.end(), site.begin(), site.end());
@@ -192,30 +178,36 @@ void add_operator(const char* name, const std::vector<aType>& site, const MakeSi
              }));
 }
 
-/// Registers the operator and the constructor for arguments of these types.
-inline void add_site(const std::vector<aType>& site, const MakeSite& make) {
-  add_operator<SolveOnce>(operator_name, site, make);
-  add_operator<Construct>(constructor_name, site, make);
-}
-
-/// Calls add(types, make) for one space and for two, and for labels in each form, V = v_fes (2D) or
-/// v_fes3 (3D).
-template <class V, class Add>
-void for_each_site(Add add) {
-  const aType space = atype<typename V::pfes*>();
-  for (LabelForm a : label_forms) {
-    add({space, type_of(a)}, [a](const basicAC_F0& args, int first) {
-      return std::make_shared<ObstacleSite<V>>(args, first, a);
+/// Calls add(types, make) for one space and for two, and for labels in each form.
+template <class SiteType, class Add>
+void for_each_site(const Add& add) {
+  const auto add_types = [&](const std::vector<aType>& types) {
+    add(types, [count = types.size()](const basicAC_F0& args, int first) {
+      return std::make_shared<const SiteType>(args, first, count);
     });
-    for (LabelForm b : label_forms) {
-      add({space, type_of(a), type_of(b)}, [a, b](const basicAC_F0& args, int first) {
-        return std::make_shared<OneSpaceSite<V>>(args, first, a, b);
-      });
-      add({space, type_of(a), space, type_of(b)}, [a, b](const basicAC_F0& args, int first) {
-        return std::make_shared<TwoSpaceSite<V>>(args, first, a, b);
-      });
+  };
+  const aType space = atype<typename SiteType::Space*>();
+  for (aType a : label_types()) {
+    add_types({space, a});
+    for (aType b : label_types()) {
+      add_types({space, a, b});
+      add_types({space, a, space, b});
     }
   }
+}
+
+/// Registers all that a script may call.
+template <class Once, class Constructor, class Increment, class... Sites>
+void add_operators() {
+  const auto add = [](const std::vector<aType>& site, const auto& make) {
+    add_operator<Once>(operator_name, site, make);
+    add_operator<Constructor>(constructor_name, site, make);
+  };
+  (for_each_site<Sites>(add), ...);
+  Global.Add(operator_name, "(", new OneOperatorCode<Increment>());
+  Global.Add(operator_name, "(", new OneOperatorCode<Renew>());
+  add_usage();
+  add_version();
 }
 
 }  // namespace frictioncg

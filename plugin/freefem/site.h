@@ -1,8 +1,6 @@
 #pragma once
 #include "freefem.h"
 
-#include <memory>
-
 #include "errors.h"
 #include "labels.h"
 #include "pair_scene.h"
@@ -14,8 +12,10 @@ class Site {
  public:
   virtual ~Site() = default;
   virtual int dimension() const = 0;
-  virtual bool two_bodies() const { return false; }
-  virtual bool is_on_part(Stack stack) const = 0;  ///< of a distributed mesh
+  virtual bool two_bodies() const = 0;
+  virtual bool is_on_part(Stack stack) const = 0;            ///< of a distributed mesh
+  virtual std::vector<long> labels(Stack stack) const = 0;   ///< of the slave, of two bodies
+  virtual std::vector<long> masters(Stack stack) const = 0;  ///< none where there is one body
   /// The geometry as it is now, moved by `at` where that is not null; obstacle: labels beside pairs
   /// of bodies.
   virtual std::shared_ptr<Scene> scene(Stack stack, const std::vector<long>& obstacle,
@@ -33,6 +33,39 @@ std::shared_ptr<Scene> scene_at(const Displacement& at, const Make& make) {
   scene->at = at;
   scene->moved_to = [make](const Displacement& other) { return scene_at(other, make); };
   return scene;
+}
+
+/// The geometry of one body before an obstacle, of two bodies in one space, or in spaces of their
+/// own, moved by `at`, and to be moved elsewhere later.
+template <class FESpaceType>
+std::shared_ptr<Scene> scene_on(const FESpaceType& Vh, const std::vector<long>& labels,
+                                const Displacement& at) {
+  return scene_at(at, [on_mesh = Placement(Vh), labels](const Displacement& U) {
+    check_at(U, dofs_of(on_mesh.space().NbOfDF));
+    return obstacle_scene(Placement(on_mesh.space(), U), labels);
+  });
+}
+
+template <class FESpaceType>
+std::shared_ptr<Scene> scene_on(const FESpaceType& Vh, const PairLabels& labels,
+                                const std::vector<long>& obstacle, const Displacement& at) {
+  return scene_at(at, [on_mesh = Placement(Vh), labels, obstacle](const Displacement& U) {
+    check_at(U, dofs_of(on_mesh.space().NbOfDF));
+    return pair_scene(Placement(on_mesh.space(), U), labels, obstacle);
+  });
+}
+
+template <class FESpaceType>
+std::shared_ptr<Scene> scene_on(const FESpaceType& V1, const FESpaceType& V2,
+                                const PairLabels& labels, const std::vector<long>& obstacle,
+                                const Displacement& at) {
+  return scene_at(
+      at, [first = Placement(V1), second = Placement(V2), labels, obstacle](const Displacement& U) {
+        const Index n = first.space().NbOfDF;
+        check_at(U, dofs_of(n, second.space().NbOfDF));
+        return pair_scene(Placement(first.space(), U), Placement(second.space(), U, n), labels,
+                          obstacle);
+      });
 }
 
 /// The space that an expression of the script stands for, made anew where its mesh has changed.
@@ -55,104 +88,57 @@ bool is_on_part_of_mesh(const FESpaceType& Vh) {
   return mpisize > 1 && labels_of_boundary(Vh).count(cut) > 0;  // 0 in FreeFem++ itself
 }
 
-template <class FESpaceType>
-void refuse_part_of_mesh(const FESpaceType& Vh) {
-  if (is_on_part_of_mesh(Vh))
-    throw IllegalInput(
-        "Vh lies on one process's part of a distributed mesh, and its matrix would be taken for "
-        "the whole problem; load frictionCG-mpi, and give domain=C, which createMat(Th, C, Pk) "
-        "makes");
-}
-
-/// Vh, labels: one body, and an obstacle given by gap and normal.
-template <class V>
-class ObstacleSite final : public Site {
+/// Vh, labels: one body, and an obstacle given by gap and normal. Vh, slave, master: two bodies in
+/// one space; V1, slave, V2, master: in spaces of their own.
+template <class V, class Base = Site>
+class SiteOf : public Base {
  public:
-  ObstacleSite(const basicAC_F0& args, int first, LabelForm form)
-      : Vh_(to<typename V::pfes*>(args[first])), labels_(args[first + 1], form) {}
-  int dimension() const override { return Dimension<typename V::FESpace>::d; }
-  bool is_on_part(Stack stack) const override {
-    return is_on_part_of_mesh(space_of<V>(stack, Vh_, "Vh"));
+  using Space = typename V::pfes;
+  /// count: of the arguments from `first` on.
+  SiteOf(const basicAC_F0& args, int first, std::size_t count) : slave_(args[first + 1]) {
+    spaces_.push_back(to<Space*>(args[first]));
+    if (count > 3) spaces_.push_back(to<Space*>(args[first + 2]));
+    if (count > 2) master_.emplace(args[first + static_cast<int>(count) - 1]);
   }
-  std::shared_ptr<Scene> scene(Stack stack, const std::vector<long>&,
-                               const Displacement& at) const override {
-    const auto& Vh = space_of<V>(stack, Vh_, "Vh");
-    refuse_part_of_mesh(Vh);
-    return scene_at(
-        at, [on_mesh = Placement(Vh), labels = labels_(stack, "labels")](const Displacement& U) {
-          check_at(U, dofs_of(on_mesh.space().NbOfDF));
-          return obstacle_scene(Placement(on_mesh.space(), U), labels);
-        });
-  }
-
- private:
-  Expression Vh_;
-  Labels labels_;
-};
-
-/// Vh, slave, master: two bodies in one space.
-template <class V>
-class OneSpaceSite final : public Site {
- public:
-  OneSpaceSite(const basicAC_F0& args, int first, LabelForm slave, LabelForm master)
-      : Vh_(to<typename V::pfes*>(args[first])),
-        slave_(args[first + 1], slave),
-        master_(args[first + 2], master) {}
   int dimension() const override { return Dimension<typename V::FESpace>::d; }
-  bool two_bodies() const override { return true; }
+  bool two_bodies() const override { return master_.has_value(); }
   bool is_on_part(Stack stack) const override {
-    return is_on_part_of_mesh(space_of<V>(stack, Vh_, "Vh"));
+    bool on_part = false;
+    for (std::size_t k = 0; k < spaces_.size(); ++k)
+      on_part = is_on_part_of_mesh(space(stack, k)) || on_part;
+    return on_part;
+  }
+  std::vector<long> labels(Stack stack) const override {
+    return slave_(stack, master_ ? "slave" : "labels");
+  }
+  std::vector<long> masters(Stack stack) const override {
+    return master_ ? (*master_)(stack, "master") : std::vector<long>();
   }
   std::shared_ptr<Scene> scene(Stack stack, const std::vector<long>& obstacle,
                                const Displacement& at) const override {
-    const auto& Vh = space_of<V>(stack, Vh_, "Vh");
-    refuse_part_of_mesh(Vh);
-    return scene_at(at, [on_mesh = Placement(Vh), obstacle,
-                         labels = PairLabels(slave_(stack, "slave"), master_(stack, "master"))](
-                            const Displacement& U) {
-      check_at(U, dofs_of(on_mesh.space().NbOfDF));
-      return pair_scene(Placement(on_mesh.space(), U), labels, obstacle);
-    });
+    if (is_on_part(stack))
+      throw IllegalInput(
+          "Vh lies on one process's part of a distributed mesh, and its matrix would be taken for "
+          "the whole problem; load frictionCG-mpi, and give domain=C, which createMat(Th, C, Pk) "
+          "makes");
+    const std::vector<long> slave = labels(stack), master = masters(stack);
+    const auto& V1 = space(stack, 0);  // last: what an expression does may make it anew
+    if (!master_) return scene_on(V1, slave, at);
+    const PairLabels pair(slave, master);
+    return in_two_spaces() ? scene_on(V1, space(stack, 1), pair, obstacle, at)
+                           : scene_on(V1, pair, obstacle, at);
+  }
+
+ protected:
+  bool in_two_spaces() const { return spaces_.size() > 1; }
+  const typename V::FESpace& space(Stack stack, std::size_t k) const {
+    return space_of<V>(stack, spaces_[k], !in_two_spaces() ? "Vh" : k == 0 ? "V1" : "V2");
   }
 
  private:
-  Expression Vh_;
-  Labels slave_, master_;
-};
-
-/// V1, slave, V2, master: two bodies in spaces of their own.
-template <class V>
-class TwoSpaceSite final : public Site {
- public:
-  TwoSpaceSite(const basicAC_F0& args, int first, LabelForm slave, LabelForm master)
-      : V1_(to<typename V::pfes*>(args[first])),
-        V2_(to<typename V::pfes*>(args[first + 2])),
-        slave_(args[first + 1], slave),
-        master_(args[first + 3], master) {}
-  int dimension() const override { return Dimension<typename V::FESpace>::d; }
-  bool two_bodies() const override { return true; }
-  bool is_on_part(Stack stack) const override {
-    return is_on_part_of_mesh(space_of<V>(stack, V1_, "V1")) ||
-           is_on_part_of_mesh(space_of<V>(stack, V2_, "V2"));
-  }
-  std::shared_ptr<Scene> scene(Stack stack, const std::vector<long>& obstacle,
-                               const Displacement& at) const override {
-    const auto &V1 = space_of<V>(stack, V1_, "V1"), &V2 = space_of<V>(stack, V2_, "V2");
-    refuse_part_of_mesh(V1);
-    refuse_part_of_mesh(V2);
-    return scene_at(at, [first = Placement(V1), second = Placement(V2), obstacle,
-                         labels = PairLabels(slave_(stack, "slave"), master_(stack, "master"))](
-                            const Displacement& U) {
-      const Index n = first.space().NbOfDF;
-      check_at(U, dofs_of(n, second.space().NbOfDF));
-      return pair_scene(Placement(first.space(), U), Placement(second.space(), U, n), labels,
-                        obstacle);
-    });
-  }
-
- private:
-  Expression V1_, V2_;
-  Labels slave_, master_;
+  std::vector<Expression> spaces_;
+  Labels slave_;
+  std::optional<Labels> master_;
 };
 
 }  // namespace frictioncg

@@ -56,9 +56,9 @@ inline void set_method(Settings& settings) {
 }
 
 /// A call of one process, without a domain.
-template <class Operator>
-AnyType solved_alone(const Operator& once, Stack stack) {
-  const AnyType result = once(stack);
+template <class Solve>
+AnyType solved_alone(const Solve& solve) {
+  const AnyType result = solve();
   if (mpisize > 1) Meeting::of(MPI_COMM_WORLD)->stay_away();
   return result;
 }

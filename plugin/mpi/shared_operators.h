@@ -41,15 +41,15 @@ inline std::string form_of(const char* name, const Site& site) {
 
 /// Begins a call on a space: its domain, or null, its labels, and what its laws are.
 inline std::shared_ptr<const Domain> opened(Opening& opening, Stack stack, const Arguments& args,
-                                            const Site& site, const SharedSite& shared) {
+                                            const Site& site) {
   std::shared_ptr<const Domain> domain;
   opening.alone([&] {
     domain = domain_of(stack, args, site);
     if (!domain) return;
     refuse_obstacles(args);
     opening.domain = domain->name();
-    opening.labels = shared.labels(stack);
-    opening.masters = shared.masters(stack);
+    opening.labels = site.labels(stack);
+    opening.masters = site.masters(stack);
     opening.maxgap = args.value(stack, p_maxgap, opening.maxgap);
     opening.smooth = args.value(stack, p_smooth, opening.smooth);
     opening.laws = begun_laws(stack, args);
@@ -58,103 +58,71 @@ inline std::shared_ptr<const Domain> opened(Opening& opening, Stack stack, const
 }
 
 /// u[] = frictionalContactCG(A, b, Vh, labels, ..., domain=C).
-class SharedSolveOnce : public E_F0mps {
+class SharedSolveOnce : public SolveOnce {
  public:
-  using Result = KN_<double>;
-  SharedSolveOnce(const basicAC_F0& args, std::shared_ptr<const Site> site,
-                  std::shared_ptr<const SharedSite> shared)
-      : arguments_(args, site->dimension(), site->two_bodies()),
-        once_(args, site),
-        site_(std::move(site)),
-        A_(to<Matrice_Creuse<double>*>(args[0])),
-        b_(to<KN_<double>>(args[1])),
-        shared_(std::move(shared)) {}
-  static std::vector<aType> before_site() { return SolveOnce::before_site(); }
-
+  SharedSolveOnce(const basicAC_F0& args, std::shared_ptr<const SharedSite> site)
+      : SolveOnce(args, site), part_(std::move(site)) {}
   AnyType operator()(Stack stack) const override {
-    Opening opening(operator_name, form_of(operator_name, *site_), arguments_);
-    const auto domain = opened(opening, stack, arguments_, *site_, *shared_);
-    if (!domain && !opening.failed()) return solved_alone(once_, stack);
+    Opening opening(operator_name, form_of(operator_name, *part_), arguments_);
+    const auto domain = opened(opening, stack, arguments_, *part_);
+    if (!domain && !opening.failed())
+      return solved_alone([&] { return SolveOnce::operator()(stack); });
     opening.alone([&] {
-      refuse_options(arguments_, site_->two_bodies());
+      refuse_options(arguments_, part_->two_bodies());
       opening.call = std::make_unique<Call>(stack, arguments_, b_);
       set_method(opening.call->settings);
     });
     return opening.together_with(domain.get(), [&] {
       PointLaws laws;
-      const auto shared =
-          read_shared(stack, arguments_, A_, *shared_, domain, false, opening, laws);
+      const auto shared = read_shared(stack, arguments_, A_, *part_, domain, false, opening, laws);
       return SetAny<KN_<double>>(
           solve_together(stack, *opening.call, *shared, with_ghosts(laws, *shared)));
     });
   }
 
  private:
-  Arguments arguments_;
-  SolveOnce once_;
-  std::shared_ptr<const Site> site_;
-  Expression A_, b_;
-  std::shared_ptr<const SharedSite> shared_;
+  std::shared_ptr<const SharedSite> part_;  ///< the site
 };
 
 /// contactproblem P = contactProblem(A, Vh, labels, ..., domain=C).
-class SharedConstruct : public E_F0mps {
+class SharedConstruct : public Construct {
  public:
-  using Result = ContactProblemVariable*;
-  SharedConstruct(const basicAC_F0& args, std::shared_ptr<const Site> site,
-                  std::shared_ptr<const SharedSite> shared)
-      : arguments_(args, site->dimension(), site->two_bodies()),
-        once_(args, site),
-        site_(std::move(site)),
-        A_(to<Matrice_Creuse<double>*>(args[0])),
-        shared_(std::move(shared)) {}
-  static std::vector<aType> before_site() { return Construct::before_site(); }
-
+  SharedConstruct(const basicAC_F0& args, std::shared_ptr<const SharedSite> site)
+      : Construct(args, site), part_(std::move(site)) {}
   AnyType operator()(Stack stack) const override {
-    Opening opening(constructor_name, form_of(constructor_name, *site_), arguments_);
-    const auto domain = opened(opening, stack, arguments_, *site_, *shared_);
-    if (!domain && !opening.failed()) return solved_alone(once_, stack);
+    Opening opening(constructor_name, form_of(constructor_name, *part_), arguments_);
+    const auto domain = opened(opening, stack, arguments_, *part_);
+    if (!domain && !opening.failed())
+      return solved_alone([&] { return Construct::operator()(stack); });
     return opening.together_with(domain.get(), [&] {
       PosedProblem posed;
-      posed.shared =
-          read_shared(stack, arguments_, A_, *shared_, domain, true, opening, posed.laws);
+      posed.shared = read_shared(stack, arguments_, A_, *part_, domain, true, opening, posed.laws);
       posed.scene = posed.shared->scene;
       posed.laws = with_ghosts(posed.laws, *posed.shared);
-      auto* C = Add2StackOfPtr2Free(stack, new ContactProblemVariable);
-      C->set(std::move(posed));
-      return SetAny<ContactProblemVariable*>(C);
+      return variable(stack, std::move(posed));
     });
   }
 
  private:
-  Arguments arguments_;
-  Construct once_;
-  std::shared_ptr<const Site> site_;
-  Expression A_;
-  std::shared_ptr<const SharedSite> shared_;
+  std::shared_ptr<const SharedSite> part_;  ///< the site
 };
 
 /// u[] = frictionalContactCG(P, b, ...), on a contactproblem of one process or of all.
-class SharedSolveIncrement : public E_F0mps {
+class SharedSolveIncrement : public SolveIncrement {
  public:
-  explicit SharedSolveIncrement(const basicAC_F0& args)
-      : arguments_(Arguments::of_increment(args)),
-        once_(args),
-        P_(to<ContactProblemVariable*>(args[0])),
-        b_(to<KN_<double>>(args[1])) {}
-  static ArrayOfaType typeargs() { return SolveIncrement::typeargs(); }
+  using SolveIncrement::SolveIncrement;
   static E_F0* f(const basicAC_F0& args) { return new SharedSolveIncrement(args); }
-  using Result = SolveIncrement::Result;
 
   AnyType operator()(Stack stack) const override {
     PosedProblem posed;
     Opening opening(operator_name, std::string(operator_name) + " of a contactproblem", arguments_);
     opening.alone([&] {
       posed = evaluated("the contactproblem", [&] {
-                return GetAny<ContactProblemVariable*>((*P_)(stack));
+                return GetAny<ContactProblemVariable*>((*C_)(stack));
               })->get();
     });
-    if (!posed.shared && !opening.failed()) return solved_alone(once_, stack);
+    if (!posed.shared && !opening.failed())
+      return solved_alone([&] { return SolveIncrement::operator()(stack); });
     opening.alone([&] {
       opening.problem = posed.shared->number;
       refuse_obstacles(arguments_);
@@ -193,10 +161,6 @@ class SharedSolveIncrement : public E_F0mps {
     scene.nodes = std::move(all);
     return laws;
   }
-
-  Arguments arguments_;
-  SolveIncrement once_;
-  Expression P_, b_;
 };
 
 }  // namespace frictioncg

@@ -37,7 +37,7 @@ inline std::shared_ptr<SharedScene> read_shared(Stack stack, const Arguments& ar
   shared->number = shared->domain->meeting().next_number();
   Displacement at;
   shared->domain->agree([&] { at = read_at(stack, args); });
-  shared->scene = site.scene(stack, opening, *shared->domain, at);
+  shared->scene = site.part(stack, opening, *shared->domain, at);
   if (site.two_bodies()) {
     read_pair(stack, args, A, everywhere, opening, *shared, laws);
     return shared;

@@ -9,17 +9,12 @@
 namespace frictioncg {
 
 /// Where a call looks for contact; of its labels a process may have none.
-class SharedSite {
+class SharedSite : public Site {
  public:
-  virtual ~SharedSite() = default;
-  virtual int dimension() const = 0;
-  virtual bool two_bodies() const { return false; }
-  virtual std::vector<long> labels(Stack stack) const = 0;
-  virtual std::vector<long> masters(Stack) const { return {}; }
   /// The part of this process, moved by `at`; the labels of the opening are the same on all.
   /// Collective.
-  virtual std::shared_ptr<Scene> scene(Stack stack, const Opening& opening, const Domain& domain,
-                                       const Displacement& at) const = 0;
+  virtual std::shared_ptr<Scene> part(Stack stack, const Opening& opening, const Domain& domain,
+                                      const Displacement& at) const = 0;
 };
 
 /// Those of the labels that are on this part's boundary; each is on that of some.   Collective.
@@ -40,11 +35,14 @@ inline std::vector<long> labels_here(const Domain& domain, const std::set<long>&
   return present;
 }
 
-inline void check_size(const Domain& domain, long ndof) {
-  if (ndof == domain.dofs() && domain.first() == 0) return;
-  throw IllegalInput("Vh has " + std::to_string(ndof) + " degrees of freedom but the domain " +
-                     std::to_string(domain.dofs()) +
-                     "; make it by createMat(Th, C, Pk) with the mesh and the elements of Vh");
+inline void check_size(const Domain& domain, const DofCount& dofs) {
+  if (dofs.count == domain.dofs() && (domain.first() == 0 || domain.first() == dofs.first)) return;
+  throw IllegalInput(
+      dofs.in_words() + " but the domain " + std::to_string(domain.dofs()) +
+      (dofs.first == 0
+           ? "; make it by createMat(Th, C, Pk) with the mesh and the elements of Vh"
+           : "; give domain=[C1, C2], made by createMat(Th1, C1, Pk) and createMat(Th2, C2, Pk) "
+             "with the meshes of V1 and V2"));
 }
 
 /// As owners of nodes have it.   Collective.
@@ -58,47 +56,78 @@ inline Displacement with_ghosts(const Displacement& at, const DofCount& dofs,
 }
 
 template <class V>
-class SharedObstacleSite final : public SharedSite {
+class SharedSiteOf final : public SiteOf<V, SharedSite> {
  public:
-  SharedObstacleSite(const basicAC_F0& args, int first, LabelForm form)
-      : Vh_(to<typename V::pfes*>(args[first])), labels_(args[first + 1], form) {}
-  int dimension() const override { return Dimension<typename V::FESpace>::d; }
-
-  std::vector<long> labels(Stack stack) const override { return labels_(stack, "labels"); }
-
-  std::shared_ptr<Scene> scene(Stack stack, const Opening& opening, const Domain& domain,
-                               const Displacement& given) const override {
-    const typename V::FESpace* Vh = nullptr;
-    std::set<long> boundary;
+  using SiteOf<V, SharedSite>::SiteOf;
+  std::shared_ptr<Scene> part(Stack stack, const Opening& opening, const Domain& domain,
+                              const Displacement& given) const override {
+    const FESpaceType *V1 = nullptr, *V2 = nullptr;  // the latter of two spaces alone
+    DofCount dofs;
     domain.agree([&] {
-      Vh = &space_of<V>(stack, Vh_, "Vh");
-      check_size(domain, Vh->NbOfDF);
-      boundary = labels_of_boundary(*Vh);
+      V1 = &this->space(stack, 0);
+      if (this->in_two_spaces()) V2 = &this->space(stack, 1);
+      dofs = V2 ? dofs_of(V1->NbOfDF, V2->NbOfDF) : dofs_of(V1->NbOfDF);
+      check_size(domain, dofs);
     });
-    const std::vector<long> present = labels_here(domain, boundary, opening.labels, "the mesh");
-    const Displacement at = with_ghosts(given, dofs_of(Vh->NbOfDF), domain);
+    const auto here = [&](const FESpaceType& Vh, const std::vector<long>& labels,
+                          const char* name) {
+      return labels_here(domain, labels_of_boundary(Vh), labels,
+                         V2 ? std::string("the mesh of ") + name : "the mesh");
+    };
+    const std::vector<long> labels = here(*V1, opening.labels, "V1");
+    if (!this->two_bodies())
+      return obstacle_part(*V1, labels, domain, with_ghosts(given, dofs, domain));
+    const std::vector<long> masters = here(V2 ? *V2 : *V1, opening.masters, "V2");
+    return pair_part(*V1, V2, labels, masters, opening, domain, with_ghosts(given, dofs, domain));
+  }
+
+ private:
+  using FESpaceType = typename V::FESpace;
+  /// One body, by the labels that are here.
+  std::shared_ptr<Scene> obstacle_part(const FESpaceType& Vh, const std::vector<long>& labels,
+                                       const Domain& domain, const Displacement& at) const {
+    const int d = this->dimension();
     Boundary surface;
     std::vector<NodePlace> places;
     domain.agree([&] {
-      surface = boundary_of(Placement(*Vh, at), present);
-      places = node_places(Placement(*Vh, at));
+      surface = boundary_of(Placement(Vh, at), labels);
+      places = node_places(Placement(Vh, at));
     });
     refuse_other_domain(domain, places);
     const std::size_t own = surface.nodes.size();
-    add_facets_of_others(domain, dimension(), surface);
+    add_facets_of_others(domain, d, surface);
     std::shared_ptr<Scene> scene;
-    domain.agree([&] {
-      scene = obstacle_scene(Placement(*Vh, at), contact_points(dimension(), surface, own));
-    });
+    domain.agree(
+        [&] { scene = obstacle_scene(Placement(Vh, at), contact_points(d, surface, own)); });
     scene->at = at;
     keep_own_points(domain, *scene);
     follow_motions_of_all(domain, name_bodies(domain, std::move(places), *scene), *scene);
     return scene;
   }
-
- private:
-  Expression Vh_;
-  Labels labels_;
+  /// V2: the master's space; null where it is V1.
+  std::shared_ptr<Scene> pair_part(const FESpaceType& V1, const FESpaceType* V2,
+                                   const std::vector<long>& slave, const std::vector<long>& master,
+                                   const Opening& opening, const Domain& domain,
+                                   const Displacement& at) const {
+    std::shared_ptr<Scene> scene;
+    std::vector<NodePlace> places;
+    domain.agree([&] {
+      if (!V2 && opening.labels == opening.masters)
+        throw IllegalInput("slave and master have the same labels " + in_brackets(opening.labels) +
+                           ": what touches itself is of one process; with domain= name two labels");
+      PairLabels labels(opening.labels, opening.masters);
+      labels.slave = slave;
+      labels.master = master;
+      labels.of_part = true;
+      scene = V2 ? pair_scene(Placement(V1, at), Placement(*V2, at, V1.NbOfDF), labels)
+                 : pair_scene(Placement(V1, at), labels);
+      scene->at = at;
+      places = scene->places();
+    });
+    refuse_other_domain(domain, places);
+    name_bodies(domain, std::move(places), *scene);
+    return scene;
+  }
 };
 
 }  // namespace frictioncg

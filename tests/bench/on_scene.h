@@ -59,6 +59,8 @@ class OnScene : public E_F0mps {
   std::vector<Expression> extra_;
 };
 
+using MakeSite = std::function<std::shared_ptr<const Site>(const basicAC_F0& args, int first)>;
+
 template <class Body, class... Extra>
 void add_on_site(const std::vector<aType>& site, const MakeSite& make) {
   std::vector<aType> types = SolveOnce::before_site();
@@ -74,8 +76,8 @@ void add_on_site(const std::vector<aType>& site, const MakeSite& make) {
 
 template <class Body, class... Extra>
 void add_on_scene() {
-  for_each_site<v_fes>(add_on_site<Body, Extra...>);
-  for_each_site<v_fes3>(add_on_site<Body, Extra...>);
+  for_each_site<SiteOf<v_fes>>(add_on_site<Body, Extra...>);
+  for_each_site<SiteOf<v_fes3>>(add_on_site<Body, Extra...>);
 }
 
 }  // namespace frictioncg
