@@ -22,7 +22,7 @@
 
 #include "on_scene.h"
 
-#include "core/condensed/cholmod_elimination.h"
+#include "core/condensed/elimination.h"
 #include "core/condensed/serial.h"
 
 #include <cholmod.h>
@@ -192,7 +192,7 @@ struct ExportSystem {
     const System& p = posed.system();
     const Vector x = posed.local(u);
     const double start = cpu_seconds();
-    CholmodElimination elimination;
+    Elimination elimination;
     elimination.factor(p, 1e11);
     const Vector f = elimination.condense(posed.increment.F);
     const double seconds = cpu_seconds() - start;
@@ -257,7 +257,7 @@ struct FrictionlessSolve {
   static Result run(Stack, const PosedScene& posed, KN_<double> u) {
     const double start = cpu_seconds();
     const System& p = posed.system();
-    CholmodElimination elimination;
+    Elimination elimination;
     elimination.factor(p, 1e11);
     const Vector x =
         elimination.recover(obstacle_on_S(elimination.S(), elimination.condense(posed.increment.F),

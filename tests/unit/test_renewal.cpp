@@ -2,7 +2,7 @@
 // call.
 #include <gtest/gtest.h>
 
-#include "core/condensed/cholmod_elimination.h"
+#include "core/condensed/elimination.h"
 #include "core/solver.h"
 #include "sparse_scene.h"
 
@@ -94,7 +94,7 @@ TEST(Renewal, TheFactorTakesNewValuesOverTheLayoutOfTheSamePattern) {
   const SparseScene other = sparse_block(o);
   const Posed posed = one.system(one.node_of_dof), next = other.system(other.node_of_dof);
   ASSERT_TRUE(same_pattern(*posed.problem().system, *next.problem().system));
-  CholmodElimination kept, fresh;
+  Elimination kept, fresh;
   kept.factor(*posed.problem().system, 1e9);
   EXPECT_EQ(kept.factor(*next.problem().system, 1e9, true), Elimination::Outcome::done);
   fresh.factor(*next.problem().system, 1e9);

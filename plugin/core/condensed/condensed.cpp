@@ -1,11 +1,7 @@
 #include "condensed/condensed.h"
 
-#include <cmath>
-#include <limits>
-
 #include "clock.h"
 #include "condensed/bounded_pressure.h"
-#include "condensed/cholmod_elimination.h"
 #include "condensed/interior_point.h"
 #include "condensed/proximal.h"
 #include "condensed/regularized.h"
@@ -57,7 +53,7 @@ struct CondensedSolver::Run {
 };
 
 CondensedSolver::CondensedSolver(SystemPtr system)
-    : system_(std::move(system)), elimination_(std::make_unique<CholmodElimination>()) {}
+    : system_(std::move(system)), elimination_(std::make_unique<Elimination>()) {}
 
 Solution CondensedSolver::solve(const ContactProblem& problem, const Settings& settings,
                                 const Vector& x0, Observer* observer, const PathOnA& path) {

@@ -1,5 +1,7 @@
 #pragma once
-#include "condensed/condensed_problem.h"
+#include <cholmod.h>
+
+#include "condensed/ordering.h"
 
 namespace frictioncg {
 
@@ -11,36 +13,65 @@ struct EliminationTimes {
 /// Elimination of the interior of one system:  S x_C = f - r_C  on the contact dofs.
 ///   S = A_CC - A_CI A_II^{-1} A_IC,  f = F_C - A_CI A_II^{-1} F_I
 ///
+/// By CHOLMOD's supernodal Cholesky factorization: with the contact dofs last, the trailing block
+/// of the factor of A + sigma D_CC is the factor of S + sigma D_CC, and S comes with the
+/// factorization that one linear solve needs anyway. The shift sigma D_CC on the contact dofs makes
+/// it exist wherever they block the rigid motions, and is subtracted from S; the interior never
+/// sees it.
+///
 /// Where A_II is singular, some rigid motions leave every contact dof where it is (a body on a
 /// frictionless plane may float along it): contact never sees them, S and f exist all the same, and
-/// they are named.
+/// they are named. Such a motion shows as a pivot of the interior that rounding alone keeps from 0.
+/// A spring sigma D to the ground at that dof stands in for the support: the motion being rigid, no
+/// force that is balanced over it ever loads the spring, and S, f and the field are exact.
 class Elimination {
  public:
   enum class Outcome { done, not_positive_definite, too_large };
 
-  virtual ~Elimination() = default;
+  Elimination();
+  ~Elimination();
+  Elimination(const Elimination&) = delete;
+  Elimination& operator=(const Elimination&) = delete;
 
   /// memory_bound [bytes] is for the factor and the dense matrices on the contact dofs. again: the
   /// system has the pattern of the last one, whose ordering and layout stay.
-  virtual Outcome factor(const System& system, double memory_bound, bool again = false) = 0;
-
+  Outcome factor(const System& system, double memory_bound, bool again = false);
   /// What factor needs at least, as far as it is known before anything is factored [bytes].
-  virtual double memory_needed() const = 0;
-
-  virtual const DenseMatrix& S() const = 0;  ///< contact_dofs square, symmetric
-
-  virtual Vector condense(const Vector& F) = 0;  ///< f (contact_dofs) from F (n)
-
+  double memory_needed() const { return memory_needed_; }
+  const DenseMatrix& S() const { return S_; }  ///< contact_dofs square, symmetric
+  Vector condense(const Vector& F);            ///< f (contact_dofs) from F (n)
   /// x (n) from x_C, for the load of the last condense: A_II x_I = F_I - A_IC x_C.
-  virtual Vector recover(const Vector& x_C) = 0;
-
+  Vector recover(const Vector& x_C) { return back_substitute(y_, x_C); }
   /// The same without a load: the motion of the body that moves the contact dofs by w_C.
-  virtual Vector extend(const Vector& w_C) = 0;
-
+  Vector extend(const Vector& w_C) { return back_substitute(Vector::Zero(n_), w_C); }
   /// n x k: rigid motions of A that vanish on the contact dofs.
-  virtual const DenseMatrix& floating() const = 0;
+  const DenseMatrix& floating() const { return floating_; }
+  const EliminationTimes& times() const { return times_; }
 
-  virtual const EliminationTimes& times() const = 0;
+ private:
+  struct UpperTriangle;
+  bool analyze(const System& system, UpperTriangle& A);
+  bool contact_is_last() const;
+  bool factorize(const System& system, UpperTriangle& A);
+  Index dof_of_smallest_pivot(const System& system) const;
+  bool find_floating(const System& system);
+  void form_S(const Vector& D_C);
+  template <class Visit>
+  void for_each_trailing(Visit visit) const;
+  Vector back_substitute(Vector y, const Vector& x_C);
+  Vector solve(int triangle, const Vector& rhs);
+  void release();
+
+  cholmod_common common_;
+  cholmod_factor* L_ = nullptr;
+  cholmod_dense *X_ = nullptr, *Y_ = nullptr, *E_ = nullptr;  ///< kept by cholmod_solve2
+  Index n_ = 0, interior_ = 0;
+  std::vector<Index> roots_;    ///< of UpperTriangle
+  std::vector<Index> springs_;  ///< dofs of the interior that stand in for supports
+  double memory_needed_ = 0;
+  DenseMatrix S_, floating_;
+  Vector y_;  ///< n, L^{-1} P F
+  EliminationTimes times_;
 };
 
 }  // namespace frictioncg

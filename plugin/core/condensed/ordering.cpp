@@ -1,9 +1,6 @@
 #include "condensed/ordering.h"
 
-#include <algorithm>
 #include <new>
-#include <stdexcept>
-#include <string>
 
 namespace frictioncg {
 
@@ -110,22 +107,20 @@ void check(bool ok, const cholmod_common& common) {
   throw std::runtime_error("CHOLMOD failed with status " + std::to_string(common.status));
 }
 
-std::vector<Index> contact_last(const System& s, Ordering ordering, cholmod_common& common) {
+std::vector<Index> contact_last(const System& s, cholmod_common& common) {
   NodeGraph graph(s);
   const Index nodes = static_cast<Index>(graph.first_dof.size()) - 1;
   std::vector<Index> order(nodes);
   int ok = 1;
   if (graph.interior == 0) {
     // all dofs are contact dofs
-  } else if (ordering == Ordering::camd) {
+  } else if (s.dimension == 2) {
     std::vector<Index> member(nodes, 0);
     std::fill(member.begin() + graph.interior, member.end(), 1);
     ok = cholmod_camd(&graph.view, nullptr, 0, member.data(), order.data(), &common);
   } else {
     graph.restrict_to_interior();
-    ok = ordering == Ordering::amd
-             ? cholmod_amd(&graph.view, nullptr, 0, order.data(), &common)
-             : cholmod_metis(&graph.view, nullptr, 0, 0, order.data(), &common);
+    ok = cholmod_metis(&graph.view, nullptr, 0, 0, order.data(), &common);
   }
   check(ok, common);
   std::vector<Index> dofs = graph.dofs_of(order, graph.interior);

@@ -1,24 +1,19 @@
 #pragma once
 #include <cholmod.h>
 
-#include <vector>
-
 #include "model/system.h"
 
 namespace frictioncg {
 
-/// How the interior is ordered before the contact dofs, which always come last. All three work on
-/// the graph of the mesh nodes, whose d dofs stay together: d^2 times fewer edges than between
-/// dofs.
-enum class Ordering {
-  automatic,
-  camd,  ///< minimum degree with the contact dofs as the last class
-  amd,   ///< minimum degree of the interior, contact dofs appended
-  metis  ///< nested dissection of the interior, contact dofs appended
-};
-
-/// A permutation of the dofs (n) with little fill-in, the contact dofs last and in their order.
-std::vector<Index> contact_last(const System& system, Ordering ordering, cholmod_common& common);
+/// A permutation of the dofs (n) with little fill-in, the contact dofs last and in their order: in
+/// 2D minimum degree with the contact dofs as the last class, in 3D nested dissection of the
+/// interior. Both work on the graph of the mesh nodes, whose d dofs stay together: d^2 times fewer
+/// edges than between dofs.
+///
+/// On blocks (2D to 800 k dofs, 3D to 100 k) minimum degree takes 0.7 of CHOLMOD's best plain solve
+/// in 2D but 1.6 in 3D, nested dissection 0.9 and 1.1; minimum degree of the interior alone fills
+/// more than either.
+std::vector<Index> contact_last(const System& system, cholmod_common& common);
 
 /// A permutation of the dofs (n) with little fill-in, those of a mesh node together: minimum
 /// degree.

@@ -2,7 +2,7 @@
 
 #include <numeric>
 
-#include "core/condensed/cholmod_elimination.h"
+#include "core/condensed/elimination.h"
 #include "core/condensed/condensed.h"
 #include "core/solver.h"
 #include "../random_scene.h"
@@ -68,7 +68,7 @@ Scene beside_a_spring(const BlockOptions& o) {
 
 TEST(Condensed, RefusesWhatDoesNotFitAndTheSolverThenIterates) {
   const ContactProblem p = problem_of(BlockOptions());
-  CholmodElimination elimination;
+  Elimination elimination;
   EXPECT_EQ(elimination.factor(*p.system, 1000), Elimination::Outcome::too_large);
   Settings settings;
   settings.memory = 1000;

@@ -8,7 +8,7 @@
 #include <iostream>
 #include <map>
 
-#include "core/condensed/cholmod_elimination.h"
+#include "core/condensed/elimination.h"
 #include "core/solver.h"
 #include "../random_scene.h"
 #include "../reference.h"
@@ -48,7 +48,7 @@ bool no_combination_of_branches(const ContactProblem& p) {
   if (p.system->dimension != 2 || p.nodes() > Index(from_environment("HELD_NODES", 7)) ||
       p.contact_dofs() != 2 * p.nodes())
     return false;
-  CholmodElimination elimination;
+  Elimination elimination;
   if (elimination.factor(*p.system, 1e9) != Elimination::Outcome::done) return false;
   return !any_combination_of_branches(elimination.S(), elimination.condense(p.increment.F),
                                       p.increment.gap, p.increment.mu);

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "../scene.h"
-#include "core/condensed/cholmod_elimination.h"
+#include "core/condensed/elimination.h"
 #include "core/condensed/condensed_problem.h"
 #include "core/model/certificate.h"
 
@@ -69,7 +69,7 @@ struct OnContact {
     return certify(posed.problem(), elimination.recover(x_C)).residual;
   }
   Posed posed;
-  CholmodElimination elimination;
+  Elimination elimination;
 };
 
 }  // namespace frictioncg::test

@@ -3,7 +3,7 @@
 
 #include "../random_scene.h"
 #include "bodies.h"
-#include "core/condensed/cholmod_elimination.h"
+#include "core/condensed/elimination.h"
 #include "core/statics/rigid_motions.h"
 
 using namespace frictioncg;
@@ -20,7 +20,7 @@ void expect_rigid(const DenseMatrix& W, const DenseMatrix& A, const Vector& D, I
 }
 
 DenseMatrix schur_complement(const ContactProblem& p) {
-  CholmodElimination elimination;
+  Elimination elimination;
   EXPECT_EQ(elimination.factor(*p.system, 1e9), Elimination::Outcome::done);
   return elimination.S();
 }

@@ -1,8 +1,4 @@
-#include "condensed/cholmod_elimination.h"
-
-#include <algorithm>
-#include <limits>
-#include <stdexcept>
+#include "condensed/elimination.h"
 
 #include "clock.h"
 #include "condensed/serial.h"
@@ -26,7 +22,7 @@ constexpr Index panel_width = 64;
 /// dofs, last, get the shift, and are chained by entries (zero if need be) next to the diagonal: so
 /// each is the parent of the one before in the elimination tree. `roots` are interior dofs that
 /// shall be children of the first contact dof.
-struct CholmodElimination::UpperTriangle {
+struct Elimination::UpperTriangle {
   std::vector<Index> column, row;
   std::vector<Real> value;
   cholmod_sparse view{};
@@ -73,7 +69,7 @@ struct CholmodElimination::UpperTriangle {
   }
 };
 
-CholmodElimination::CholmodElimination(Ordering ordering) : ordering_(ordering) {
+Elimination::Elimination() {
   cholmod_start(&common_);
   common_.print = 0;
   common_.try_catch = 1;
@@ -83,20 +79,19 @@ CholmodElimination::CholmodElimination(Ordering ordering) : ordering_(ordering) 
   common_.method[0].ordering = CHOLMOD_GIVEN;
 }
 
-CholmodElimination::~CholmodElimination() {
+Elimination::~Elimination() {
   release();
   cholmod_finish(&common_);
 }
 
-void CholmodElimination::release() {
+void Elimination::release() {
   cholmod_free_factor(&L_, &common_);
   cholmod_free_dense(&X_, &common_);
   cholmod_free_dense(&Y_, &common_);
   cholmod_free_dense(&E_, &common_);
 }
 
-CholmodElimination::Outcome CholmodElimination::factor(const System& system, double memory_bound,
-                                                       bool again) {
+Elimination::Outcome Elimination::factor(const System& system, double memory_bound, bool again) {
   const bool laid_out = again && L_;
   if (!laid_out) release();
   times_ = {};
@@ -126,14 +121,8 @@ CholmodElimination::Outcome CholmodElimination::factor(const System& system, dou
 
 /// Orders the dofs and lays out the factor. False where it is too large for CHOLMOD, which indexes
 /// it by 32 bits.
-bool CholmodElimination::analyze(const System& system, UpperTriangle& A) {
-  // Measured on blocks (2D to 800 k dofs, 3D to 100 k), against CHOLMOD's best plain solve: minimum
-  // degree with constraints 0.7 in 2D but 1.6 in 3D, nested dissection 0.9 and 1.1; minimum degree
-  // of the interior alone fills more than either.
-  Ordering ordering = ordering_;
-  if (ordering == Ordering::automatic)
-    ordering = system.dimension == 2 ? Ordering::camd : Ordering::metis;
-  const std::vector<Index> order = contact_last(system, ordering, common_);
+bool Elimination::analyze(const System& system, UpperTriangle& A) {
+  const std::vector<Index> order = contact_last(system, common_);
   const auto fits = [&] {
     L_ = cholmod_analyze_p(&A.view, const_cast<Index*>(order.data()), nullptr, 0, &common_);
     if (common_.status == CHOLMOD_TOO_LARGE)
@@ -156,7 +145,7 @@ bool CholmodElimination::analyze(const System& system, UpperTriangle& A) {
 
 /// Factors A, with springs where the interior alone is singular. False where that is not what keeps
 /// A from being factored.
-bool CholmodElimination::factorize(const System& system, UpperTriangle& A) {
+bool Elimination::factorize(const System& system, UpperTriangle& A) {
   springs_.clear();
   std::size_t most_springs = 0;
   for (;;) {
@@ -184,7 +173,7 @@ bool CholmodElimination::factorize(const System& system, UpperTriangle& A) {
 }
 
 /// The interior dof without a spring whose pivot is least, over D; -1 where none is small.
-Index CholmodElimination::dof_of_smallest_pivot(const System& system) const {
+Index Elimination::dof_of_smallest_pivot(const System& system) const {
   const Index* super = static_cast<Index*>(L_->super);
   const Index* pi = static_cast<Index*>(L_->pi);
   const Index* px = static_cast<Index*>(L_->px);
@@ -204,7 +193,7 @@ Index CholmodElimination::dof_of_smallest_pivot(const System& system) const {
 }
 
 /// The motions that the springs stand in for. False where one of them costs energy.
-bool CholmodElimination::find_floating(const System& system) {
+bool Elimination::find_floating(const System& system) {
   floating_.resize(n_, springs_.size());
   for (std::size_t k = 0; k < springs_.size(); ++k) {
     const Index i = springs_[k];
@@ -220,7 +209,7 @@ bool CholmodElimination::find_floating(const System& system) {
   return true;
 }
 
-bool CholmodElimination::contact_is_last() const {
+bool Elimination::contact_is_last() const {
   for (Index i = interior_; i < n_; ++i)
     if (static_cast<const Index*>(L_->Perm)[i] != i) return false;
   return true;
@@ -228,7 +217,7 @@ bool CholmodElimination::contact_is_last() const {
 
 /// Visits the entries (row, column, value) of L_CC, by the supernodes that end in the contact dofs.
 template <class Visit>
-void CholmodElimination::for_each_trailing(Visit visit) const {
+void Elimination::for_each_trailing(Visit visit) const {
   const Index* super = static_cast<Index*>(L_->super);
   const Index* pi = static_cast<Index*>(L_->pi);
   const Index* px = static_cast<Index*>(L_->px);
@@ -244,7 +233,7 @@ void CholmodElimination::for_each_trailing(Visit visit) const {
 
 /// S = L_CC L_CC' - sigma D_CC, supernode by supernode in panels of rows, the lower half; then the
 /// other half.
-void CholmodElimination::form_S(const Vector& D_C) {
+void Elimination::form_S(const Vector& D_C) {
   S_.setZero(n_ - interior_, n_ - interior_);
   const Index* super = static_cast<Index*>(L_->super);
   const Index* pi = static_cast<Index*>(L_->pi);
@@ -276,7 +265,7 @@ void CholmodElimination::form_S(const Vector& D_C) {
   S_.triangularView<Eigen::StrictlyUpper>() = S_.transpose();
 }
 
-Vector CholmodElimination::solve(int triangle, const Vector& rhs) {
+Vector Elimination::solve(int triangle, const Vector& rhs) {
   cholmod_dense b = column_view(rhs);
   // cholmod_solve2 would make its own, but goes on without where there is no memory
   const auto ensure = [this](cholmod_dense*& workspace, std::size_t rows) {
@@ -289,7 +278,7 @@ Vector CholmodElimination::solve(int triangle, const Vector& rhs) {
   return Eigen::Map<const Vector>(static_cast<Real*>(X_->x), n_);
 }
 
-Vector CholmodElimination::condense(const Vector& F) {
+Vector Elimination::condense(const Vector& F) {
   y_ = solve(CHOLMOD_L, solve(CHOLMOD_P, F));
   Vector f = Vector::Zero(n_ - interior_);
   for_each_trailing([&](Index i, Index j, Real l) { f[i] += l * y_[interior_ + j]; });
@@ -297,7 +286,7 @@ Vector CholmodElimination::condense(const Vector& F) {
 }
 
 /// P' L^{-T} y with y_C := L_CC' x_C.
-Vector CholmodElimination::back_substitute(Vector y, const Vector& x_C) {
+Vector Elimination::back_substitute(Vector y, const Vector& x_C) {
   y.tail(n_ - interior_).setZero();
   for_each_trailing([&](Index i, Index j, Real l) { y[interior_ + j] += l * x_C[i]; });
   return solve(CHOLMOD_Pt, solve(CHOLMOD_Lt, y));
