@@ -190,7 +190,7 @@ inline void accept_rounding(Solution& s) {
 /// The field of one increment, on a posed scene.
 inline KN_<double> solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws) {
   const double start = cpu_seconds();
-  const Outputs out(stack, call.args);
+  const Outputs out{stack, call.args};
   check_vectors(call, scene.dofs);
   const Vectors vectors(call, scene);
   const LocalIncrement now = increment(call, vectors, scene, laws);

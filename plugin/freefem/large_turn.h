@@ -1,11 +1,6 @@
 #pragma once
 #include <Eigen/Geometry>
 
-#include <cmath>
-#include <limits>
-#include <string>
-#include <vector>
-
 #include "../core/model/system.h"
 #include "rigid_motion.h"
 
@@ -44,12 +39,7 @@ inline std::vector<LargeTurn> large_turns(const std::vector<NodePlace>& nodes, i
 inline Real least_gyration(const std::vector<NodePlace>& nodes, int d) {
   Real least = std::numeric_limits<Real>::infinity();
   for (const auto& [number, body] : by_body(nodes)) {
-    const Eigen::Vector3d mean = extent_of(body).mean;
-    Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
-    for (const NodePlace& n : body) {
-      const Eigen::Vector3d arm = position(n) - mean;
-      inertia += arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose();
-    }
+    const Eigen::Matrix3d inertia = inertia_of(body, extent_of(body).mean);
     const Real about_axis = d == 2 ? inertia(2, 2) : eigenpairs(inertia).values[0];
     least = std::min(least, std::sqrt(std::max<Real>(0, about_axis) / Real(body.size())));
   }

@@ -10,30 +10,19 @@ namespace frictioncg {
 
 /// The named outputs that a script asked for; null where it did not.
 struct Outputs {
-  long* status;
-  double* residual;
-  long* iterations;
-  KN<double>* force;
-  KN<double>* obstacle_force;
-  KN<long>* state;
-  KN<double>* normals;
-  KN<double>* distance;
-  long* free;
-  KNM<double>* history;
-  KN<double>* times;
-
-  Outputs(Stack stack, const Arguments& args)
-      : status(args.output<long>(stack, p_status)),
-        residual(args.output<double>(stack, p_residual)),
-        iterations(args.output<long>(stack, p_iterations)),
-        force(args.output<KN<double>>(stack, p_force)),
-        obstacle_force(args.output<KN<double>>(stack, p_obstacleforce)),
-        state(args.output<KN<long>>(stack, p_state)),
-        normals(args.output<KN<double>>(stack, p_normals)),
-        distance(args.output<KN<double>>(stack, p_distance)),
-        free(args.output<long>(stack, p_free)),
-        history(args.output<KNM<double>>(stack, p_history)),
-        times(args.output<KN<double>>(stack, p_times)) {}
+  Stack stack;
+  const Arguments& args;
+  long* status = args.output<long>(stack, p_status);
+  double* residual = args.output<double>(stack, p_residual);
+  long* iterations = args.output<long>(stack, p_iterations);
+  KN<double>* force = args.output<KN<double>>(stack, p_force);
+  KN<double>* obstacle_force = args.output<KN<double>>(stack, p_obstacleforce);
+  KN<long>* state = args.output<KN<long>>(stack, p_state);
+  KN<double>* normals = args.output<KN<double>>(stack, p_normals);
+  KN<double>* distance = args.output<KN<double>>(stack, p_distance);
+  long* free = args.output<long>(stack, p_free);
+  KNM<double>* history = args.output<KNM<double>>(stack, p_history);
+  KN<double>* times = args.output<KN<double>>(stack, p_times);
 };
 
 /// The force of contact on the bodies, by components; zero off the contact nodes (ndof).

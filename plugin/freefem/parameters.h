@@ -1,8 +1,6 @@
 #pragma once
 #include "freefem.h"
 
-#include <string>
-
 #include "../core/settings.h"
 
 namespace frictioncg {
@@ -11,115 +9,72 @@ constexpr const char* version = "1.0";  ///< a script asks for frictionCGversion
 constexpr const char* operator_name = "frictionalContactCG";
 constexpr const char* constructor_name = "contactProblem";
 
-/// The named parameters of the operator and of the constructor; each has its row in `parameters`.
+/// The named parameters of the operator and of the constructor, with FreeFEM's types.
+#define FRICTIONCG_PARAMETERS(X)                                                        \
+  X(mu, double)               /* friction coefficient */                                \
+  X(mu2, double)              /* across direction, mu being along it */                 \
+  X(direction, E_Array)       /* of orthotropic friction */                             \
+  X(gap, double)              /* [length] */                                            \
+  X(normal, E_Array)          /* outward from the body */                               \
+  X(cohesion, double)         /* [force/area] */                                        \
+  X(shearmax, double)         /* [force/area] */                                        \
+  X(slidinglimit, double)     /* [force/area] */                                        \
+  X(bilateral, bool)          /* no separation */                                       \
+  X(maxgap, double)           /* of two bodies [length] */                              \
+  X(smooth, bool)             /* of two bodies: gap of the curved surfaces */           \
+  X(weight, double)           /* of the forms: x, where they are axisymmetric */        \
+  X(pivot, E_Array)           /* of an obstacle that moves */                           \
+  X(obstacles, KN_<long>)     /* labels of those that move */                           \
+  X(motionfree, KN_<long>)    /* 1: under a load; 0: given */                           \
+  X(motion, KN<double>*)      /* in and out [length, radians] */                        \
+  X(motionload, KN_<double>)  /* [force, moment] */                                     \
+  X(motionold, KN_<double>)   /* of uold */                                             \
+  X(motionforce, KN<double>*) /* out, of an obstacle on the body */                     \
+  X(uold, KN_<double>)        /* [length] */                                            \
+  X(at, KN_<double>)          /* of the geometry [length] */                            \
+  X(forceold, KN_<double>)    /* at `at`, an output force [force] */                    \
+  X(init, KN_<double>)        /* [length] */                                            \
+  X(start, KN_<double>)       /* the same, where macro_ddm.idp takes the name init */   \
+  X(method, string*)                                                                    \
+  X(newton, bool) /* condensed: on the laws themselves */                               \
+  X(reg, string*)                                                                       \
+  X(regeps, double) /* [length] */                                                      \
+  X(precon, string*)                                                                    \
+  X(omega, double)                                                                      \
+  X(step, string*)                                                                      \
+  X(tol, double)                                                                        \
+  X(nbiter, double) /* a whole number */                                                \
+  X(memory, double) /* [GB] */                                                          \
+  X(verb, long)                                                                         \
+  X(status, long*)              /* out */                                               \
+  X(residual, double*)          /* out */                                               \
+  X(iterations, long*)          /* out */                                               \
+  X(force, KN<double>*)         /* out [force] */                                       \
+  X(state, KN<long>*)           /* out */                                               \
+  X(normals, KN<double>*)       /* out */                                               \
+  X(distance, KN<double>*)      /* out, of two bodies [length] */                       \
+  X(free, long*)                /* out */                                               \
+  X(history, KNM<double>*)      /* out */                                               \
+  X(times, KN<double>*)         /* out [s] */                                           \
+  X(domain, void)               /* of several processes: frictionCG-mpi has its type */ \
+  X(obstacle, KN_<long>)        /* beside pairs: its labels, in any form */             \
+  X(obstaclegap, double)        /* [length] */                                          \
+  X(obstaclenormal, E_Array)    /* outward from the body */                             \
+  X(obstacleforce, KN<double>*) /* out [force] */
+
 enum Parameter {
-  p_mu,
-  p_mu2,
-  p_direction,
-  p_gap,
-  p_normal,
-  p_cohesion,
-  p_shearmax,
-  p_slidinglimit,
-  p_bilateral,
-  p_maxgap,
-  p_smooth,
-  p_weight,
-  p_pivot,
-  p_obstacles,
-  p_motionfree,
-  p_motion,
-  p_motionload,
-  p_motionold,
-  p_motionforce,
-  p_uold,
-  p_at,
-  p_forceold,
-  p_init,
-  p_start,
-  p_method,
-  p_newton,
-  p_reg,
-  p_regeps,
-  p_precon,
-  p_omega,
-  p_step,
-  p_tol,
-  p_nbiter,
-  p_memory,
-  p_verb,
-  p_status,
-  p_residual,
-  p_iterations,
-  p_force,
-  p_state,
-  p_normals,
-  p_distance,
-  p_free,
-  p_history,
-  p_times,
-  p_domain,
-  p_obstacle,
-  p_obstaclegap,
-  p_obstaclenormal,
-  p_obstacleforce,
-  parameter_count
+#define FRICTIONCG_NUMBER(name, type) p_##name,
+  FRICTIONCG_PARAMETERS(FRICTIONCG_NUMBER)
+#undef FRICTIONCG_NUMBER
+      parameter_count
 };
 
 inline basicAC_F0::name_and_type parameters[] = {
-    {"mu", &typeid(double)},                // friction coefficient
-    {"mu2", &typeid(double)},               // across direction, mu being along it
-    {"direction", &typeid(E_Array)},        // of orthotropic friction
-    {"gap", &typeid(double)},               // [length]
-    {"normal", &typeid(E_Array)},           // outward from the body
-    {"cohesion", &typeid(double)},          // [force/area]
-    {"shearmax", &typeid(double)},          // [force/area]
-    {"slidinglimit", &typeid(double)},      // [force/area]
-    {"bilateral", &typeid(bool)},           // no separation
-    {"maxgap", &typeid(double)},            // of two bodies [length]
-    {"smooth", &typeid(bool)},              // of two bodies: gap of the curved surfaces
-    {"weight", &typeid(double)},            // of the forms: x, where they are axisymmetric
-    {"pivot", &typeid(E_Array)},            // of an obstacle that moves
-    {"obstacles", &typeid(KN_<long>)},      // labels of those that move
-    {"motionfree", &typeid(KN_<long>)},     // 1: under a load; 0: given
-    {"motion", &typeid(KN<double>*)},       // in and out [length, radians]
-    {"motionload", &typeid(KN_<double>)},   // [force, moment]
-    {"motionold", &typeid(KN_<double>)},    // of uold
-    {"motionforce", &typeid(KN<double>*)},  // out, of an obstacle on the body
-    {"uold", &typeid(KN_<double>)},         // [length]
-    {"at", &typeid(KN_<double>)},           // of the geometry [length]
-    {"forceold", &typeid(KN_<double>)},     // at `at`, an output force [force]
-    {"init", &typeid(KN_<double>)},         // [length]
-    {"start", &typeid(KN_<double>)},        // the same, where macro_ddm.idp takes the name init
-    {"method", &typeid(string*)},           //
-    {"newton", &typeid(bool)},              // condensed: on the laws themselves
-    {"reg", &typeid(string*)},              //
-    {"regeps", &typeid(double)},            // [length]
-    {"precon", &typeid(string*)},           //
-    {"omega", &typeid(double)},             //
-    {"step", &typeid(string*)},             //
-    {"tol", &typeid(double)},               //
-    {"nbiter", &typeid(double)},            // a whole number
-    {"memory", &typeid(double)},            // [GB]
-    {"verb", &typeid(long)},                //
-    {"status", &typeid(long*)},             // out
-    {"residual", &typeid(double*)},         // out
-    {"iterations", &typeid(long*)},         // out
-    {"force", &typeid(KN<double>*)},        // out [force]
-    {"state", &typeid(KN<long>*)},          // out
-    {"normals", &typeid(KN<double>*)},      // out
-    {"distance", &typeid(KN<double>*)},     // out, of two bodies [length]
-    {"free", &typeid(long*)},               // out
-    {"history", &typeid(KNM<double>*)},     // out
-    {"times", &typeid(KN<double>*)},        // out [s]
-    {"domain", &typeid(void)},              // of several processes: frictionCG-mpi has its type
-    // of an obstacle beside pairs: its labels, in any form; gap; outward normal; force, an output
-    {"obstacle", &typeid(KN_<long>)},
-    {"obstaclegap", &typeid(double)},
-    {"obstaclenormal", &typeid(E_Array)},
-    {"obstacleforce", &typeid(KN<double>*)},
+#define FRICTIONCG_ROW(name, type) {#name, &typeid(type)},
+    FRICTIONCG_PARAMETERS(FRICTIONCG_ROW)
+#undef FRICTIONCG_ROW
 };
-static_assert(sizeof(parameters) / sizeof(*parameters) == parameter_count, "one name each");
+#undef FRICTIONCG_PARAMETERS
 
 /// The parameters that give a contact problem its tangential laws.
 constexpr Parameter frictions[] = {p_mu, p_cohesion, p_slidinglimit};

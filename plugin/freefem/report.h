@@ -2,7 +2,6 @@
 #include "freefem.h"
 
 #include <iostream>
-#include <string>
 
 #include "options.h"
 #include "progress.h"
@@ -18,27 +17,32 @@ inline std::string counted(std::size_t count, const char* what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
-inline const char* name_of(Status status) {
-  switch (status) {
-    case Status::converged:
-      return "converged";
-    case Status::max_iterations:
-      return "max_iterations";
-    case Status::stagnated:
-      return "stagnated";
-    case Status::no_equilibrium:
-      return "no_equilibrium";
-    case Status::not_positive_definite:
-      return "not_positive_definite";
-    case Status::fixed_point_diverged:
-      return "fixed_point_diverged";
-    case Status::regularized:
-      return "regularized";
-    case Status::runaway:
-      return "runaway";
-  }
-  return "unknown";
-}
+/// Words of enumerators, in their order.
+constexpr const char* status_names[] = {"converged",
+                                        "max_iterations",
+                                        "stagnated",
+                                        "no_equilibrium",
+                                        "not_positive_definite",
+                                        "fixed_point_diverged",
+                                        "regularized",
+                                        "runaway"};
+constexpr const char* law_names[] = {"no friction", "given sliding limit", "Coulomb friction"};
+constexpr const char* layer_names[] = {
+    "none",
+    "a linear solve",
+    "Newton on the condensed laws",
+    "an interior point on the condensed laws, with Newton after it",
+    "Newton on the condensed laws, with springs that vanish",
+    "the regularized conjugate gradient on the condensed system",
+    "GCX on A",
+    "the regularized conjugate gradient on A",
+    "SORP on A",
+    "Newton on A, preconditioned by multigrid",
+    "Newton on A, by sparse factors",
+    "an interior point on A, by sparse factors, with Newton after it"};
+inline const char* name_of(Status status) { return status_names[static_cast<int>(status)]; }
+inline const char* name_of(Law law) { return law_names[static_cast<int>(law)]; }
+inline const char* name_of(Layer layer) { return layer_names[static_cast<int>(layer)]; }
 
 /// What to do about a call that did not converge. Only no_equilibrium and runaway blame the load.
 inline std::string remedy(const Solution& solution, const Settings& s) {
@@ -83,48 +87,6 @@ inline std::string remedy(const Solution& solution, const Settings& s) {
              "faces of a crack together by movemesh";
   }
   return "";
-}
-
-inline const char* name_of(Law law) {
-  switch (law) {
-    case Law::frictionless:
-      return "no friction";
-    case Law::tresca:
-      return "given sliding limit";
-    case Law::coulomb:
-      return "Coulomb friction";
-  }
-  return "";
-}
-
-inline const char* name_of(Layer layer) {
-  switch (layer) {
-    case Layer::none:
-      return "none";
-    case Layer::linear:
-      return "a linear solve";
-    case Layer::newton:
-      return "Newton on the condensed laws";
-    case Layer::interior_point:
-      return "an interior point on the condensed laws, with Newton after it";
-    case Layer::proximal:
-      return "Newton on the condensed laws, with springs that vanish";
-    case Layer::fixed_point:
-      return "the regularized conjugate gradient on the condensed system";
-    case Layer::gcx:
-      return "GCX on A";
-    case Layer::gc:
-      return "the regularized conjugate gradient on A";
-    case Layer::sorp:
-      return "SORP on A";
-    case Layer::multigrid:
-      return "Newton on A, preconditioned by multigrid";
-    case Layer::sparse_newton:
-      return "Newton on A, by sparse factors";
-    case Layer::sparse_interior_point:
-      return "an interior point on A, by sparse factors, with Newton after it";
-  }
-  return "unknown";
 }
 
 /// Diagonal of the box around the contact nodes.

@@ -1,13 +1,7 @@
 #pragma once
 #include <Eigen/Geometry>
 
-#include <algorithm>
-#include <array>
-#include <map>
-#include <sstream>
-#include <string>
-#include <vector>
-
+#include "../core/assembly/slippable.h"
 #include "../core/linear_algebra.h"
 #include "../core/types.h"
 
@@ -48,14 +42,10 @@ Extent extent_of(const std::vector<Point>& points) {
 inline Eigen::MatrixXd rigid_modes(const std::vector<NodePlace>& nodes, int d, Index n,
                                    const Extent& extent) {
   Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(n, d == 2 ? 3 : 6);
+  const RigidGenerators generators(d, extent.mean, extent.radius > 0 ? extent.radius : 1);
   for (const NodePlace& p : nodes) {
-    const Eigen::Vector3d away = position(p) - extent.mean;
-    const Eigen::Vector3d arm = extent.radius > 0 ? Eigen::Vector3d(away / extent.radius) : away;
-    for (int k = 0; k < d; ++k) {
-      modes(p.dof[k], k) = 1;
-      for (int axis = d == 2 ? 2 : 0; axis < 3; ++axis)
-        modes(p.dof[k], d == 2 ? 2 : 3 + axis) = Eigen::Vector3d::Unit(axis).cross(arm)[k];
-    }
+    const RigidGenerators::Fields w = generators.at(position(p));
+    for (int k = 0; k < d; ++k) modes.row(p.dof[k]) = w.row(k);
   }
   return modes;
 }
@@ -97,25 +87,33 @@ inline Eigen::Vector3d displacement_at(const NodePlace& n, int d, const Vector& 
   return at;
 }
 
+/// Of nodes of mass 1, about a point.
+inline Eigen::Matrix3d inertia_of(const std::vector<NodePlace>& nodes,
+                                  const Eigen::Vector3d& about) {
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+  for (const NodePlace& n : nodes) {
+    const Eigen::Vector3d arm = position(n) - about;
+    inertia += arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose();
+  }
+  return inertia;
+}
+
 /// Least squares over the nodes: the rotation balances sum (x - c) x u against the inertia of the
 /// nodes; about a line on which they all lie there is none.
 inline RigidMotion nearest_rigid_motion(const std::vector<NodePlace>& nodes, int d,
                                         const Vector& u) {
   RigidMotion motion;
   if (nodes.empty()) return motion;
-  for (const NodePlace& n : nodes) {
-    motion.c += position(n) / static_cast<Real>(nodes.size());
-    motion.a += displacement_at(n, d, u) / static_cast<Real>(nodes.size());
-  }
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+  const Extent extent = extent_of(nodes);
+  motion.c = extent.mean;
+  motion.extent = extent.radius;
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();
   for (const NodePlace& n : nodes) {
-    const Eigen::Vector3d arm = position(n) - motion.c;
-    motion.extent = std::max(motion.extent, arm.norm());
-    inertia += arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose();
-    moment += arm.cross(displacement_at(n, d, u));
+    const Eigen::Vector3d v = displacement_at(n, d, u);
+    motion.a += v / static_cast<Real>(nodes.size());
+    moment += (position(n) - motion.c).cross(v);
   }
-  motion.w = least_squares(inertia, moment);
+  motion.w = least_squares(inertia_of(nodes, motion.c), moment);
   Real most = 0;
   for (const NodePlace& n : nodes) {
     const Eigen::Vector3d v = displacement_at(n, d, u);

@@ -2,6 +2,8 @@
 #include "../freefem/freefem.h"
 
 #include "../core/answer.h"
+#include "../freefem/newton_step.h"
+#include "../freefem/outputs.h"
 #include "shared_pair.h"
 #include "shared_report.h"
 
@@ -172,7 +174,7 @@ inline Vector start_of(const Call& call, const SharedScene& shared) {
 inline KN_<double> solve_together(Stack stack, const Call& call, SharedScene& shared,
                                   PointLaws laws) {
   const Domain& domain = *shared.domain;
-  const Outputs out(stack, call.args);
+  const Outputs out{stack, call.args};
   ContactProblem problem{shared.A, {}};
   if (domain.largest(problem.nodes()) == 0) laws.law = Law::frictionless;
   const LocalIncrement now = increment_together(call, shared, laws, problem);

@@ -1,12 +1,10 @@
 #pragma once
 #include "../freefem/freefem.h"
 
-#include <algorithm>
 #include <iostream>
-#include <string>
-#include <vector>
 
 #include "../freefem/motions.h"
+#include "../freefem/plan_report.h"
 #include "shared_scene.h"
 
 namespace frictioncg {

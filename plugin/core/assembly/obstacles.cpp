@@ -1,7 +1,5 @@
 #include "assembly/obstacles.h"
 
-#include <cmath>
-
 namespace frictioncg {
 
 namespace {
@@ -35,37 +33,30 @@ Real displacement(int d, Index k, int c, const Eigen::Vector3d& arm) {
   return Eigen::Vector3d::Unit(d == 2 ? 2 : k - 3).cross(arm)[c];
 }
 
-/// The obstacles of the local dofs.
-class LocalDofs {
- public:
-  LocalDofs(const Basis& basis, const std::vector<ContactPoint>& points,
-            const std::vector<ContactNode>& nodes)
-      : point_(basis.local_dofs(), -1) {
-    std::vector<Index> at(basis.T.rows(), -1);  // of a mesh node's first dof: a point there
-    for (std::size_t k = 0; k < nodes.size(); ++k) {
-      const Index point = nodes[k].point;
-      Index& first = at[points[point].dof[0]];
-      if (first < 0) first = point;
-      for (Index p = basis.first[k]; p < basis.first[k + 1]; ++p) point_[p] = point;
-    }
-    // directions without a law go along: else nothing would bar an obstacle's slip
-    for (Index p = 0; p < basis.first.front(); ++p) point_[p] = at[basis.origin[p]];
+/// Of each local dof, the contact point that it belongs to, or -1.
+std::vector<Index> points_of_dofs(const Basis& basis, const std::vector<ContactPoint>& points,
+                                  const std::vector<ContactNode>& nodes) {
+  std::vector<Index> point_of(basis.local_dofs(), -1);
+  std::vector<Index> at(basis.T.rows(), -1);  // of a mesh node's first dof: a point there
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const Index point = nodes[k].point;
+    Index& first = at[points[point].dof[0]];
+    if (first < 0) first = point;
+    for (Index p = basis.first[k]; p < basis.first[k + 1]; ++p) point_of[p] = point;
   }
-  /// The contact point that a local dof belongs to, or -1.
-  Index point(Index p) const { return point_[p]; }
-
- private:
-  std::vector<Index> point_;
-};
+  // directions without a law go along: else nothing would bar an obstacle's slip
+  for (Index p = 0; p < basis.first.front(); ++p) point_of[p] = at[basis.origin[p]];
+  return point_of;
+}
 
 /// C = W B: the displacement of the obstacles in local dofs.   columns x n_q, 0 from row n_w on
 Matrix displacements(const Basis& basis, int d, const std::vector<ContactPoint>& points,
                      const std::vector<ContactNode>& nodes, const RigidObstacles& obstacles) {
-  const LocalDofs dofs(basis, points, nodes);
+  const std::vector<Index> point_of = points_of_dofs(basis, points, nodes);
   const Index each = rigid_components(d);
   Entries entries;
   for (Index p = 0; p < basis.local_dofs(); ++p) {
-    const Index point = dofs.point(p);
+    const Index point = point_of[p];
     const Index o = point < 0 ? -1 : obstacles.of_point[point];
     if (o < 0) continue;
     for (Index k = 0; k < each; ++k) {

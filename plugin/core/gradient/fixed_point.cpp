@@ -1,8 +1,5 @@
 #include "gradient/fixed_point.h"
 
-#include <cmath>
-#include <limits>
-
 #include "gradient/anderson.h"
 
 namespace frictioncg {
@@ -213,7 +210,7 @@ class FixedPoint {
     Vector g(problem_.nodes());
     for (Index i = 0; i < problem_.nodes(); ++i) {
       const Index N = system.first[i];
-      const Real closing = system.weight[N] * (problem_.increment.gap[i] - solution_.x[N]);
+      const Real closing = problem_.closing(i, solution_.x);
       const NodeLaw law = law_of(problem_.increment, i);
       const Real r_N = solution_.certificate.r[N];
       g[i] = law.limit(closing, r_N);

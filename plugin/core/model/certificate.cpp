@@ -1,7 +1,5 @@
 #include "model/certificate.h"
 
-#include <cmath>
-#include <limits>
 #include <tuple>
 
 namespace frictioncg {
@@ -27,17 +25,12 @@ constexpr Real grazing = 1e-10, vaguest = 1e-6;
 /// the displacement.
 constexpr Real still = 1e-6;
 
-Real closing_force(const ContactProblem& problem, Index i, const Vector& x) {
-  const Index N = problem.system->first[i];
-  return problem.system->weight[N] * (problem.increment.gap[i] - x[N]);
-}
-
 /// Norm of the forces of the nodes that are closed: an open node's r is an error, not a force.
 Real contact_force_norm(const ContactProblem& problem, const Vector& x, const Vector& r) {
   Real sum = 0;
   for (Index i = 0; i < problem.nodes(); ++i) {
     const Index N = problem.system->first[i], size = problem.tangents(i) + 1;
-    if (!law_of(problem.increment, i).closed(closing_force(problem, i, x), r[N])) continue;
+    if (!law_of(problem.increment, i).closed(problem.closing(i, x), r[N])) continue;
     sum += (r.segment(N, size).array().square() / problem.system->weight.segment(N, size).array())
                .sum();
   }
@@ -48,7 +41,7 @@ Real contact_force_norm(const ContactProblem& problem, const Vector& x, const Ve
 Real nearest_gap(const ContactProblem& problem, const Vector& x) {
   Real nearest = std::numeric_limits<Real>::infinity();
   for (Index i = 0; i < problem.nodes(); ++i)
-    nearest = std::min(nearest, std::abs(closing_force(problem, i, x)) /
+    nearest = std::min(nearest, std::abs(problem.closing(i, x)) /
                                     std::sqrt(problem.system->weight[problem.system->first[i]]));
   return -problem.system->largest(-nearest);
 }
@@ -111,7 +104,7 @@ NodeState state_of(const ContactProblem& problem, Index i, const Vector& x, cons
   const Vector& w = problem.system->weight;
   const Index N = problem.system->first[i], t = problem.tangents(i);
   const NodeLaw law = law_of(problem.increment, i);
-  const Real closing = closing_force(problem, i, x);
+  const Real closing = problem.closing(i, x);
   if (!law.closed(closing, r[N]) && closing > doubt * std::sqrt(w[N])) return NodeState::separated;
   if (!law.has_friction()) return NodeState::slip;
   if (t == 0) return NodeState::stick;  // Dirichlet conditions hold its tangents

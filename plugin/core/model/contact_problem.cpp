@@ -1,8 +1,11 @@
 #include "model/contact_problem.h"
 
-#include <cmath>
-
 namespace frictioncg {
+
+Real ContactProblem::closing(Index i, const Vector& x) const {
+  const Index N = system->first[i];
+  return system->weight[N] * (increment.gap[i] - x[N]);
+}
 
 Real norm_D(const System& system, const Vector& r) {
   return std::sqrt(system.sum((r.array().square() / system.weight.array()).sum()));

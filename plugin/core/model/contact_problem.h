@@ -47,6 +47,8 @@ struct ContactProblem {
   Index interior() const { return system->interior(); }
   Index contact_dofs() const { return system->contact_dofs(); }
   Index tangents(Index i) const { return system->tangents(i); }
+  /// The distance by which node i is open at x (n), as a force: NodeLaw's closing.
+  Real closing(Index i, const Vector& x) const;
 };
 
 /// |r| in the norm of weight^{-1/2}: the unit in which residuals are measured. Invariant under a

@@ -1,7 +1,5 @@
 #include "statics/undetermined.h"
 
-#include <cmath>
-
 #include "linear_algebra.h"
 
 namespace frictioncg {
@@ -25,11 +23,6 @@ DenseMatrix of_all_processes(const System& system, const DenseMatrix& R) {
 /// A force below it is none, over the root of its weight; and so is a distance, times that weight.
 Real no_force(const Certificate& certificate) {
   return std::max(forceless, margin * certificate.attainable) * certificate.scale;
-}
-
-/// The distance by which node i, whose normal dof is N, is open, times its weight.   [force]
-Real closing_of(const ContactProblem& problem, const Vector& x, Index N, Index i) {
-  return problem.system->weight[N] * (problem.increment.gap[i] - x[N]);
 }
 
 }  // namespace
@@ -62,7 +55,7 @@ Branches branches_of(const ContactProblem& problem, const Vector& x,
   Branches branches(problem.nodes());
   for (Index i = 0; i < problem.nodes(); ++i) {
     const Index N = system.first[i], size = problem.tangents(i) + 1;
-    const Real closing = closing_of(problem, x, N, i);
+    const Real closing = problem.closing(i, x);
     const Real touch = none * std::sqrt(system.weight[N]);
     const NodeLaw law = law_of(problem.increment, i);
     const Real shear = r.segment(N + 1, size - 1).norm();
@@ -79,7 +72,7 @@ bool touches_without_force(const ContactProblem& problem, const Vector& x,
   for (Index i = 0; i < problem.nodes(); ++i) {
     const Index N = problem.system->first[i];
     const Real touch = none * std::sqrt(problem.system->weight[N]);
-    if (std::abs(closing_of(problem, x, N, i)) <= touch && certificate.r[N] <= touch) return true;
+    if (std::abs(problem.closing(i, x)) <= touch && certificate.r[N] <= touch) return true;
   }
   return false;
 }
