@@ -9,10 +9,12 @@
 
 namespace frictioncg {
 
-DenseMatrix least_squares(const DenseRef& A, const DenseRef& B, Real threshold) {
+DenseMatrix least_squares(const DenseRef& A, const DenseRef& B, Real threshold, Index* rank) {
   Eigen::CompleteOrthogonalDecomposition<DenseMatrix> decomposition;
   if (threshold > 0) decomposition.setThreshold(threshold);
-  return decomposition.compute(A).solve(B);
+  decomposition.compute(A);
+  if (rank) *rank = static_cast<Index>(decomposition.rank());
+  return decomposition.solve(B);
 }
 
 DenseMatrix solve(const DenseRef& A, const DenseRef& B) {

@@ -8,8 +8,10 @@ namespace frictioncg {
 using DenseRef = Eigen::Ref<const DenseMatrix>;
 
 /// The X of least norm among those that make |AX - B| least. Of A, what is below `threshold` of the
-/// largest pivot is 0; a threshold of 0: below rounding.
-DenseMatrix least_squares(const DenseRef& A, const DenseRef& B, Real threshold = 0);
+/// largest pivot is 0; a threshold of 0: below rounding. rank: of what is left, where it is asked
+/// for.
+DenseMatrix least_squares(const DenseRef& A, const DenseRef& B, Real threshold = 0,
+                          Index* rank = nullptr);
 /// A^{-1} B by elimination with complete pivoting, accurate where the rows of A differ in size.
 /// What rounding may have made of a singular A is 0.
 DenseMatrix solve(const DenseRef& A, const DenseRef& B);

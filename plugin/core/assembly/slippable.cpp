@@ -12,6 +12,10 @@ using Fields = RigidGenerators::Fields;
 constexpr Real at_rest = 0.05;
 /// A normal is made orthogonal to a motion only where this share of it is left.
 constexpr Real kept = 0.9;
+/// Points resist a motion clearly where the mean square of n.w is above this multiple of what is
+/// allowed: normals would turn by ten times what the mesh cannot tell. Two points of an arc let two
+/// motions slip, one of which all of the arc resists a thousandfold.
+constexpr Real clearly = 100;
 
 /// The points, weighted.
 struct Spread {
@@ -63,7 +67,7 @@ Fields RigidGenerators::at(const Vec3& x) const {
 
 DenseMatrix tangential_motions(const RigidGenerators& generators, const DenseMatrix& V,
                                const std::vector<PointNormal>& points, Real allowed,
-                               const SumOverProcesses& sum) {
+                               DecidedCount decided, const SumOverProcesses& sum) {
   const Index k = static_cast<Index>(V.cols());
   DenseMatrix both = DenseMatrix::Zero(k, 2 * k + 1);  // Q, M and the weight
   for (const PointNormal& p : points) {
@@ -79,8 +83,10 @@ DenseMatrix tangential_motions(const RigidGenerators& generators, const DenseMat
   const DenseMatrix M = both.middleCols(k, k) + rounding * total * DenseMatrix::Identity(k, k);
   if (!(total > 0)) return DenseMatrix(V.rows(), 0);
   const Eigenpairs found = eigenpairs(both.leftCols(k), M);
+  const Real bound = decided ? clearly * allowed : allowed;
+  const Index most = decided.value_or(k);
   Index count = 0;
-  while (count < k && found.values[count] <= allowed) ++count;
+  while (count < std::min(k, most) && found.values[count] <= bound) ++count;
   return std::sqrt(both(0, 2 * k)) * V * found.vectors.leftCols(count);
 }
 
@@ -91,15 +97,16 @@ void make_tangential(int d, const RigidGenerators& generators, const DenseMatrix
       make_tangential(d, generators.at(p.x) * motions, least, p);
 }
 
-int follow_slippable_motions(int d, std::vector<PointNormal>& points, const SumOverProcesses& sum) {
+Index follow_slippable_motions(int d, std::vector<PointNormal>& points, DecidedCount decided,
+                               const SumOverProcesses& sum) {
   const Spread spread(points, sum);
   if (!(spread.allowed > 0 && spread.size > 0)) return 0;
   const RigidGenerators generators(d, spread.centre, spread.size);
   const Index k = generators.count();
-  const DenseMatrix c =
-      tangential_motions(generators, DenseMatrix::Identity(k, k), points, spread.allowed, sum);
+  const DenseMatrix c = tangential_motions(generators, DenseMatrix::Identity(k, k), points,
+                                           spread.allowed, decided, sum);
   make_tangential(d, generators, c, points, kept);
-  return static_cast<int>(c.cols());
+  return static_cast<Index>(c.cols());
 }
 
 }  // namespace frictioncg

@@ -32,12 +32,17 @@ class RigidGenerators {
   Real size_;
 };
 
+/// How many motions normals leave tangential is decided once an increment, where that began; none:
+/// it is decided here.
+using DecidedCount = std::optional<Index>;
+
 /// Of motions V (generators x k) the combinations, as columns of generators, that normals leave
 /// tangential:   Q c = lambda M c,  lambda <= allowed,  Q = sum m (w'n)(w'n)',  M = sum m w'w,
-/// with a mean square of w of 1.
+/// with a mean square of w of 1. Of the number decided where fewer points were, those are none that
+/// the points of now resist clearly.
 DenseMatrix tangential_motions(const RigidGenerators& generators, const DenseMatrix& V,
                                const std::vector<PointNormal>& points, Real allowed,
-                               const SumOverProcesses& sum = {});
+                               DecidedCount decided = {}, const SumOverProcesses& sum = {});
 
 /// Makes normals that turn tangential to such motions, but where these hardly move, and where less
 /// than the share `least` of the normal would be left.
@@ -51,7 +56,7 @@ void make_tangential(int d, const RigidGenerators& generators, const DenseMatrix
 ///
 /// Motions w(x) = c + r x (x - x0)/L with   rms n.w <= e rms |w|,  e = rms (turn^2/4): the sagitta
 /// of the facets over the radius. Returns their number.
-int follow_slippable_motions(int d, std::vector<PointNormal>& points,
-                             const SumOverProcesses& sum = {});
+Index follow_slippable_motions(int d, std::vector<PointNormal>& points, DecidedCount decided = {},
+                               const SumOverProcesses& sum = {});
 
 }  // namespace frictioncg

@@ -530,9 +530,9 @@ TEST(SlippableMotions, OfPartsOnSeveralProcessesAreThoseOfTheWhole) {
   // the sums of the other part, call by call, as its own run makes them
   std::vector<std::vector<Real>> sums;
   std::vector<PointNormal> copy = whole;
-  follow_slippable_motions(2, copy, [&](Real* v, Index n) { sums.emplace_back(v, v + n); });
+  follow_slippable_motions(2, copy, {}, [&](Real* v, Index n) { sums.emplace_back(v, v + n); });
   std::size_t call = 0;
-  follow_slippable_motions(2, first, [&](Real* v, Index n) {
+  follow_slippable_motions(2, first, {}, [&](Real* v, Index n) {
     std::copy(sums[call].begin(), sums[call].end(), v);
     ++call;
     EXPECT_LE(call, sums.size());

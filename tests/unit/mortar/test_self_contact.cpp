@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
+#include <tuple>
 
 #include "surfaces.h"
 
@@ -127,6 +129,122 @@ TEST(MortarSelfContact, WhereTheSlaveEndsBeyondTheMasterItsLastNodeKeepsItsLaw) 
       along += d == 2 || s.nodes.X[node.node][1] == 0;
     }
     EXPECT_EQ(along, 9) << d;
+  }
+}
+
+namespace {
+
+/// A boundary through points, in 2D; its body lies to the right of the way along it.
+Surfaces along(const std::vector<Vec3>& points) {
+  Surfaces s(2);
+  Surface& all = s.pairs[0].slave;
+  all.labels = {1};
+  s.nodes.X = points;
+  for (Index i = 0; i + 1 < static_cast<Index>(points.size()); ++i) {
+    s.add(all, {i, i + 1}, 1, 1);
+    const Vec3 way = points[i + 1] - points[i];
+    all.facets.back().outward = Vec3(-way[1], way[0], 0);
+  }
+  s.pairs[0].master = all;
+  return s;
+}
+
+/// Places of the contact nodes.
+std::vector<Vec3> touching(const Surfaces& s) {
+  std::vector<Vec3> places;
+  const Mortar mortar = s.mortar();
+  for (const ContactNode& node : mortar.nodes()) places.push_back(s.nodes.X[node.node]);
+  std::sort(places.begin(), places.end(), [](const Vec3& a, const Vec3& b) {
+    return std::tie(a[0], a[1]) < std::tie(b[0], b[1]);
+  });
+  return places;
+}
+
+void turn(Real angle, Surfaces& s) {
+  const Eigen::Matrix3d Q =
+      Eigen::AngleAxisd(angle,
+                        s.nodes.dimension == 2 ? Vec3(Vec3::UnitZ()) : Vec3(1, 2, -1).normalized())
+          .toRotationMatrix();
+  for (auto* X : {&s.nodes.X, &s.nodes.reference})
+    for (Vec3& x : *X) x = Q * x;
+  for (Surface* surface : {&s.pairs[0].slave, &s.pairs[0].master})
+    for (Facet& f : surface->facets) f.outward = Q * f.outward;
+}
+
+}  // namespace
+
+TEST(MortarSelfContact, AFoldIsPartedAtItsRoot) {
+  std::vector<Vec3> notch;
+  for (int k = -3; k <= 3; ++k) notch.push_back(Vec3(0.1 * k, std::abs(k), 0));
+  for (const Surfaces& s : {along(notch), renumbered(along(notch))}) {
+    const std::vector<Vec3> places = touching(s);
+    ASSERT_EQ(places.size(), 3u);  // not the root, which is on both sides
+    for (const Vec3& x : places) EXPECT_GT(x[0] * places[0][0], 0);
+  }
+}
+
+TEST(MortarSelfContact, TheEndOfASlotIsOfTheMasterHoweverItIsNumbered) {
+  std::vector<Vec3> slot;
+  for (int k = 3; k >= 0; --k) slot.push_back(Vec3(k, 0.6, 0));
+  for (int k = 0; k <= 3; ++k) slot.push_back(Vec3(k, -0.4, 0));
+  const Surfaces s = along(slot);
+  const std::vector<Vec3> places = touching(s), again = touching(renumbered(s));
+  EXPECT_EQ(places.size(), 3u);
+  EXPECT_EQ(places, again);
+}
+
+TEST(MortarSelfContact, ABodyThatHasTurnedFarKeepsItsSides) {
+  for (int d : {2, 3}) {
+    Surfaces s = arms(d, 0.1);
+    s.nodes.before = s.nodes.X;
+    const Surfaces start = s;
+    turn(3, s);
+    s.nodes.reference = start.nodes.reference;
+    expect_opening(s, thickness, opening - 0.1);
+  }
+}
+
+TEST(MortarSelfContact, TheSlaveIsTheSameHoweverTheSceneIsTurned) {
+  for (int d : {2, 3}) {
+    // arms of equal facets, of which the one is longer; in 3D they lean, too
+    Surfaces s = two_arms(d, 1.5, 9);
+    for (Vec3& x : s.nodes.X)
+      if (d == 3) x[1] += 0.3 * x[0] * x[0] + 0.4 * x[0] * x[2];
+    const auto slaves = [](const Surfaces& scene) {
+      std::set<Index> nodes;
+      const Mortar mortar = scene.mortar();
+      for (const ContactNode& node : mortar.nodes()) nodes.insert(node.node);
+      return nodes;
+    };
+    const std::set<Index> expected = slaves(s);
+    for (Real angle : {0.3, 0.8, 1.6, 2.4, 3.1, 3.9, 4.7, 5.5}) {
+      Surfaces turned = s;
+      turn(angle, turned);
+      EXPECT_EQ(slaves(turned), expected) << d << "D " << angle;
+      const Index last = static_cast<Index>(s.nodes.X.size()) - 1;
+      std::set<Index> renamed;
+      for (Index i : slaves(renumbered(turned))) renamed.insert(last - i);
+      EXPECT_EQ(renamed, expected) << d << "D " << angle << " renumbered";
+    }
+  }
+}
+
+TEST(MortarSelfContact, FacetsThatAreHardlySmallerMakeNoSlave) {
+  for (int d : {2, 3}) {
+    std::set<Real> heights;
+    for (Real scale : {0.95, 1.05}) {
+      Surfaces s = two_arms(d, 1, 6);
+      for (Vec3& x : s.nodes.X)
+        if (x[d - 1] > 0)
+          for (int c = 0; c + 1 < d; ++c) x[c] *= scale;
+      for (const Facet& f : s.sheet(3, 1, lifted(d, 0, 3, 5), 1).facets)  // it tells the axes
+        for (Surface* surface : {&s.pairs[0].slave, &s.pairs[0].master})
+          surface->facets.push_back(f);
+      const Mortar mortar = s.mortar();
+      EXPECT_GT(mortar.nodes().size(), 5u);
+      for (const ContactNode& node : mortar.nodes()) heights.insert(s.nodes.X[node.node][d - 1]);
+    }
+    EXPECT_EQ(heights.size(), 1u) << d;
   }
 }
 

@@ -17,7 +17,9 @@ namespace {
 ///   M b = T arm,   M = sum_l w_l q_l q_l',   arm = sum_c G_c (X_c - X_i)
 class Row {
  public:
-  Row(const SlopedRow& row, const ContactNode& at, const Turns& turns, const std::vector<Vec3>& X);
+  /// choice: of the row as it is
+  Row(const SlopedRow& row, const RowChoice& choice, const ContactNode& at, const Turns& turns,
+      const std::vector<Vec3>& X);
   /// Of the force y
   void add_to(NodeBlocks& blocks, const Vec3& y) const;
   /// Of the gap n.(offset - arm)
@@ -32,8 +34,8 @@ class Row {
     const auto found = turns_.find(j);
     return found == turns_.end() ? Mat3(Mat3::Zero()) : found->second;
   }
-  void place_master(const std::map<Index, Sloped>& theirs);
-  void balance(const std::map<Index, Sloped>& theirs);
+  void place_master(const std::map<Index, Sloped>& theirs, Index rank);
+  void balance(const std::map<Index, Sloped>& theirs, Index rank);
   void set_gap(const SlopedRow& row);
   void balance_slopes(const std::map<Index, Sloped>& theirs, Index j);
   Mat3 slope_of_arm(Index j) const;
@@ -52,7 +54,7 @@ class Row {
   Mat3 T_, inverse_;  ///< of M
 };
 
-Row::Row(const SlopedRow& row, const ContactNode& at, const Turns& turns,
+Row::Row(const SlopedRow& row, const RowChoice& choice, const ContactNode& at, const Turns& turns,
          const std::vector<Vec3>& X)
     : i_(at.node), n_(at.normal), X_(X), turns_(turns), G_(row.own) {
   T_ = Mat3::Identity() - n_ * n_.transpose();
@@ -66,7 +68,7 @@ Row::Row(const SlopedRow& row, const ContactNode& at, const Turns& turns,
   for (const auto& [j, by] : turns_) near_.insert(j);
   for (const auto& [j, by] : row.offset.slope) near_.insert(j);
   set_gap(row);
-  balance(row.theirs);
+  balance(row.theirs, choice.rank);
 }
 
 void Row::add_to(NodeBlocks& blocks, const Vec3& y) const {
@@ -78,7 +80,7 @@ void Row::add_to(NodeBlocks& blocks, const Vec3& y) const {
     }
 }
 
-void Row::place_master(const std::map<Index, Sloped>& theirs) {
+void Row::place_master(const std::map<Index, Sloped>& theirs, Index rank) {
   for (const auto& [l, weight] : theirs) {
     sum_ += std::abs(weight.value);
     mean_ += std::abs(weight.value) * X_[l];
@@ -90,11 +92,11 @@ void Row::place_master(const std::map<Index, Sloped>& theirs) {
     at_[l] = {std::abs(weight.value), weight.value < 0 ? -1. : 1., x, q};
     M += at_[l].w * q * q.transpose();
   }
-  inverse_ = least_squares(M, Mat3::Identity(), singular);
+  inverse_ = least_squares(M, Mat3::Identity(), singular(rank));
 }
 
-void Row::balance(const std::map<Index, Sloped>& theirs) {
-  place_master(theirs);
+void Row::balance(const std::map<Index, Sloped>& theirs, Index rank) {
+  place_master(theirs, rank);
   b_ = inverse_ * arm_;
   Real largest = 0;
   for (const auto& [l, p] : at_) largest = std::max(largest, std::abs(b_.dot(p.q)));
@@ -187,7 +189,9 @@ GeometricStiffness geometric_stiffness(const Mortar& mortar, const Arrangement& 
     const ContactNode& at = mortar.nodes()[k];
     const auto row = rows.find(at.node);
     if (row == rows.end() || y.col(k).isZero(0)) continue;
-    const Row sloped(row->second, at, turns[at.node], of.nodes.X);
+    const auto choice = of.choices.find(at.node);
+    const Row sloped(row->second, choice == of.choices.end() ? RowChoice() : choice->second, at,
+                     turns[at.node], of.nodes.X);
     sloped.add_to(found.forces, y.col(k));
     for (const auto& [j, by] : sloped.gap()) found.gaps.push_back({{k, j}, by});
   }

@@ -64,11 +64,11 @@ class Row {
     if (sum > 0) mean_ /= sum;
   }
   /// b of the formula above; less where weights would change too much.
-  Vec3 change(const Vec3& e) const {
+  Vec3 change(const Vec3& e, Index& rank) const {
     Eigen::Matrix3d M = Eigen::Matrix3d::Zero();
     for (Matrix::InnerIterator it(P_, i_); it; ++it)
       M += std::abs(it.value()) * place(it.col()) * place(it.col()).transpose();
-    const Vec3 b = least_squares(M, e, singular);
+    const Vec3 b = least_squares(M, e, singular(rank), &rank);
     Real largest = 0;
     for (Matrix::InnerIterator it(P_, i_); it; ++it)
       largest = std::max(largest, std::abs(b.dot(place(it.col()))));
@@ -87,7 +87,7 @@ class Row {
 }  // namespace
 
 Matrix balanced(const Matrix& P, const Matrix& G, const std::vector<ContactNode>& nodes,
-                const std::vector<Vec3>& X) {
+                const std::vector<Vec3>& X, RowChoices& choices) {
   Matrix result = P;
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const Index i = nodes[k].node;
@@ -95,7 +95,7 @@ Matrix balanced(const Matrix& P, const Matrix& G, const std::vector<ContactNode>
     const Vec3 e = arm.across(nodes[k].normal);
     if (e.norm() <= rounding * arm.size) continue;
     const Row row(P, i, nodes[k].normal, X);
-    const Vec3 b = row.change(e);
+    const Vec3 b = row.change(e, choices[i].rank);
     for (Matrix::InnerIterator it(result, i); it; ++it)
       it.valueRef() += std::abs(it.value()) * b.dot(row.place(it.col()));
   }
@@ -184,31 +184,18 @@ class Lines {
 
 }  // namespace
 
-std::map<Index, bool> unbalanced(const Matrix& G, const std::vector<ContactNode>& nodes,
-                                 const std::vector<char>& of_master, const std::vector<Vec3>& X,
-                                 const std::map<Index, bool>& decided) {
-  std::map<Index, bool> found;
-  for (std::size_t k = 0; k < nodes.size(); ++k) {
-    const ContactNode& node = nodes[k];
-    if (!of_master[node.node]) continue;
-    const Arm arm(G, static_cast<Index>(k), node.node, X);
-    const auto was = decided.find(node.node);
-    found[node.node] = was != decided.end()
-                           ? was->second
-                           : arm.across(node.normal).norm() > balanced_to * arm.size;
-  }
-  return found;
-}
-
 Matrix along_normals(const Matrix& P, const Matrix& G, const std::vector<ContactNode>& nodes,
-                     const std::map<Index, bool>& along_normal, const std::vector<Side>& masters,
-                     const std::vector<Vec3>& X) {
+                     const std::vector<char>& of_master, const std::vector<Side>& masters,
+                     const std::vector<Vec3>& X, RowChoices& choices) {
   std::map<Index, Lines> lines;  // by pair
   std::vector<Eigen::Triplet<Real, Index>> change;
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const ContactNode& node = nodes[k];
-    const auto along = along_normal.find(node.node);
-    if (along == along_normal.end() || !along->second) continue;
+    if (!of_master[node.node]) continue;
+    const Arm arm(G, static_cast<Index>(k), node.node, X);
+    std::optional<bool>& along = choices[node.node].along_normal;
+    if (!along) along = arm.across(node.normal).norm() > balanced_to * arm.size;
+    if (!*along) continue;
     const Side& master = masters[node.pair];
     Lines& to = lines.try_emplace(node.pair, master, X).first->second;
     const Hit hit =

@@ -1,5 +1,6 @@
 #pragma once
 #include <map>
+#include <optional>
 
 #include "assembly/mortar/mortar.h"
 #include "assembly/mortar/topology.h"
@@ -9,8 +10,18 @@ namespace frictioncg::mortar {
 /// A weight changes by no more than this share of it. Fits change by 1e-2 and less; what asks for
 /// more lies further away than a facet is long, and gets a part.
 constexpr Real most_change = 0.3;
-/// What is singular in M: in 2D its rank is 1, in 3D it is 2.
-constexpr Real singular = 1e-6;
+
+/// What is decided of a contact node's row where the increment began.
+struct RowChoice {
+  std::optional<bool> along_normal;  ///< whether one with the master's normal sees it along that
+  Index rank = 0;                    ///< of M below; 0: not asked for
+};
+using RowChoices = std::map<Index, RowChoice>;  ///< by node
+
+/// What is singular in M, whose rank is 1 in 2D, and in 3D mostly 2. A rank that is decided stays
+/// where pivots change by less than a hundredfold, as they do where bodies slide by no more than
+/// the contact is wide.
+inline Real singular(Index rank) { return rank == 0 ? 1e-6 : rank == 1 ? 1e-4 : 1e-8; }
 
 /// P with rows whose normal forces have no moment. Forces G'y along n_i act on the slave at X_i and
 /// on the master in the mean at sum_l P_il X_l, where the normals of the slave's facets lead; on
@@ -26,7 +37,7 @@ constexpr Real singular = 1e-6;
 /// which keeps their sum, and moves the mean point by -e. Where all facets at i are parallel to n_i
 /// e is rounding, whatever the master is like (steps, rims), and the row stays as it is.
 Matrix balanced(const Matrix& P, const Matrix& G, const std::vector<ContactNode>& nodes,
-                const std::vector<Vec3>& X);
+                const std::vector<Vec3>& X, RowChoices& choices);
 
 /// P with rows that see the master where the normals of their nodes meet it, for nodes whose
 /// normals are the master's and whose moments could not be balanced: before a flat slave, what a
@@ -35,16 +46,11 @@ Matrix balanced(const Matrix& P, const Matrix& G, const std::vector<ContactNode>
 /// wheel's side, the row sees the point of the rim that is nearest: forces keep their moment about
 /// the wheel's axis, wherever nodes are before the rim, and however rounding turns their normals.
 ///
-/// along_normal: the nodes of which that is so; masters: per pair.
+/// of_master: per node, whether it has the master's normal; masters: per pair; choices: as far as
+/// it is decided, the rest is added.
 Matrix along_normals(const Matrix& P, const Matrix& G, const std::vector<ContactNode>& nodes,
-                     const std::map<Index, bool>& along_normal, const std::vector<Side>& masters,
-                     const std::vector<Vec3>& X);
-
-/// Whether moments could not be balanced, by contact node with the master's normal. of_master: per
-/// node, whether it has that; decided: of some nodes, where the increment began.
-std::map<Index, bool> unbalanced(const Matrix& G, const std::vector<ContactNode>& nodes,
-                                 const std::vector<char>& of_master, const std::vector<Vec3>& X,
-                                 const std::map<Index, bool>& decided = {});
+                     const std::vector<char>& of_master, const std::vector<Side>& masters,
+                     const std::vector<Vec3>& X, RowChoices& choices);
 
 /// Of a node: the master's facets before it, and int psi_i over each; one may come several times.
 using FacedFacets = std::vector<std::vector<std::pair<const Facet*, Real>>>;

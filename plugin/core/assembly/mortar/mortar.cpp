@@ -52,8 +52,8 @@ class Assembly {
     for (std::size_t p = 0; p < of.pairs.size(); ++p)
       add_pair(static_cast<Index>(p), of.slaves[p], of.masters[p], of.covers[p]);
   }
-  /// along_normal: of nodes of which it is decided, as Arrangement has it; then of those of now.
-  void finish(std::map<Index, bool>& along_normal, Mortar& mortar);
+  /// choices: as far as it is decided; the rest is added.
+  void finish(RowChoices& choices, Mortar& mortar);
   std::map<Index, SlopedRow> sloped_rows() const { return slopes_.rows(takes_removed_); }
 
  private:
@@ -218,7 +218,7 @@ void Assembly::set_statistics(Mortar& mortar) {
   mortar.statistics_ = std::move(statistics_);
 }
 
-void Assembly::finish(std::map<Index, bool>& along_normal, Mortar& mortar) {
+void Assembly::finish(RowChoices& choices, Mortar& mortar) {
   const Index n = size();
   mortar.size_ = n;
   mortar.edges_ = std::move(edges_);
@@ -239,10 +239,9 @@ void Assembly::finish(std::map<Index, bool>& along_normal, Mortar& mortar) {
   take(mortar.P_);
   set_gaps(mortar);  // from the integrals as they are
   set_distances_of_edges(mortar);
-  take(balanced(mortar.P_, mortar.G_, mortar.nodes_, nodes_.X));
-  along_normal =
-      unbalanced(mortar.G_, mortar.nodes_, ownership_.common.of_master, nodes_.X, along_normal);
-  take(along_normals(mortar.P_, mortar.G_, mortar.nodes_, along_normal, masters_, nodes_.X));
+  take(balanced(mortar.P_, mortar.G_, mortar.nodes_, nodes_.X, choices));
+  take(along_normals(mortar.P_, mortar.G_, mortar.nodes_, ownership_.common.of_master, masters_,
+                     nodes_.X, choices));
   take(across_gap(mortar.P_, mortar.G_, mortar.nodes_, nodes_, faced_));
   set_statistics(mortar);
 }
@@ -261,21 +260,28 @@ Options at_the_beginning(Options options) {
 }  // namespace
 
 Mortar::Mortar(const Nodes& nodes, const std::vector<Pair>& given, const Options& options) {
-  const std::vector<Pair> pairs = parted(nodes, given, options.maxgap);
+  SlaveFacets slaves;
+  const auto part = [&](const std::vector<Pair>& pairs) {
+    return parted(pairs, slaves, !nodes.reference.empty());
+  };
   const auto make = [&](const Arrangement* begun) {
-    Arrangement now(nodes, given, pairs, options, begun);
+    Arrangement now(nodes, given, part(given), options, begun);
     validate_cover(now, options);
     assemble(now, options);
   };
   if (nodes.before.empty()) {
+    find_slaves(nodes, given, options.maxgap, slaves);
     make(nullptr);
     return;
   }
   const int d = nodes.dimension;
   Nodes then = nodes;
   then.X = straightened(d, given, nodes.before);
+  const std::vector<Pair> given_then = carried(d, given, nodes.X, then.X);
+  find_slaves(then, given_then, options.maxgap, slaves);
+  find_slaves(nodes, given, options.maxgap, slaves);  // of what faces itself now alone
   const Options plain = at_the_beginning(options);
-  Arrangement begun(then, given, carried(d, pairs, nodes.X, then.X), plain);
+  Arrangement begun(then, given, part(given_then), plain);
   Mortar old;
   if (options.normals.empty()) old.assemble(begun, plain);
   make(&begun);
@@ -284,7 +290,7 @@ Mortar::Mortar(const Nodes& nodes, const std::vector<Pair>& given, const Options
 
 void Mortar::assemble(Arrangement& of, const Options& options) {
   Assembly assembly(of, options);
-  assembly.finish(of.along_normal, *this);
+  assembly.finish(of.choices, *this);
   stiffness_ = geometric_stiffness(*this, of, assembly.sloped_rows(), options);
 }
 

@@ -51,13 +51,16 @@ bool any_curved(const Meetings& all) {
 
 /// Makes the motions of each body tangential by themselves: other bodies have other motions.
 /// body: of each node; empty: all are one
-void follow_motions(int d, const std::vector<Index>& body, Meetings& all) {
+void follow_motions(int d, Index pair, const std::vector<Index>& body, Meetings& all,
+                    Slipping& slipping) {
   std::map<Index, std::vector<Index>> of_body;
   for (const auto& [i, at] : all) of_body[body.empty() ? 0 : body[i]].push_back(i);
   for (const auto& [number, own] : of_body) {
     std::vector<PointNormal> points;
     for (Index i : own) points.push_back(all[i].point);
-    follow_slippable_motions(d, points);
+    const auto [count, is_new] = slipping.try_emplace({pair, number}, 0);
+    count->second =
+        follow_slippable_motions(d, points, is_new ? DecidedCount() : DecidedCount(count->second));
     for (std::size_t k = 0; k < own.size(); ++k) all[own[k]].point = points[k];
   }
 }
@@ -65,15 +68,17 @@ void follow_motions(int d, const std::vector<Index>& body, Meetings& all) {
 }  // namespace
 
 std::vector<Vec3> slave_normals(const Nodes& nodes, const std::vector<Side>& slaves,
-                                const Options& options, const Owns& owns) {
+                                const Options& options, const Owns& owns, Slipping& slipping) {
   std::vector<Meetings> all;
   for (std::size_t p = 0; p < slaves.size(); ++p)
     all.push_back(meetings(nodes, slaves[p], p, owns));
   std::vector<Index> body;
   if (options.bodies && std::any_of(all.begin(), all.end(), any_curved)) body = options.bodies();
   std::vector<Vec3> normal(nodes.X.size(), Vec3::Zero());
-  for (Meetings& found : all) {
-    follow_motions(nodes.dimension, body, found);
+  for (Index p = 0; p < static_cast<Index>(all.size()); ++p) {
+    Meetings& found = all[p];
+    if (!found.empty() && !any_curved(found)) slipping.try_emplace({p, -1}, 0);
+    if (slipping.count({p, -1}) == 0) follow_motions(nodes.dimension, p, body, found, slipping);
     for (const auto& [i, at] : found) normal[i] = at.point.normal;
   }
   return normal;
@@ -110,20 +115,10 @@ class Curves {
  public:
   Curves(const Side& side, const std::vector<Vec3>& X)
       : side_(side), X_(X), smooth_(side, X, joints_that_go_on(side)) {}
-  bool flat(Index f) const {
-    for (int v = 0; v < side_.d; ++v)
-      if (!same_direction(smooth_.at(f, v).normal, side_.planes[f].normal)) return false;
-    return true;
-  }
-  /// Of a bore: normals come together.
-  bool concave(Index f) const {
-    if (flat(f)) return false;
-    const Plane& plane = side_.planes[f];
-    Real spread = 0;
-    for (int v = 0; v < side_.d; ++v)
-      spread += (smooth_.at(f, v).normal - plane.normal)
-                    .dot(X_[side_.facet(f).node[v]] - X_[side_.facet(f).node[(v + 1) % side_.d]]);
-    return spread < 0;
+  std::vector<FacetShape> shapes() const {
+    std::vector<FacetShape> all;
+    for (Index f = 0; f < side_.facets(); ++f) all.push_back({flat(f), concave(f)});
+    return all;
   }
   FanNormal at(Index f, const Vec3& lambda) const {
     FanNormal here;
@@ -142,6 +137,22 @@ class Curves {
   }
 
  private:
+  bool flat(Index f) const {
+    for (int v = 0; v < side_.d; ++v)
+      if (!same_direction(smooth_.at(f, v).normal, side_.planes[f].normal)) return false;
+    return true;
+  }
+  /// Of a bore: normals come together.
+  bool concave(Index f) const {
+    if (flat(f)) return false;
+    const Plane& plane = side_.planes[f];
+    Real spread = 0;
+    for (int v = 0; v < side_.d; ++v)
+      spread += (smooth_.at(f, v).normal - plane.normal)
+                    .dot(X_[side_.facet(f).node[v]] - X_[side_.facet(f).node[(v + 1) % side_.d]]);
+    return spread < 0;
+  }
+
   const Side& side_;
   const std::vector<Vec3>& X_;
   const SmoothSide smooth_;
@@ -178,19 +189,21 @@ std::map<std::pair<Index, Index>, Group> facing_nodes(const Nodes& nodes, std::s
                                                       const Side& slave, const Side& master,
                                                       const Cover& cover, const Owns& owns,
                                                       const std::vector<Index>& body,
-                                                      const std::vector<Vec3>& normal) {
+                                                      const std::vector<Vec3>& normal,
+                                                      PairShapes& shapes) {
   const Curves own(slave, nodes.X), theirs(master, nodes.X);
+  if (shapes.slave.empty()) shapes = {own.shapes(), theirs.shapes()};
   std::map<std::pair<Index, Index>, Group> groups;
   for (Index f = 0; f < slave.facets(); ++f) {
     if (cover.cells[f].empty()) continue;
-    const bool own_is_flat = own.flat(f), bore = own.concave(f);
+    const auto [own_is_flat, bore] = shapes.slave[f];
     for (const Cell& cell : cover.cells[f]) {
       const Facet& before = master.facet(cell.master);
       const Vec3 lambda =
           project(slave.d, slave.planes[f], before, nodes.X).at(centroid(cell.part));
       const FanNormal n = theirs.at(cell.master, lambda);
-      const bool flat = theirs.flat(cell.master);
-      const bool differs = own_is_flat != flat || (bore && !theirs.concave(cell.master));
+      const auto [flat, their_bore] = shapes.master[cell.master];
+      const bool differs = own_is_flat != flat || (bore && !their_bore);
       const Real measure = extent(cell.part) * slave.planes[f].measure;
       for (int v = 0; v < slave.d; ++v) {
         const Index i = slave.facet(f).node[v];
@@ -214,14 +227,14 @@ std::map<std::pair<Index, Index>, Group> facing_nodes(const Nodes& nodes, std::s
 
 /// Of the relative motions of two bodies those that normals let slip.
 DenseMatrix slipping(const Freedom& freedom, const DenseMatrix& relative,
-                     const std::vector<PointNormal>& points) {
+                     const std::vector<PointNormal>& points, DecidedCount decided = {}) {
   Real total = 0, allowed = 0;
   for (const PointNormal& p : points) {
     total += p.weight;
     allowed += p.weight * std::pow(p.turn, 4) / 16;
   }
   return tangential_motions(freedom.generators, relative, points,
-                            std::max(allowed / total, of_flats));
+                            std::max(allowed / total, of_flats), decided);
 }
 
 /// Whether more of the motions slip along the master's normals.
@@ -267,23 +280,27 @@ CommonNormals choose_common_normals(const Nodes& nodes, const std::vector<Side>&
   if (!options.freedom) return common;
   std::optional<Freedom> freedom;
   for (std::size_t p = 0; p < slaves.size(); ++p) {
-    common.may_differ.push_back(begun ? begun->may_differ[p] : may_differ(slaves[p], masters[p]));
-    if (!common.may_differ[p]) continue;
+    PairShapes& shapes = common.shapes.emplace_back();
+    if (begun) shapes = begun->shapes[p];
+    if (begun ? shapes.slave.empty() : !may_differ(slaves[p], masters[p])) continue;
     if (!freedom) freedom = options.freedom();
-    for (const auto& [bodies, group] :
-         facing_nodes(nodes, p, slaves[p], masters[p], covers[p], owns, freedom->body, normal)) {
+    for (const auto& [bodies, group] : facing_nodes(nodes, p, slaves[p], masters[p], covers[p],
+                                                    owns, freedom->body, normal, shapes)) {
       const auto [slave, master] = bodies;
       if (slave == master) continue;
       const DenseMatrix &V = freedom->of_body[slave], &W = freedom->of_body[master];
       DenseMatrix relative(freedom->generators.count(), V.cols() + W.cols());
       relative << V, W;
       if (relative.cols() == 0) continue;
-      const DenseMatrix of_other = slipping(*freedom, relative, group.other);
       const std::array<Index, 3> key{static_cast<Index>(p), slave, master};
-      const bool decided = begun && begun->counts.count(key) > 0;
-      common.counts[key] =
-          decided ? begun->counts.at(key) : master_counts(*freedom, relative, group, of_other);
-      if (common.counts[key])
+      const bool decided = begun && begun->choice.count(key) > 0;
+      CommonNormals::Choice& choice = common.choice[key];
+      if (decided) choice = begun->choice.at(key);
+      const DenseMatrix of_other = slipping(
+          *freedom, relative, group.other, decided ? DecidedCount(choice.motions) : DecidedCount());
+      choice.motions = static_cast<Index>(of_other.cols());
+      if (!decided) choice.master = master_counts(*freedom, relative, group, of_other);
+      if (choice.master)
         take_masters(nodes.dimension, *freedom, group, of_other, normal, common.of_master);
     }
   }

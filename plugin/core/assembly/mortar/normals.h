@@ -12,17 +12,34 @@ namespace frictioncg::mortar {
 /// Whether facet f of the slave of pair p belongs to the patch that owns node i.
 using Owns = std::function<bool(std::size_t p, Index f, Index i)>;
 
+/// How many motions a slave's normals let slip, by pair and body; none, by body -1, where all of
+/// the slave is flat.
+using Slipping = std::map<std::array<Index, 2>, Index>;
+
 /// The normals of the laws, per node: of the smooth surface of the owning patch, where several of
 /// its surfaces meet their mean; 0 where none owns the node. Motions that keep a body's slave in
-/// contact, as far as the mesh can tell, do so exactly (slippable.h).
+/// contact, as far as the mesh can tell, do so exactly (slippable.h).   slipping: as far as it is
+/// decided; the rest is added.
 std::vector<Vec3> slave_normals(const Nodes& nodes, const std::vector<Side>& slaves,
-                                const Options& options, const Owns& owns);
+                                const Options& options, const Owns& owns, Slipping& slipping);
+
+struct FacetShape {
+  bool flat = false, bore = false;
+};
+/// Per facet; empty where no facet differs from what may be before it.
+struct PairShapes {
+  std::vector<FacetShape> slave, master;
+};
 
 /// Where the normals of masters count.
 struct CommonNormals {
-  std::vector<char> of_master;                  ///< per node
-  std::map<std::array<Index, 3>, bool> counts;  ///< by pair, and by the bodies of slave and master
-  std::vector<char> may_differ;                 ///< per pair: the others have been passed over
+  struct Choice {
+    bool master = false;
+    Index motions = 0;  ///< that the normals of the other side let slip
+  };
+  std::vector<char> of_master;                    ///< per node
+  std::map<std::array<Index, 3>, Choice> choice;  ///< by pair, and by the bodies of both sides
+  std::vector<PairShapes> shapes;                 ///< per pair
 };
 
 /// Where a curved face is before a flat one, the normals are those of either: a disc of radius R

@@ -28,7 +28,8 @@ std::vector<Vec3> normals_before(const Arrangement* begun, const Options& option
   if (!begun || !options.normals.empty()) return now;
   const auto& held = begun->nodes.held;
   const bool any = std::any_of(held.begin(), held.end(), [](auto h) { return h != 0; });
-  return any ? slave_normals(begun->nodes, begun->slaves, options, owns) : now;
+  Slipping slipping = begun->ownership->slipping;
+  return any ? slave_normals(begun->nodes, begun->slaves, options, owns, slipping) : now;
 }
 
 }  // namespace
@@ -59,7 +60,7 @@ Ownership::Ownership(const Nodes& nodes, const std::vector<Side>& slaves,
   own(slaves, covers);
   set_labels(slaves);
   const Owns owns = [&](std::size_t p, Index f, Index i) { return owner_[i] == rank_[p][f]; };
-  normal = slave_normals(nodes, slaves, options, owns);
+  normal = slave_normals(nodes, slaves, options, owns, slipping);
   if (options.normals.empty())
     common = choose_common_normals(nodes, slaves, masters, covers, options, owns,
                                    begun ? &begun->ownership->common : nullptr, normal);
@@ -111,6 +112,7 @@ void Ownership::go_on_from(const Ownership& begun) {
   owner_ = begun.owner_;
   pair = begun.pair;
   covered = begun.covered;
+  slipping = begun.slipping;
   faced_ = begun.faced_;
 }
 
@@ -308,7 +310,7 @@ void Ownership::find_stand_ins(Index p, const Side& slave, bool within_patch) {
 Arrangement::Arrangement(const Nodes& nodes_, const std::vector<Pair>& given,
                          std::vector<Pair> parted, const Options& options, const Arrangement* begun)
     : nodes(nodes_), pairs(std::move(parted)) {
-  if (begun) along_normal = begun->along_normal;
+  if (begun) choices = begun->choices;
   if (!begun) validate_pairs(nodes, pairs, options);
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     slaves.emplace_back(nodes.dimension, pairs[p].slave, nodes.X, nodes.reference);

@@ -5,6 +5,7 @@
 #include "assembly/mortar/cover.h"
 #include "assembly/mortar/dual_basis.h"
 #include "assembly/mortar/integration.h"
+#include "assembly/mortar/moments.h"
 #include "assembly/mortar/mortar.h"
 #include "assembly/mortar/normals.h"
 
@@ -23,8 +24,9 @@ constexpr Real mostly_free = 0.02;
 /// its normal. Where no vertex of a facet is kept, nodes of the nearest facet with some stand in,
 /// with constant multipliers, so that nowhere a traction is lost.
 ///
-/// Ranks, owners, nodes that lie on a master and masters' normals are those of where the increment
-/// began; of a node that nothing was before there they are found here.
+/// Ranks, owners, nodes that lie on a master, how many motions slip and where masters' normals
+/// count are those of where the increment began; of a node that nothing was before there they are
+/// found here.
 struct Ownership {
   /// begun: where the increment began; null: here. A cell whose master did not face anything there
   /// is taken off the covers where a slave's node lies on it: that is no master in this increment.
@@ -38,6 +40,7 @@ struct Ownership {
   std::vector<Index> pair;   ///< per node, of the owning patch
   std::vector<long> label;   ///< per node
   std::vector<Vec3> normal;  ///< per node: given, or slave_normals()
+  Slipping slipping;         ///< of slave_normals()
   CommonNormals common;      ///< choose_common_normals()
   /// Per node: measure covered around it, where it is decided what faces what.
   std::vector<Real> covered;
@@ -108,8 +111,7 @@ struct Arrangement {
   std::vector<Side> slaves, masters;
   std::vector<Cover> covers;
   std::optional<Ownership> ownership;
-  /// Of contact nodes with the normals of masters: whether they see these along them, moments.h.
-  std::map<Index, bool> along_normal;
+  RowChoices choices;  ///< where the increment began, then of now
 };
 
 }  // namespace frictioncg::mortar

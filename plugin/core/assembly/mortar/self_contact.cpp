@@ -1,10 +1,10 @@
 #include "assembly/mortar/self_contact.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "assembly/mortar/search.h"
-#include "assembly/mortar/slip.h"
 #include "assembly/mortar/validation.h"
 #include "linear_algebra.h"
 
@@ -12,8 +12,49 @@ namespace frictioncg::mortar {
 
 namespace {
 
-/// Sizes and places are equal up to this share.
-constexpr Real equal = 1e-3;
+/// Sizes are equal up to the first share, by which those of a mesh that is equally fine everywhere
+/// may differ, from increment to increment the one way and the other; what tells directions, up to
+/// the second.
+constexpr Real as_fine = 0.1, equal = 1e-3;
+
+/// The principal axes of a surface in the reference, as columns. A direction is that along which
+/// the surface is skew; where it is so along all but one of them, the right hand tells the last.
+/// Axes whose direction nothing tells are 0.
+Eigen::Matrix3d own_axes(const Side& side, const OwnSurface& own) {
+  const auto sum = [&](const auto& of, auto total) {  // over the surface
+    for (Index f = 0; f < side.facets(); ++f) {
+      Vec3 x = Vec3::Zero();
+      for (int v = 0; v < side.d; ++v) x += own.X[side.facet(f).node[v]] / side.d;
+      total += own.planes[f].measure * of(x);
+    }
+    return total;
+  };
+  const Real measure = sum([](const Vec3&) { return 1; }, Real(0));
+  const Vec3 mean = sum([](const Vec3& x) { return x; }, Vec3(Vec3::Zero())) / measure;
+  const Eigenpairs spread = eigenpairs(
+      sum([&](const Vec3& x) { return Eigen::Matrix3d((x - mean) * (x - mean).transpose()); },
+          Eigen::Matrix3d(Eigen::Matrix3d::Zero())) /
+      measure);
+  Eigen::Matrix3d axes = spread.vectors;
+  const Vec3 skewness = sum(
+      [&](const Vec3& x) { return Vec3((axes.transpose() * (x - mean)).array().cube().matrix()); },
+      Vec3(Vec3::Zero()));
+  std::vector<int> untold;
+  bool distinct = true;
+  for (int c = side.d == 2 ? 1 : 0; c < 3; ++c) {
+    const Real size = std::sqrt(std::max<Real>(0, spread.values[c]));
+    if (c > 0) distinct &= spread.values[c] - spread.values[c - 1] > equal * spread.values[c];
+    if (!(std::abs(skewness[c]) > equal * measure * size * size * size)) untold.push_back(c);
+    if (skewness[c] < 0) axes.col(c) *= -1;
+  }
+  if (side.d == 2) axes.col(0) = Vec3::UnitZ();
+  if (!distinct) return Eigen::Matrix3d::Zero();
+  if (untold.size() == 1)
+    axes.col(untold[0]) = axes.col((untold[0] + 1) % 3).cross(axes.col((untold[0] + 2) % 3));
+  else
+    for (int c : untold) axes.col(c).setZero();
+  return axes;
+}
 
 /// Facets of one surface that face each other, and what hangs together with them.
 struct Meeting {
@@ -38,11 +79,15 @@ struct Half {
     size /= count;
     place /= count;
   }
-  bool before(const Half& o) const {
-    if (std::abs(size - o.size) > equal * size) return size < o.size;
-    const Real apart = equal * (place - o.place).norm();
-    for (int c = 0; c < 3; ++c)
-      if (std::abs(place[c] - o.place[c]) > apart) return place[c] < o.place[c];
+  /// Along the axis, or where none tells the coordinate, along which they are furthest apart.
+  bool before(const Half& o, const Eigen::Matrix3d& axes) const {
+    if (std::abs(size - o.size) > as_fine * size) return size < o.size;
+    for (const Vec3& way : {Vec3(axes.transpose() * (place - o.place)), Vec3(place - o.place)}) {
+      int most = 2;
+      for (int c : {1, 0})
+        if (std::abs(way[c]) > (1 + equal) * std::abs(way[most])) most = c;
+      if (std::abs(way[most]) > (place - o.place).norm() / 2) return way[most] < 0;
+    }
     return true;
   }
 };
@@ -97,25 +142,17 @@ void spread(const Side& side, std::vector<Index> decided, std::vector<char>& is_
 std::vector<char> slaves_of(const Nodes& nodes, const Pair& pair, Real maxgap) {
   const Side side(nodes.dimension, pair.slave, nodes.X);
   const OwnSurface own(side, nodes.X, nodes.reference);
+  const Eigen::Matrix3d axes = own_axes(side, own);
   std::vector<char> is_slave(side.facets(), 0);
   std::vector<Index> decided;
   for (const Meeting& meeting : meetings(side, cover(side, side, nodes.X, maxgap, &own), nodes.X)) {
     const Vec3 a = eigenpairs(meeting.directions).vectors.col(2);
     const Half one(meeting, side, own, a), other(meeting, side, own, -a);
-    for (Index f : (one.before(other) ? one : other).facets) is_slave[f] = 1;
+    for (Index f : (one.before(other, axes) ? one : other).facets) is_slave[f] = 1;
     decided.insert(decided.end(), meeting.facets.begin(), meeting.facets.end());
   }
   spread(side, decided, is_slave);
   return decided.empty() ? std::vector<char>() : is_slave;
-}
-
-/// The same where the increment began.
-std::vector<char> slaves_before(const Nodes& nodes, const Pair& pair, Real maxgap) {
-  if (nodes.before.empty()) return {};
-  const int d = nodes.dimension;
-  Nodes then = nodes;
-  then.X = straightened(d, {pair}, nodes.before);
-  return slaves_of(then, carried(d, {pair}, nodes.X, then.X)[0], maxgap);
 }
 
 void part(const std::vector<char>& is_slave, Pair& pair) {
@@ -123,7 +160,7 @@ void part(const std::vector<char>& is_slave, Pair& pair) {
   pair.slave.facets.clear();
   pair.master.facets.clear();
   for (std::size_t f = 0; f < slave.size(); ++f)
-    if (is_slave[f])
+    if (is_slave.empty() || is_slave[f])
       pair.slave.facets.push_back(slave[f]);
     else
       pair.master.facets.push_back(master[f]);
@@ -156,17 +193,23 @@ Cover cover(const Nodes& nodes, const Pair& given, const Side& slave, const Side
   return cover(slave, master, nodes.X, maxgap, &own, earlier);
 }
 
-std::vector<Pair> parted(const Nodes& nodes, std::vector<Pair> pairs, Real maxgap) {
-  for (Pair& pair : pairs) {
+void find_slaves(const Nodes& nodes, const std::vector<Pair>& pairs, Real maxgap,
+                 SlaveFacets& decided) {
+  decided.resize(pairs.size());
+  for (std::size_t p = 0; p < pairs.size(); ++p)
+    if (decided[p].empty() && touches_itself(pairs[p]))
+      decided[p] = slaves_of(nodes, pairs[p], maxgap);
+}
+
+std::vector<Pair> parted(std::vector<Pair> pairs, const SlaveFacets& slaves, bool moves) {
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
+    Pair& pair = pairs[p];
     if (!touches_itself(pair)) continue;
-    std::vector<char> is_slave = slaves_before(nodes, pair, maxgap);
-    if (is_slave.empty()) is_slave = slaves_of(nodes, pair, maxgap);
-    if (is_slave.empty() && nodes.reference.empty())
+    if (slaves[p].empty() && !moves)
       throw IllegalInput(labels_of(pair.slave) +
                          " does not face itself: no facet lies opposite another one, along its "
                          "normal; name another master, or no contact");
-    if (is_slave.empty()) is_slave.assign(pair.slave.facets.size(), 1);
-    part(is_slave, pair);
+    part(slaves[p], pair);
   }
   return pairs;
 }

@@ -25,19 +25,24 @@ struct OwnSurface {
 /// Whether the facets of slave and master are the same.
 bool touches_itself(const Pair& pair);
 
-/// The pairs, where the facets of each that touches itself are slave or master, none the latter
-/// where bodies that have moved do not face themselves. Of facets that face each other and what
-/// hangs together with them, a is the direction along which they do so, the nearest before all:
+/// Which facets are slaves, per pair; empty of one that does not touch or face itself.
+using SlaveFacets = std::vector<std::vector<char>>;
+
+/// Finds those of pairs that touch themselves of which it is not decided. Of facets that face each
+/// other and what hangs together with them, a is the direction along which they do so, the nearest
+/// before all:
 ///
 ///   (sum w n n') a = lambda a,   lambda the largest,   w = measure / (distance + size)
 ///
-/// Slave is the side with the smaller facets, or with equal ones that whose mean place comes first,
-/// both in the reference: they are those of its body, however it moves and is numbered. A facet
-/// that faces nothing is on the side of the nearest one that does.
-///
-/// It is decided where the increment began, of a pair that does not face itself there where the
-/// nodes are.
-std::vector<Pair> parted(const Nodes& nodes, std::vector<Pair> pairs, Real maxgap);
+/// Slave is the side with the smaller facets, or with equal ones that whose mean place comes first
+/// along the surface's own axes, both in the reference: however a body lies, moves and is numbered,
+/// they are the same. A facet that faces nothing is on the side of the nearest one that does.
+void find_slaves(const Nodes& nodes, const std::vector<Pair>& pairs, Real maxgap,
+                 SlaveFacets& decided);
+
+/// The pairs, where each facet of those that touch themselves is slave or master. None is the
+/// latter where they do not face themselves, which bodies that move may do.
+std::vector<Pair> parted(std::vector<Pair> pairs, const SlaveFacets& slaves, bool moves);
 
 /// What the sides of a pair, as it was given, have before each other at the nodes.
 Cover cover(const Nodes& nodes, const Pair& given, const Side& slave, const Side& master,

@@ -114,13 +114,14 @@ void refuse_weightless(const Nodes& nodes, const Side& slave, const Cover& cover
   }
 }
 
-/// Whether nothing is yet before a node whose normal no Dirichlet condition holds: bodies that move
-/// may bring it something.
+/// Whether nothing is yet before a node that no obstacle takes and whose normal no Dirichlet
+/// condition holds: bodies that move may bring it something.
 bool may_carry_later(const Arrangement& of, const Side& slave) {
   if (of.nodes.reference.empty()) return false;  // nothing moves
   for (Index f = 0; f < slave.facets(); ++f)
     for (int v = 0; v < slave.d; ++v) {
       const Index i = slave.facet(f).node[v];
+      if (!of.nodes.taken.empty() && of.nodes.taken[i]) continue;
       Vec3 held = Vec3::Zero();
       for (int c = 0; c < slave.d && !of.nodes.held.empty(); ++c)
         if (of.nodes.held[i] >> c & 1) held[c] = slave.planes[f].normal[c];
