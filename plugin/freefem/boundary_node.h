@@ -14,6 +14,7 @@ struct AdjacentFacet {
   double share = 0;       ///< integral of the node's shape function over the facet
   std::size_t place = 0;  ///< among the facets of the boundary
   double own = 0;         ///< Dimension::own
+  Fem2D::R3 deciding;     ///< the normal by which facets are one obstacle to a node, or several
 };
 
 /// A node of the mesh on the contact boundary.
@@ -55,7 +56,9 @@ struct BoundaryNode {
   Fem2D::R3 mean;         ///< mean outward normal of all facets at the node; 0 where they cancel
   double turn = 0;        ///< angle to its facets, of a curved surface; 0 where that is flat
   bool averaged = false;  ///< it stands for more normals than the node can obey
-  std::vector<AdjacentFacet> facets;  ///< of this normal; none between two bodies
+  std::vector<AdjacentFacet> facets;    ///< of this normal; none between two bodies
+  std::shared_ptr<BoundaryNode> begun;  ///< itself where the increment began; null: here
+  bool is_begun = false;                ///< it is such a one
 };
 
 /// The dofs of a node of the second of two spaces among those of both.

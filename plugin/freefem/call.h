@@ -102,9 +102,12 @@ inline PointLaws read_point_laws(Stack stack, const Arguments& args, bool everyw
 }
 
 /// Where the geometry of a call is; null where it is that of the mesh.
-inline Displacement read_at(Stack stack, const Arguments& args) {
-  if (!args.has(p_at)) return nullptr;
-  return std::make_shared<const Vector>(vector_of(stack, args, p_at));
+inline Stage read_stage(Stack stack, const Arguments& args) {
+  if (!args.has(p_at)) return {};
+  const auto read = [&](Parameter p) {
+    return args.has(p) ? std::make_shared<const Vector>(vector_of(stack, args, p)) : nullptr;
+  };
+  return {read(p_at), read(p_uold)};
 }
 
 /// The points on an obstacle with the weights and normals of the call.
@@ -119,8 +122,8 @@ inline void read_obstacle_points(Stack stack, const Arguments& args, bool lasts,
 /// which may name other laws, and other matrices.
 inline std::shared_ptr<Scene> read_scene(Stack stack, const Arguments& args, const Expression A,
                                          const Site& site, bool lasts, PointLaws& laws) {
-  const Displacement at = read_at(stack, args);
-  std::shared_ptr<Scene> scene = site.scene(stack, args.obstacle(stack), at);
+  const Stage stage = read_stage(stack, args);
+  std::shared_ptr<Scene> scene = site.scene(stack, args.obstacle(stack), stage);
   read_obstacle_points(stack, args, lasts, *scene);
   if (!scene->pairing) scene->moving = read_obstacles(stack, args, *scene);
   if (scene->nodes.empty() && !scene->averted.empty()) refuse_inward(*scene);

@@ -213,8 +213,8 @@ class BoundaryNodes {
       const Fem2D::R3 aside = place_.is_moved() ? place_.node(k, n.hat, n.dof) - n.x : Fem2D::R3();
       if (is_new) nodes_.push_back({n.dof, n.x, place_.moved(n.dof), aside, {}});
       const double share = Norme2(normal) * D::share(nodes.node.size(), n.corner);
-      nodes_[entry->second].facets.push_back(
-          {label, k, facet, n.hat, normal, share, facets_.size(), D::own(nodes.node.size())});
+      nodes_[entry->second].facets.push_back({label, k, facet, n.hat, normal, share, facets_.size(),
+                                              D::own(nodes.node.size()), normal});
       place.push_back(entry->second);
     }
     facets_.push_back({label, normal, {}, k, facet});

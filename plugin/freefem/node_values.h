@@ -124,8 +124,8 @@ inline void keep_normals(const Scene& scene) {
                          " cancel; give normal=[...] explicitly");
 }
 
-/// Replaces the mesh's normals on an obstacle by those of the call. Nodes that face away from it,
-/// as those at the ends of a nose, are left out, and kept aside.
+/// Replaces the mesh's normals on an obstacle by those of the call. Nodes that faced away from it
+/// where the increment began, as those at the ends of a nose, are left out, and kept aside.
 inline void set_normals(Stack stack, const Arguments& args, Scene& scene) {
   const Parameter normal = scene.pairing ? p_obstaclenormal : p_normal;
   scene.given_normals = args.has(normal);
@@ -140,7 +140,11 @@ inline void set_normals(Stack stack, const Arguments& args, Scene& scene) {
                          place(node, scene.d) +
                          "; give the outward normal of the body, of any length > 0");
     node.point.normal = n;
-    (faces_away(node, n) ? scene.averted : facing).push_back(node);
+    const BoundaryNode& deciding = node.begun ? *node.begun : node;
+    if (node.begun) scene.go_to(guard.point(), deciding);
+    const bool told = node.begun && unit_vector(stack, args, normal, scene.d, n);
+    const bool away = faces_away(deciding, told ? n : node.point.normal);
+    (away ? scene.averted : facing).push_back(node);
   }
   scene.nodes = std::move(facing);
   merge_equal_normals(scene.nodes);

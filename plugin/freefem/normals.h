@@ -17,12 +17,13 @@ constexpr double corner_angle = 30 * M_PI / 180;
 using FacetGroup = std::vector<AdjacentFacet>;
 
 /// The mean outward normal, weighted by the measure of the facets; 0 where they cancel.
-inline Fem2D::R3 mean_normal(const FacetGroup& group) {
+inline Fem2D::R3 mean_normal(const FacetGroup& group,
+                             Fem2D::R3 AdjacentFacet::*normal = &AdjacentFacet::normal) {
   Fem2D::R3 sum;
   double total = 0;
   for (const AdjacentFacet& f : group) {
-    sum += f.normal;
-    total += Norme2(f.normal);
+    sum += f.*normal;
+    total += Norme2(f.*normal);
   }
   const double length = Norme2(sum);
   return length > 1e-10 * total ? sum / length : Fem2D::R3();
@@ -40,7 +41,7 @@ inline std::vector<FacetGroup> groups_by_normal(const FacetGroup& facets) {
     FacetGroup joined{f};
     for (std::size_t g = groups.size(); g-- > 0;) {
       const bool near = std::any_of(groups[g].begin(), groups[g].end(), [&](const auto& other) {
-        return similar(other.normal, f.normal);
+        return similar(other.deciding, f.deciding);
       });
       if (!near) continue;
       joined.insert(joined.begin(), groups[g].begin(), groups[g].end());
@@ -57,7 +58,7 @@ inline bool independent(const std::vector<FacetGroup>& groups, int d) {
   constexpr double thin = 0.05;  // volume of the unit normals; a wedge of 3 degrees
   if (static_cast<int>(groups.size()) > d) return false;
   std::vector<Fem2D::R3> n;
-  for (const FacetGroup& g : groups) n.push_back(mean_normal(g));
+  for (const FacetGroup& g : groups) n.push_back(mean_normal(g, &AdjacentFacet::deciding));
   if (n.size() < 2) return true;
   const double volume = n.size() == 2 ? Norme2(n[0] ^ n[1]) : std::abs((n[0] ^ n[1], n[2]));
   return volume > thin;

@@ -22,10 +22,16 @@ template <class FESpaceType>
 std::vector<BoundaryNode> obstacle_points(const NamedSpace<FESpaceType>& space,
                                           const std::vector<long>& labels) {
   if (labels.empty()) return {};
-  const Boundary boundary = boundary_of(space, labels);
-  std::vector<BoundaryNode> points =
-      contact_points(Dimension<FESpaceType>::d, boundary, boundary.nodes.size());
-  follow_motions(space.Vh.space(), points);
+  constexpr int d = Dimension<FESpaceType>::d;
+  Boundary boundary = boundary_of(space, labels), begun;
+  if (space.Vh.begun()) {
+    begun =
+        boundary_of<FESpaceType>({*space.Vh.begun(), space.name, space.mesh, space.inside}, labels);
+    decide_by(begun, boundary);
+  }
+  std::vector<BoundaryNode> points = contact_points(d, boundary, boundary.nodes.size());
+  if (space.Vh.begun()) remember(contact_points(d, begun, begun.nodes.size()), points);
+  follow_motions(space.Vh, points);
   return points;
 }
 template <class FESpaceType>

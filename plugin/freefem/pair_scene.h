@@ -81,6 +81,7 @@ std::vector<BoundaryNode> obstacle_points(const Placement<FESpaceType>& V1,
   for (BoundaryNode& p : obstacle_points(before_obstacle(V2, "V2", "the mesh of V2"), second)) {
     p.point.dof = shifted(V1.space().NbOfDF, Dimension<FESpaceType>::d, p.point.dof);
     p.space = 1;
+    if (p.begun) p.begun->space = 1;
     points.push_back(std::move(p));
   }
   return points;

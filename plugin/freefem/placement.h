@@ -5,8 +5,14 @@
 
 namespace frictioncg {
 
-/// The displacement at which the geometry of a call is, or null.
+/// A displacement by the dofs of a call, or null.
 using Displacement = std::shared_ptr<const Vector>;
+
+/// The displacement at which the geometry of a call is, and that where its increment began, which
+/// decides what is chosen; null: the same.
+struct Stage {
+  Displacement at, begun;
+};
 
 /// A space, and where its nodes are: on its mesh, or moved from there by a displacement. Elements
 /// stay straight between their vertices, as those of a mesh that movemesh moves.
@@ -15,16 +21,21 @@ class Placement {
   using D = Dimension<FESpaceType>;
 
  public:
-  /// at: a displacement by the dofs of the call, among which those of this space begin at `offset`;
-  /// null where nothing is moved.
-  explicit Placement(const FESpaceType& Vh, Displacement at = nullptr, Index offset = 0)
-      : keep_(const_cast<FESpaceType*>(&Vh)), at_(std::move(at)), offset_(offset) {
-    if (at_) move_vertices();
+  /// Among the dofs of the call those of this space begin at `offset`.
+  explicit Placement(const FESpaceType& Vh, const Stage& stage = {}, Index offset = 0)
+      : keep_(const_cast<FESpaceType*>(&Vh)), stage_(stage), offset_(offset) {
+    if (is_moved()) move_vertices();
   }
 
   const FESpaceType& space() const { return *keep_; }
   const typename D::Mesh& mesh() const { return space().Th; }
-  bool is_moved() const { return at_ != nullptr; }
+  bool is_moved() const { return stage_.at != nullptr; }
+  /// Where the increment began; null: here.
+  const Placement* begun() const {
+    if (!begun_ && is_moved() && stage_.begun)
+      begun_ = std::make_shared<const Placement>(space(), Stage{stage_.begun, nullptr}, offset_);
+    return begun_.get();
+  }
 
   /// A point of element k, by its place in the reference element.
   Fem2D::R3 operator()(int k, const Fem2D::R3& hat) const {
@@ -42,7 +53,7 @@ class Placement {
   /// The displacement of the node that has these dofs.
   Fem2D::R3 moved(const std::array<Index, 3>& dof) const {
     Fem2D::R3 u;
-    for (int c = 0; c < D::d && is_moved(); ++c) u[c] = (*at_)[offset_ + dof[c]];
+    for (int c = 0; c < D::d && is_moved(); ++c) u[c] = (*stage_.at)[offset_ + dof[c]];
     return u;
   }
   /// A node of element k itself: that of a P2 edge may have left the edge's middle.
@@ -76,7 +87,7 @@ class Placement {
       for (std::size_t e = 0; e < ip.dof.size(); ++e) {
         const int v = corner_at(ip.hat[ip.point[e]], D::d), c = ip.component[e];
         if (v < 0 || c >= D::d || ip.coefficient[e] != 1) continue;
-        (*displacement)[mesh()(k, v)][c] = (*at_)[offset_ + K(ip.dof[e])];
+        (*displacement)[mesh()(k, v)][c] = (*stage_.at)[offset_ + K(ip.dof[e])];
         known[mesh()(k, v)] = 1;
       }
     }
@@ -84,7 +95,8 @@ class Placement {
   }
 
   CountPointer<FESpaceType> keep_;
-  Displacement at_;
+  Stage stage_;
+  mutable std::shared_ptr<const Placement> begun_;  ///< once it is asked for
   Index offset_;
   std::shared_ptr<const std::vector<Fem2D::R3>> of_vertex_;  ///< of the mesh; null: none
 };

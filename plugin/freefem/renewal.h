@@ -32,7 +32,7 @@ inline void place_obstacle(Stack stack, const Arguments& args, Scene& scene) {
 
 /// The geometry of C at the displacement of the call, which names anew what C was given at places.
 inline std::shared_ptr<Scene> moved(Stack stack, const Arguments& args, const Scene& before) {
-  const std::shared_ptr<Scene> scene = before.moved_to(read_at(stack, args));
+  const std::shared_ptr<Scene> scene = before.moved_to(read_stage(stack, args));
   const auto require = [&](Parameter p, bool given) {
     if (given && !args.has(p))
       throw IllegalInput(std::string("at moves the nodes of C, and ") + parameters[p].name +

@@ -43,7 +43,7 @@ struct Geometry {
   std::optional<MovingObstacles> moving;  ///< none where all obstacles stand still
   Displacement at;                        ///< of the geometry (ndof)
   /// The nodes and faces of the same spaces at another displacement.
-  std::function<std::shared_ptr<Scene>(const Displacement&)> moved_to;
+  std::function<std::shared_ptr<Scene>(const Stage&)> moved_to;
 
   /// Of its bodies, by the mesh; found when it is first asked for.
   Real least_gyration() const {

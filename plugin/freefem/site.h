@@ -16,41 +16,42 @@ class Site {
   virtual bool is_on_part(Stack stack) const = 0;            ///< of a distributed mesh
   virtual std::vector<long> labels(Stack stack) const = 0;   ///< of the slave, of two bodies
   virtual std::vector<long> masters(Stack stack) const = 0;  ///< none where there is one body
-  /// The geometry as it is now, moved by `at` where that is not null; obstacle: labels beside pairs
-  /// of bodies.
+  /// The geometry as it is now, moved where the stage says so; obstacle: labels beside pairs of
+  /// bodies.
   virtual std::shared_ptr<Scene> scene(Stack stack, const std::vector<long>& obstacle,
-                                       const Displacement& at) const = 0;
+                                       const Stage& stage) const = 0;
 };
 
-inline void check_at(const Displacement& at, const DofCount& dofs) {
-  if (at) check_vector(*at, "at", dofs);
+inline void check_stage(const Stage& stage, const DofCount& dofs) {
+  if (stage.at) check_vector(*stage.at, "at", dofs);
+  if (stage.begun) check_vector(*stage.begun, "uold", dofs);
 }
 
-/// make(at), which can be made at another displacement, too.
+/// make(stage), which can be made at another one, too.
 template <class Make>
-std::shared_ptr<Scene> scene_at(const Displacement& at, const Make& make) {
-  std::shared_ptr<Scene> scene = make(at);
-  scene->at = at;
-  scene->moved_to = [make](const Displacement& other) { return scene_at(other, make); };
+std::shared_ptr<Scene> scene_at(const Stage& stage, const Make& make) {
+  std::shared_ptr<Scene> scene = make(stage);
+  scene->at = stage.at;
+  scene->moved_to = [make](const Stage& other) { return scene_at(other, make); };
   return scene;
 }
 
 /// The geometry of one body before an obstacle, of two bodies in one space, or in spaces of their
-/// own, moved by `at`, and to be moved elsewhere later.
+/// own, moved where the stage says so, and to be moved elsewhere later.
 template <class FESpaceType>
 std::shared_ptr<Scene> scene_on(const FESpaceType& Vh, const std::vector<long>& labels,
-                                const Displacement& at) {
-  return scene_at(at, [on_mesh = Placement(Vh), labels](const Displacement& U) {
-    check_at(U, dofs_of(on_mesh.space().NbOfDF));
+                                const Stage& stage) {
+  return scene_at(stage, [on_mesh = Placement(Vh), labels](const Stage& U) {
+    check_stage(U, dofs_of(on_mesh.space().NbOfDF));
     return obstacle_scene(Placement(on_mesh.space(), U), labels);
   });
 }
 
 template <class FESpaceType>
 std::shared_ptr<Scene> scene_on(const FESpaceType& Vh, const PairLabels& labels,
-                                const std::vector<long>& obstacle, const Displacement& at) {
-  return scene_at(at, [on_mesh = Placement(Vh), labels, obstacle](const Displacement& U) {
-    check_at(U, dofs_of(on_mesh.space().NbOfDF));
+                                const std::vector<long>& obstacle, const Stage& stage) {
+  return scene_at(stage, [on_mesh = Placement(Vh), labels, obstacle](const Stage& U) {
+    check_stage(U, dofs_of(on_mesh.space().NbOfDF));
     return pair_scene(Placement(on_mesh.space(), U), labels, obstacle);
   });
 }
@@ -58,11 +59,11 @@ std::shared_ptr<Scene> scene_on(const FESpaceType& Vh, const PairLabels& labels,
 template <class FESpaceType>
 std::shared_ptr<Scene> scene_on(const FESpaceType& V1, const FESpaceType& V2,
                                 const PairLabels& labels, const std::vector<long>& obstacle,
-                                const Displacement& at) {
+                                const Stage& stage) {
   return scene_at(
-      at, [first = Placement(V1), second = Placement(V2), labels, obstacle](const Displacement& U) {
+      stage, [first = Placement(V1), second = Placement(V2), labels, obstacle](const Stage& U) {
         const Index n = first.space().NbOfDF;
-        check_at(U, dofs_of(n, second.space().NbOfDF));
+        check_stage(U, dofs_of(n, second.space().NbOfDF));
         return pair_scene(Placement(first.space(), U), Placement(second.space(), U, n), labels,
                           obstacle);
       });
@@ -115,7 +116,7 @@ class SiteOf : public Base {
     return master_ ? (*master_)(stack, "master") : std::vector<long>();
   }
   std::shared_ptr<Scene> scene(Stack stack, const std::vector<long>& obstacle,
-                               const Displacement& at) const override {
+                               const Stage& stage) const override {
     if (is_on_part(stack))
       throw IllegalInput(
           "Vh lies on one process's part of a distributed mesh, and its matrix would be taken for "
@@ -123,10 +124,10 @@ class SiteOf : public Base {
           "makes");
     const std::vector<long> slave = labels(stack), master = masters(stack);
     const auto& V1 = space(stack, 0);  // last: what an expression does may make it anew
-    if (!master_) return scene_on(V1, slave, at);
+    if (!master_) return scene_on(V1, slave, stage);
     const PairLabels pair(slave, master);
-    return in_two_spaces() ? scene_on(V1, space(stack, 1), pair, obstacle, at)
-                           : scene_on(V1, pair, obstacle, at);
+    return in_two_spaces() ? scene_on(V1, space(stack, 1), pair, obstacle, stage)
+                           : scene_on(V1, pair, obstacle, stage);
   }
 
  protected:

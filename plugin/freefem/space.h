@@ -53,7 +53,9 @@ std::vector<NodePlace> node_places(const Placement<Space>& placement) {
 /// its element, by which functions on the mesh are read.
 template <class FESpaceType>
 void go_to(MeshPoint* mp, const Placement<FESpaceType>& Vh, const BoundaryNode& node) {
-  Dimension<FESpaceType>::set_point(mp, Vh.mesh(), node, Vh(node.element, node.hat) + node.aside);
+  const Placement<FESpaceType>& there = node.is_begun ? *Vh.begun() : Vh;
+  Dimension<FESpaceType>::set_point(mp, Vh.mesh(), node,
+                                    there(node.element, node.hat) + node.aside);
 }
 
 /// make(), by whichever copy is called first, for all of them.
@@ -77,13 +79,13 @@ void observe(const Placement<FESpaceType>& Vh, Scene& scene) {
 
 /// Normals that motions of a body leave tangential, as far as the mesh can tell, do so exactly.
 template <class FESpaceType>
-void follow_motions(const FESpaceType& Vh, std::vector<BoundaryNode>& points) {
+void follow_motions(const Placement<FESpaceType>& Vh, std::vector<BoundaryNode>& points) {
   if (!any_curved(points)) return;
-  const std::vector<Index> of_element = body_of_element(Vh.Th, Dimension<FESpaceType>::d);
+  const std::vector<Index> of_element = body_of_element(Vh.mesh(), Dimension<FESpaceType>::d);
   std::vector<Index> body;
   for (const BoundaryNode& p : points) body.push_back(of_element[p.element]);
   follow_motions(Dimension<FESpaceType>::d, body, *std::max_element(body.begin(), body.end()) + 1,
-                 points);
+                 Vh.begun() != nullptr, points);
 }
 
 }  // namespace frictioncg

@@ -89,22 +89,46 @@ inline std::vector<BoundaryNode> contact_points(int d, const Boundary& boundary,
   return points;
 }
 
+/// The same boundary where the increment began tells which facets are one obstacle to a node.
+inline void decide_by(const Boundary& begun, Boundary& boundary) {
+  for (std::size_t i = 0; i < boundary.nodes.size(); ++i)
+    for (std::size_t f = 0; f < boundary.nodes[i].facets.size(); ++f)
+      boundary.nodes[i].facets[f].deciding = begun.nodes[i].facets[f].normal;
+}
+
+/// Points with what they were where the increment began, which is decided by decide_by.
+inline void remember(const std::vector<BoundaryNode>& begun, std::vector<BoundaryNode>& points) {
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    points[k].begun = std::make_shared<BoundaryNode>(begun[k]);
+    points[k].begun->is_begun = true;
+  }
+}
+
+/// Whether points are on a curved surface, where that is decided.
 inline bool any_curved(const std::vector<BoundaryNode>& points) {
-  return std::any_of(points.begin(), points.end(), [](const auto& p) { return p.turn > 0; });
+  return std::any_of(points.begin(), points.end(),
+                     [](const auto& p) { return (p.begun ? *p.begun : p).turn > 0; });
 }
 
 /// Makes motions that each body's points do not resist, as far as the mesh can tell, tangential
-/// exactly (slippable.h).   body: of each point, 0 .. bodies - 1
-inline void follow_motions(int d, const std::vector<Index>& body, Index bodies,
+/// exactly (slippable.h).   body: of each point, 0 .. bodies - 1; has_begun: the increment,
+/// elsewhere, where it is decided how many there are
+inline void follow_motions(int d, const std::vector<Index>& body, Index bodies, bool has_begun,
                            std::vector<BoundaryNode>& points, const SumOverProcesses& sum = {}) {
   std::vector<std::vector<std::size_t>> of_body(bodies);
   for (std::size_t k = 0; k < points.size(); ++k) of_body[body[k]].push_back(k);
+  const auto as_normal = [](const BoundaryNode& p) -> PointNormal {
+    return {as_vector(p.x), as_vector(as_R3(p.point.normal)), p.weight, p.turn};
+  };
   for (const std::vector<std::size_t>& own : of_body) {
-    std::vector<PointNormal> normals;
-    for (std::size_t k : own)
-      normals.push_back({as_vector(points[k].x), as_vector(as_R3(points[k].point.normal)),
-                         points[k].weight, points[k].turn});
-    if (follow_slippable_motions(d, normals, sum) == 0) continue;
+    std::vector<PointNormal> normals, begun;
+    for (std::size_t k : own) {
+      normals.push_back(as_normal(points[k]));
+      if (has_begun) begun.push_back(as_normal(*points[k].begun));
+    }
+    DecidedCount decided;
+    if (has_begun) decided = follow_slippable_motions(d, begun, {}, sum);
+    if (follow_slippable_motions(d, normals, decided, sum) == 0) continue;
     for (std::size_t k = 0; k < own.size(); ++k)
       for (int c = 0; c < d; ++c) points[own[k]].point.normal[c] = normals[k].normal[c];
   }

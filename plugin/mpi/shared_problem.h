@@ -35,9 +35,9 @@ inline std::shared_ptr<SharedScene> read_shared(Stack stack, const Arguments& ar
   auto shared = std::make_shared<SharedScene>();
   shared->domain = std::move(domain);
   shared->number = shared->domain->meeting().next_number();
-  Displacement at;
-  shared->domain->agree([&] { at = read_at(stack, args); });
-  shared->scene = site.part(stack, opening, *shared->domain, at);
+  Stage stage;
+  shared->domain->agree([&] { stage = read_stage(stack, args); });
+  shared->scene = site.part(stack, opening, *shared->domain, stage);
   if (site.two_bodies()) {
     read_pair(stack, args, A, everywhere, opening, *shared, laws);
     return shared;

@@ -11,10 +11,10 @@ namespace frictioncg {
 /// Where a call looks for contact; of its labels a process may have none.
 class SharedSite : public Site {
  public:
-  /// The part of this process, moved by `at`; the labels of the opening are the same on all.
+  /// The part of this process, where the stage says; the labels of the opening are the same on all.
   /// Collective.
   virtual std::shared_ptr<Scene> part(Stack stack, const Opening& opening, const Domain& domain,
-                                      const Displacement& at) const = 0;
+                                      const Stage& stage) const = 0;
 };
 
 /// Those of the labels that are on this part's boundary; each is on that of some.   Collective.
@@ -46,13 +46,16 @@ inline void check_size(const Domain& domain, const DofCount& dofs) {
 }
 
 /// As owners of nodes have it.   Collective.
-inline Displacement with_ghosts(const Displacement& at, const DofCount& dofs,
-                                const Domain& domain) {
-  domain.agree([&] { check_at(at, dofs); });
-  if (!at) return at;
-  Vector of_owners = *at;
-  domain.update(of_owners);
-  return std::make_shared<const Vector>(std::move(of_owners));
+inline Stage with_ghosts(const Stage& stage, const DofCount& dofs, const Domain& domain) {
+  domain.agree([&] { check_stage(stage, dofs); });
+  const auto of_owners = [&](const Displacement& u) -> Displacement {
+    if (!u) return u;
+    Vector updated = *u;
+    domain.update(updated);
+    return std::make_shared<const Vector>(std::move(updated));
+  };
+  const Displacement at = of_owners(stage.at);
+  return {at, of_owners(stage.begun)};
 }
 
 template <class V>
@@ -60,7 +63,7 @@ class SharedSiteOf final : public SiteOf<V, SharedSite> {
  public:
   using SiteOf<V, SharedSite>::SiteOf;
   std::shared_ptr<Scene> part(Stack stack, const Opening& opening, const Domain& domain,
-                              const Displacement& given) const override {
+                              const Stage& given) const override {
     const FESpaceType *V1 = nullptr, *V2 = nullptr;  // the latter of two spaces alone
     DofCount dofs;
     domain.agree([&] {
@@ -85,30 +88,41 @@ class SharedSiteOf final : public SiteOf<V, SharedSite> {
   using FESpaceType = typename V::FESpace;
   /// One body, by the labels that are here.
   std::shared_ptr<Scene> obstacle_part(const FESpaceType& Vh, const std::vector<long>& labels,
-                                       const Domain& domain, const Displacement& at) const {
+                                       const Domain& domain, const Stage& stage) const {
     const int d = this->dimension();
-    Boundary surface;
+    std::unique_ptr<const Placement<FESpaceType>> place;
+    Boundary surface, begun;
     std::vector<NodePlace> places;
     domain.agree([&] {
-      surface = boundary_of(Placement(Vh, at), labels);
-      places = node_places(Placement(Vh, at));
+      place = std::make_unique<Placement<FESpaceType>>(Vh, stage);
+      surface = boundary_of(*place, labels);
+      if (place->begun()) begun = boundary_of(*place->begun(), labels);
+      places = node_places(*place);
     });
     refuse_other_domain(domain, places);
     const std::size_t own = surface.nodes.size();
     add_facets_of_others(domain, d, surface);
+    if (place->begun()) {
+      add_facets_of_others(domain, d, begun);
+      decide_by(begun, surface);
+    }
     std::shared_ptr<Scene> scene;
-    domain.agree(
-        [&] { scene = obstacle_scene(Placement(Vh, at), contact_points(d, surface, own)); });
-    scene->at = at;
+    domain.agree([&] {
+      std::vector<BoundaryNode> points = contact_points(d, surface, own);
+      if (place->begun()) remember(contact_points(d, begun, own), points);
+      scene = obstacle_scene(*place, std::move(points));
+    });
+    scene->at = stage.at;
     keep_own_points(domain, *scene);
-    follow_motions_of_all(domain, name_bodies(domain, std::move(places), *scene), *scene);
+    follow_motions_of_all(domain, name_bodies(domain, std::move(places), *scene),
+                          place->begun() != nullptr, *scene);
     return scene;
   }
   /// V2: the master's space; null where it is V1.
   std::shared_ptr<Scene> pair_part(const FESpaceType& V1, const FESpaceType* V2,
                                    const std::vector<long>& slave, const std::vector<long>& master,
                                    const Opening& opening, const Domain& domain,
-                                   const Displacement& at) const {
+                                   const Stage& stage) const {
     std::shared_ptr<Scene> scene;
     std::vector<NodePlace> places;
     domain.agree([&] {
@@ -119,9 +133,9 @@ class SharedSiteOf final : public SiteOf<V, SharedSite> {
       labels.slave = slave;
       labels.master = master;
       labels.of_part = true;
-      scene = V2 ? pair_scene(Placement(V1, at), Placement(*V2, at, V1.NbOfDF), labels)
-                 : pair_scene(Placement(V1, at), labels);
-      scene->at = at;
+      scene = V2 ? pair_scene(Placement(V1, stage), Placement(*V2, stage, V1.NbOfDF), labels)
+                 : pair_scene(Placement(V1, stage), labels);
+      scene->at = stage.at;
       places = scene->places();
     });
     refuse_other_domain(domain, places);

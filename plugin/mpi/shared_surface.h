@@ -126,7 +126,7 @@ inline void add_facets_of_others(const Domain& domain, int d, Boundary& boundary
       if (is_new) boundary.nodes.emplace_back().x = sent->x(v);
       AdjacentFacet at;
       at.label = facet.label;
-      at.normal = facet.normal;
+      at.normal = at.deciding = facet.normal;
       at.place = boundary.facets.size();
       boundary.nodes[entry->second].facets.push_back(at);
       facet.node.push_back(entry->second);
@@ -152,12 +152,13 @@ inline Index name_bodies(const Domain& domain, std::vector<NodePlace> places, Sc
 }
 
 /// As in one process, over the own points of all.   Collective.
-inline void follow_motions_of_all(const Domain& domain, Index bodies, Scene& scene) {
+inline void follow_motions_of_all(const Domain& domain, Index bodies, bool has_begun,
+                                  Scene& scene) {
   if (domain.largest(any_curved(scene.nodes)) == 0) return;
   std::vector<Index> body_at(domain.dofs(), 0), body;
   for (const NodePlace& n : scene.places()) body_at[n.dof[0]] = n.body;
   for (const BoundaryNode& p : scene.nodes) body.push_back(body_at[p.point.dof[0]]);
-  follow_motions(scene.d, body, bodies, scene.nodes,
+  follow_motions(scene.d, body, bodies, has_begun, scene.nodes,
                  [&](Real* values, Index count) { domain.sum(values, count); });
 }
 
