@@ -229,6 +229,24 @@ TEST(MortarSelfContact, TheSlaveIsTheSameHoweverTheSceneIsTurned) {
   }
 }
 
+TEST(MortarSelfContact, OfArmsThatAreAlikeTheRightHandTellsTheSlave) {
+  Surfaces s = two_arms(2, 1, 6);
+  const auto wall = [](const Vec3& x) { return Vec3(1.5, opening / 2 + x[0] - 0.5, 0); };
+  for (Facet f : s.sheet(5, 1, wall, 1).facets) {
+    f.outward = Vec3::UnitX();
+    for (Surface* surface : {&s.pairs[0].slave, &s.pairs[0].master}) surface->facets.push_back(f);
+  }
+  std::set<bool> upper;
+  for (Real angle : {0.3, 0.8, 1.6, 2.4, 3.1, 3.9, 4.7, 5.5}) {
+    Surfaces turned = s;
+    turn(angle, turned);
+    const Mortar mortar = turned.mortar();
+    for (const ContactNode& node : mortar.nodes())
+      upper.insert(s.nodes.X[node.node][1] > opening / 2);
+  }
+  EXPECT_EQ(upper.size(), 1u);
+}
+
 TEST(MortarSelfContact, FacetsThatAreHardlySmallerMakeNoSlave) {
   for (int d : {2, 3}) {
     std::set<Real> heights;
