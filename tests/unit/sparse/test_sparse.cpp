@@ -233,12 +233,12 @@ TEST(SparseRoute, LeavesWidePlatesToMultigridUnlessTheyAreLifted) {
   const Solution again = solver.solve(hanging.problem().increment, Settings());
   EXPECT_EQ(again.status, Status::converged);
   EXPECT_EQ(again.layer, Layer::sparse_newton);
-  EXPECT_LE(again.steps.total(), 1);  // none of multigrid's
+  EXPECT_EQ(again.steps.total(), 0);  // none of multigrid's
   for (std::size_t e = 0; e < scene.a.size(); ++e)
     if (scene.a[e] < 1e20) scene.a[e] *= 1.01;
   solver.renew(scene.system(scene.node_of_dof).problem().system);
   const Solution stiffer = solver.solve(hanging.problem().increment, Settings());
   EXPECT_EQ(stiffer.status, Status::converged);
   EXPECT_EQ(stiffer.layer, Layer::sparse_newton);
-  EXPECT_LE(stiffer.steps.total(), 5);
+  EXPECT_LE(stiffer.steps.total(), 4);
 }
