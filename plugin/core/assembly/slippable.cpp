@@ -13,8 +13,8 @@ constexpr Real at_rest = 0.05;
 /// A normal is made orthogonal to a motion only where this share of it is left.
 constexpr Real kept = 0.9;
 /// Points resist a motion clearly where the mean square of n.w is above this multiple of what is
-/// allowed: normals would turn by ten times what the mesh cannot tell. Two points of an arc let two
-/// motions slip, one of which all of the arc resists a thousandfold.
+/// allowed: normals would turn by ten times what the mesh cannot tell. Any two points of an oval
+/// let a motion slip, which all of the oval resists.
 constexpr Real clearly = 100;
 
 /// The points, weighted.
