@@ -182,18 +182,17 @@ TEST(GeometricStiffness, KnowsHowGapsOfCurvedSurfacesChangeIn3DToFirstOrder) {
 }
 
 TEST(GeometricStiffness, KnowsHowWhatIsBarelyCoveredSharesItsMultipliers) {
-  for (auto [d, lifts] : {std::pair(2, false), {3, false}, {2, true}, {3, true}}) {
-    const Real slope_of_all = lifts ? 0 : 0.02;
+  for (int d : {2, 3}) {
     const Real covered = 1.5e-3 * 0.25, end = 0.25 - (d == 2 ? covered : covered / 2);
     Surfaces s(d);
     s.options.smooth = false;
-    const auto sheet = [=, d = d](Real from, Real beyond, Real height) {
+    const auto sheet = [d](Real from, Real beyond, Real height) {
       return [=](const Vec3& x) {
         Vec3 y = x;
         if (d == 3) y[1] += beyond * (2 * x[1] - 1);
         y[0] = from + (1 + beyond - from) * x[0];
-        y[d - 1] = height + slope_of_all * y[0] +
-                   0.05 * std::max<Real>(0, y[0] - 0.25) * std::sin(9 * y[0]);
+        y[d - 1] =
+            height + 0.02 * y[0] + 0.05 * std::max<Real>(0, y[0] - 0.25) * std::sin(9 * y[0]);
         return y;
       };
     };
@@ -206,12 +205,10 @@ TEST(GeometricStiffness, KnowsHowWhatIsBarelyCoveredSharesItsMultipliers) {
     for (Index k = 0; k < mortar.relative().rows(); ++k)
       for (Matrix::InnerIterator G(mortar.relative(), k); G; ++G)
         s.options.force[G.col()][d - 1] += (1 + 0.1 * Real(k)) * G.value();
-    // What the sliver is covered by stands still, and so do its nodes; or all of the slave rises.
+    // What the sliver is covered by stands still, and so do its nodes.
     std::vector<Vec3> along(s.nodes.X.size(), Vec3::Zero());
-    for (const Facet& f : s.pairs[0].slave.facets)
-      for (int v = 0; v < d && lifts; ++v) along[f.node[v]] = Vec3::Unit(d - 1);
     for (std::size_t j = 0; j < along.size(); ++j)
-      for (int c = 0; c < d && s.nodes.X[j][0] > 0.26 && !lifts; ++c)
+      for (int c = 0; c < d && s.nodes.X[j][0] > 0.26; ++c)
         along[j][c] = std::sin(7. * Real(j) + 3 * c);
     const Real h = 1e-6;
     Surfaces up = s, down = s;
