@@ -16,7 +16,7 @@ constexpr double of_factor_2d = 1.2e-7;  ///< over n^1.25, 2D, in any order
 constexpr double of_sparse = 4e-8;       ///< over n^1.5, 3D: slender bodies, in the best order
 constexpr double of_entries = 5e-8;      ///< over the entries of A: ordering, and two sweeps
 constexpr double of_laws = 4.5e-11;      ///< over contact_dofs^3: S, and ten Newton steps on it
-constexpr double of_cycles = 1.5e-7;     ///< over the entries of A: 15 to 30 cycles, and the set-up
+constexpr double of_cycles = 1.15e-7;    ///< over the entries of A: 15 to 30 cycles, and the set-up
 constexpr double of_levels = 5e-8;       ///< over the entries of A: the set-up alone
 /// A central path takes up to 40 steps, Newton's after it included. On A all of it costs about as
 /// much as 15 sparse factors with their ordering, on S six times what Newton's method does there.

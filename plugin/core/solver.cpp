@@ -26,8 +26,8 @@ constexpr Real runaway_rounding = 1e-3;
 /// Flops of a dense factor from which on another ordering of A is looked at.
 constexpr double worth_an_ordering = 1e8;
 
-/// Of a sparse factor, over the entries of A: what a quarter of multigrid's usual cycles takes.
-constexpr double few_flops = 250;
+/// Of a sparse factor, over the entries of A: what eight of multigrid's cycles take.
+constexpr double few_flops = 200;
 
 /// Where no factor can be had, the alternative to multigrid is a gradient method: multigrid may
 /// then cost so many times what it does as a rule, which is more than it ever does.

@@ -27,7 +27,7 @@ class FactoredMatrix final : public Hierarchy {
   void apply(const Vector& r, Vector& z) override;
   Index levels() const override { return 1; }
   Real operator_complexity() const override;
-  double bytes() const override { return laid_out() ? sizeof(Real) * double(L_->xsize) : 0; }
+  double bytes() const override { return laid_out() ? sizeof(Real) * common_.lnz : 0; }
 
  private:
   void copy_upper_triangle();
