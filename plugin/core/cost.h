@@ -20,7 +20,7 @@ Costs estimate_costs(const System& system);
 /// more, and it serves all increments that follow. In 3D it grows with n^2. On slender bodies
 /// Newton's method often fails on S, and takes a central path there.
 inline double worth_of_factor(const System& system, const Costs& costs) {
-  return system.dimension == 2 && std::isinf(costs.sparse) ? 3 : 1;
+  return system.dimension == 2 && std::isinf(costs.sparse) ? 4 : 1;
 }
 
 /// About the seconds of what nothing interrupts: ordering, factorization and condensation, and the
