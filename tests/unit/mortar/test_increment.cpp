@@ -2,6 +2,7 @@
 // weights of before, at every threshold. Each scene stands at one, and jumps without that.
 #include <gtest/gtest.h>
 
+#include "core/linear_algebra.h"
 #include "surfaces.h"
 
 using namespace frictioncg;
@@ -384,6 +385,46 @@ TEST(MortarIncrement, AMotionThatNormalsLetSlipStaysOne) {
     };
     const Real of_wheel = jump(rough_wheel, 0, 4e-3, change_of_normals);
     expect_continuous([&](Real t) { return rough_wheel(of_wheel + t); }, hold_facing);
+  }
+}
+
+TEST(MortarIncrement, AMotionStaysOneWhereNormalsResistItSomewhatMore) {
+  for (int d : {2, 3}) {
+    const Real at =
+        jump([d](Real rough) { return on_rough_arc(d, rough); }, 0, 4e-3, change_of_normals);
+    Surfaces s = on_rough_arc(d, 3 * at);
+    const auto work_left = [&] {  // of normals in the rotation that they let slip
+      const Mortar mortar = s.mortar();
+      DenseMatrix work(mortar.nodes().size(), d == 2 ? 3 : 6);
+      for (std::size_t k = 0; k < mortar.nodes().size(); ++k) {
+        const ContactNode& node = mortar.nodes()[k];
+        const Vec3 n = node.normal, turn = s.nodes.X[node.node].cross(n);
+        if (d == 2)
+          work.row(Index(k)) << n[0], n[1], turn[2];
+        else
+          work.row(Index(k)) << n.transpose(), turn.transpose();
+      }
+      return eigenpairs(work.transpose() * work).values[d == 2 ? 0 : 1];
+    };
+    EXPECT_GT(work_left(), 1e-10) << d;
+    s.nodes.before = on_rough_arc(d, 0.9 * at).nodes.X;
+    EXPECT_LT(work_left(), 1e-14) << d;
+  }
+}
+
+TEST(MortarIncrement, WhatASlaveLetSlipThatWasFlatDoesNotDependOnTheNamesOfBodies) {
+  for (int d : {2, 3}) {
+    Surfaces s = on_rough_arc(d, 1e-4), flat(d);
+    flat.pairs[0].slave = flat.sheet(8, -1, lifted(d, 0.05, -0.8, 0.8), 2);
+    flat.pairs[0].master = flat.sheet(9, 1, lifted(d, 0, -1, 1), 1);
+    s.nodes.before = flat.nodes.X;
+    const Mortar nameless = s.mortar();
+    s.options.bodies = [all = s.nodes.X.size()] { return std::vector<Index>(all, 1); };
+    const Mortar named = s.mortar();
+    ASSERT_GT(named.nodes().size(), 5u);
+    EXPECT_EQ(change(nameless, named), 0) << d;
+    s.nodes.before.clear();  // where it is decided now normals follow
+    EXPECT_GT(change_of_normals(s.mortar(), named), 1e-6) << d;
   }
 }
 

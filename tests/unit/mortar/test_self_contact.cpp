@@ -73,6 +73,14 @@ TEST(MortarSelfContact, FacesAcrossTheOpeningAndNotThroughTheBody) {
       }
 }
 
+TEST(MortarSelfContact, ItsSidesAreFoundAsFarApartAsMaxgap) {
+  for (int d : {2, 3}) {
+    Surfaces s = arms(d, 0);
+    s.options.maxgap = 1.2 * opening;
+    expect_opening(s, thickness, opening);
+  }
+}
+
 TEST(MortarSelfContact, TheFinerSideIsTheSlave) {
   for (int d : {2, 3}) {
     expect_opening(arms(d, 0.1, 3), thickness + opening, opening - 0.1);

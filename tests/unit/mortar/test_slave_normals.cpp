@@ -119,6 +119,49 @@ TEST(MortarNormals, EachBodyHasMotionsOfItsOwn) {
   }
 }
 
+TEST(MortarNormals, WhatOneBodyOrPairResistsIsLeftToOthers) {
+  // a rough cylinder beside an oval, which resists the rotation
+  std::mt19937 random(5);
+  std::uniform_real_distribution<Real> by(-1e-3, 1e-3);
+  const auto rough = [&](Real shift, Real height) -> Map {
+    return [&, shift, height](const Vec3& x) {
+      const Vec3 p = on_cylinder(x);
+      const Real r = 1 + by(random);
+      return Vec3(r * p[0] + shift, p[1], height * r * p[2]);
+    };
+  };
+  for (bool two_pairs : {false, true}) {
+    Surfaces s(3);
+    s.pairs.resize(two_pairs ? 2 : 1);
+    s.pairs[0].slave = s.sheet(7, 1, rough(0, 0.5), 2);
+    const Index cylinder = static_cast<Index>(s.nodes.X.size());
+    const Surface slave = s.sheet(7, 1, rough(3, 1), 2);
+    s.pairs[0].master = s.sheet(9, -1, rough(0, 0.5), 1);
+    const Surface master = s.sheet(9, -1, rough(3, 1), 1);
+    if (two_pairs) s.pairs[1] = {slave, master};
+    if (!two_pairs) {
+      for (const Facet& f : slave.facets) s.pairs[0].slave.facets.push_back(f);
+      for (const Facet& f : master.facets) s.pairs[0].master.facets.push_back(f);
+      s.options.bodies = [=, all = s.nodes.X.size()] {
+        std::vector<Index> body(all, 1);
+        std::fill_n(body.begin(), cylinder, 0);
+        return body;
+      };
+    }
+    const Mortar mortar = s.mortar();
+    Eigen::MatrixXd work = Eigen::MatrixXd::Zero(mortar.nodes().size(), 6);
+    for (std::size_t k = 0; k < mortar.nodes().size(); ++k) {
+      const ContactNode& node = mortar.nodes()[k];
+      if (node.node >= cylinder)
+        work.row(Index(k)) << node.normal.transpose(),
+            s.nodes.X[node.node].cross(node.normal).transpose();
+    }
+    const Vector sizes = Eigen::JacobiSVD<Eigen::MatrixXd>(work).singularValues();
+    EXPECT_LT(sizes[4], 1e-12) << two_pairs;
+    EXPECT_GT(sizes[3], 0.05) << two_pairs;
+  }
+}
+
 TEST(MortarNormals, WhereSurfacesOfOnePatchMeetAreTheMeanByMeasure) {
   const Nodes nodes{2, {Vec3(0, 0, 0), Vec3(3, 0, 0), Vec3(3, 1, 0)}, {}};
   Surface corner;

@@ -411,6 +411,18 @@ TEST(Multigrid, TheDefaultTakesItInThreeDimensionsWhereAFactorCostsMore) {
   EXPECT_EQ(make_plan(unknown.problem(), Settings()).route, Route::condensed);
 }
 
+TEST(Multigrid, TheDefaultStaysWithItFromCallToCall) {
+  const SceneInBlocks s(cube(16));
+  Solver solver(s.system);
+  for (Real share : {1., 1.1}) {
+    Increment increment = s.posed.problem().increment;
+    increment.F *= share;
+    const Solution a = solver.solve(increment, Settings());
+    EXPECT_EQ(a.status, Status::converged) << share;
+    EXPECT_EQ(a.layer, Layer::multigrid) << share;
+  }
+}
+
 TEST(Multigrid, TheDefaultTakesItInTwoDimensionsWhereTheDenseMatricesAreLarge) {
   AssembledSystem s;
   s.dimension = 2;
