@@ -29,6 +29,11 @@ constexpr double worth_an_ordering = 1e8;
 /// Of a sparse factor, over the entries of A: what eight of multigrid's cycles take.
 constexpr double few_flops = 200;
 
+/// Of the estimate of the central path on sparse factors, what multigrid may take before it. Of
+/// plates that are lifted or hang it solves two thirds in this time, which then take 0.1 to 0.5 of
+/// the path's, and no forces tell which.
+constexpr double worth_a_try = 0.4;
+
 /// Where no factor can be had, the alternative to multigrid is a gradient method: multigrid may
 /// then cost so many times what it does as a rule, which is more than it ever does.
 constexpr double only_gradients = 1e6;
@@ -154,7 +159,8 @@ Solution Solver::by_route(const ContactProblem& problem, const Settings& setting
       return by_condensation(problem, settings, x0, observer);
     case Route::multigrid:
       if (may_replace_a_factor(settings) &&
-          (poor_ || factored_ || sparse_comes_first(plan.costs, settings)))
+          (((poor_ || factored_) && settings.memory >= memory_needed_) ||
+           sparse_comes_first(plan.costs, settings)))
         return (this->*after_multigrid(plan.costs))(problem, settings, x0, observer);
       return by_multigrid(problem, settings, x0, plan.costs, observer);
   }
@@ -199,7 +205,7 @@ Solution Solver::by_multigrid(const ContactProblem& problem, const Settings& set
   }
   if (!multigrid_->has_hierarchy()) return by_condensation(problem, rest, x0, observer);
   Solution s = multigrid_->solve(problem, settings, x0, observer, allowance(settings, costs));
-  poor_ = !arrives(s);
+  poor_ = s.status != Status::max_iterations && !arrives(s) && std::isinf(costs.sparse);
   return or_by(after_multigrid(costs), std::move(s), problem, rest, observer);
 }
 
@@ -207,7 +213,7 @@ Solution Solver::by_multigrid(const ContactProblem& problem, const Settings& set
 /// failed. Where they do not arrive, or do not fit, the condensed route.
 Solution Solver::by_sparse_factors(const ContactProblem& problem, const Settings& settings,
                                    const Vector& x0, Observer* observer) {
-  const bool newton_failed = poor_ && multigrid_ && !(sparse_ && sparse_->has_answered());
+  const bool newton_failed = multigrid_ && !(sparse_ && sparse_->has_answered());
   if (!lay_out_sparse_factor(settings)) return by_condensation(problem, settings, x0, observer);
   return or_by(&Solver::by_condensation,
                newton_failed
@@ -255,12 +261,11 @@ bool Solver::is_cheaper_on_A(const Settings& settings) {
 }
 
 /// What the cheaper of the routes after it costs, over multigrid as a rule: infinite where the
-/// latter is named. Sparse factors do better by slender bodies that are lifted.
+/// latter is named.
 Allowance Solver::allowance(const Settings& settings, const Costs& costs) const {
   if (settings.method != Method::automatic) return {};
   if (indefinite_ || settings.memory < memory_needed_) return {only_gradients};
-  const double next = std::min(costs.condensed, costs.sparse) / costs.multigrid;
-  return {next, std::isfinite(costs.sparse) ? lifts : Allowance().violation};
+  return {std::min(costs.condensed, worth_a_try * costs.sparse) / costs.multigrid};
 }
 
 /// Whether the condensed route is open: factors A where that was not done, and fits now.

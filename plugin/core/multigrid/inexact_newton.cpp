@@ -79,7 +79,6 @@ Status InexactNewton::solve(Real tol, Index max_iterations, const Vector& x0, co
   rest_ = x_;
   b_ = x0.size() > 0 ? b0 : problem_.increment.F;
   b_C_ = b_.tail(springs_.size());
-  from_stick_ = start.empty() && x0.size() == 0;
   if (!start.empty())
     faces_.start_from(start);
   else if (x0.size() > 0)
@@ -242,7 +241,7 @@ bool InexactNewton::retreat(bool solved) {
 /// than the method is to try.
 bool InexactNewton::violation_falls(Real violation) {
   if (!std::isfinite(first_violation_)) first_violation_ = violation;
-  gave_up_ = std::exchange(from_stick_, false) && violation > most_violation_ * load_;
+  gave_up_ = !std::exchange(judged_, true) && violation > most_violation_ * load_;
   if (gave_up_ || !(violation <= out_of_bounds * first_violation_)) return false;
   if (violation < better * least_violation_) {
     least_violation_ = violation;

@@ -26,7 +26,7 @@ class InexactNewton {
 
   /// For a caller who has another method, which costs as much as so many cycles. Ends, stagnated,
   /// where the rate of a linear system promises more than that, where the forces of the first one
-  /// from stick violate the laws by more than so many times the load, or where faces leave a motion
+  /// violate the laws by more than so many times the load, or where faces leave a motion
   /// free.
   void give_up_beyond(Real cycles, Real violation) {
     affordable_ = cycles;
@@ -82,7 +82,7 @@ class InexactNewton {
   Vector springs_;  ///< contact_dofs [force/length]; 0 until faces have left a motion free
   Vector rest_;     ///< n, x where they are at rest
   Branches faces_at_rest_;
-  bool sprung_ = false, from_stick_ = false;
+  bool sprung_ = false, judged_ = false;
   int retreats_ = 0, soft_releases_ = 0;
 
   StepCounts steps_;

@@ -8,7 +8,7 @@
 namespace frictioncg {
 
 /// For a caller that has another route: this one ends, stagnated, as soon as it costs so many times
-/// what multigrid costs as a rule, or where the forces of the first linear system from stick
+/// what multigrid costs as a rule, or where the forces of the first linear system
 /// violate the laws by more than so many times the load.
 struct Allowance {
   double cost = std::numeric_limits<double>::infinity();

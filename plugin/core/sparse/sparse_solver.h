@@ -4,7 +4,7 @@
 
 namespace frictioncg {
 
-/// Of slender bodies: where the first forces from stick violate the laws by more than this share of
+/// Of slender bodies: where the first forces violate the laws by more than this share of
 /// the load, the body is lifted or hangs, and Newton's method does not settle. Of 60 scenes those
 /// that lie, slip or fall stay below 0.28, the others are above 0.78 (tests/bench/routes.edp).
 constexpr Real lifts = 0.5;

@@ -423,6 +423,18 @@ TEST(Multigrid, TheDefaultStaysWithItFromCallToCall) {
   }
 }
 
+TEST(Multigrid, ACallThatWasTooShortLeavesItToTheNext) {
+  const SceneInBlocks s(cube(16));
+  Solver solver(s.system);
+  Settings settings;
+  settings.nbiter = 3;
+  const Increment& increment = s.posed.problem().increment;
+  EXPECT_EQ(solver.solve(increment, settings).status, Status::max_iterations);
+  const Solution a = solver.solve(increment, Settings());
+  EXPECT_EQ(a.status, Status::converged);
+  EXPECT_EQ(a.layer, Layer::multigrid);
+}
+
 TEST(Multigrid, TheDefaultTakesItInTwoDimensionsWhereTheDenseMatricesAreLarge) {
   AssembledSystem s;
   s.dimension = 2;
