@@ -149,20 +149,27 @@ Solution Solver::solve(const Increment& increment, const Settings& settings, con
 Solution Solver::by_route(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                           Observer* observer) {
   const Plan plan = make_plan(problem, settings);
+  costs_ = plan.costs;
+  went_on_ = false;
   switch (plan.route) {
     case Route::iterative:
     case Route::sparse:  // no plan has it: that it comes first shows once A is ordered
       break;
     case Route::condensed:
       if (may_replace_a_factor(settings) && !condense(settings, observer) && !indefinite_)
-        return by_multigrid(problem, settings, x0, plan.costs, observer);
+        return by_multigrid(problem, settings, x0, observer);
       return by_condensation(problem, settings, x0, observer);
     case Route::multigrid:
-      if (may_replace_a_factor(settings) &&
-          (((poor_ || factored_) && settings.memory >= memory_needed_) ||
-           sparse_comes_first(plan.costs, settings)))
-        return (this->*after_multigrid(plan.costs))(problem, settings, x0, observer);
-      return by_multigrid(problem, settings, x0, plan.costs, observer);
+      if (may_replace_a_factor(settings)) {
+        const bool has_others = (poor_ || factored_) && settings.memory >= memory_needed_;
+        if (has_others || sparse_comes_first(settings))
+          return (this->*after_multigrid())(problem, settings, x0, observer);
+        went_on_ = sparse_ && sparse_->has_answered() && lay_out_sparse_factor(settings);
+        if (went_on_)
+          return or_by(&Solver::by_multigrid, sparse_->go_on(problem, settings, x0, observer),
+                       problem, settings, observer);
+      }
+      return by_multigrid(problem, settings, x0, observer);
   }
   return by_gradients(problem, settings, x0, observer, floating_);
 }
@@ -193,7 +200,7 @@ Solution Solver::by_condensation(const ContactProblem& problem, const Settings& 
 /// Multigrid; where it does not arrive short of rounding, or has no coordinates to build on, the
 /// route that is the cheapest of the others and what follows it.
 Solution Solver::by_multigrid(const ContactProblem& problem, const Settings& settings,
-                              const Vector& x0, const Costs& costs, Observer* observer) {
+                              const Vector& x0, Observer* observer) {
   Settings rest = settings;
   rest.method = Method::automatic;
   if (!multigrid_ || !multigrid_->is_set_up()) {
@@ -204,16 +211,16 @@ Solution Solver::by_multigrid(const ContactProblem& problem, const Settings& set
       multigrid_ = std::make_unique<MultigridSolver>(system_);
   }
   if (!multigrid_->has_hierarchy()) return by_condensation(problem, rest, x0, observer);
-  Solution s = multigrid_->solve(problem, settings, x0, observer, allowance(settings, costs));
-  poor_ = s.status != Status::max_iterations && !arrives(s) && std::isinf(costs.sparse);
-  return or_by(after_multigrid(costs), std::move(s), problem, rest, observer);
+  Solution s = multigrid_->solve(problem, settings, x0, observer, allowance(settings));
+  poor_ = s.status != Status::max_iterations && !arrives(s) && std::isinf(costs_.sparse);
+  return or_by(after_multigrid(), std::move(s), problem, rest, observer);
 }
 
 /// Sparse factors of A: along the central path at once where Newton's method by multigrid has just
 /// failed. Where they do not arrive, or do not fit, the condensed route.
 Solution Solver::by_sparse_factors(const ContactProblem& problem, const Settings& settings,
                                    const Vector& x0, Observer* observer) {
-  const bool newton_failed = multigrid_ && !(sparse_ && sparse_->has_answered());
+  const bool newton_failed = multigrid_ && (went_on_ || !(sparse_ && sparse_->has_answered()));
   if (!lay_out_sparse_factor(settings)) return by_condensation(problem, settings, x0, observer);
   return or_by(&Solver::by_condensation,
                newton_failed
@@ -230,14 +237,14 @@ bool Solver::lay_out_sparse_factor(const Settings& settings) {
 
 /// Whether Newton's method on sparse factors costs no more than by multigrid. It does not on wide
 /// plates, whose factors grow with n^1.5.
-bool Solver::sparse_comes_first(const Costs& costs, const Settings& settings) {
-  return std::isfinite(costs.sparse) && lay_out_sparse_factor(settings) &&
+bool Solver::sparse_comes_first(const Settings& settings) {
+  return std::isfinite(costs_.sparse) && lay_out_sparse_factor(settings) &&
          sparse_->flops() <= few_flops * double(system_->entries().nonZeros());
 }
 
 /// Sparse factors do for slender bodies, unless contact dofs are few.
-Solver::Way Solver::after_multigrid(const Costs& costs) {
-  return std::isfinite(costs.sparse) ? &Solver::by_sparse_factors : &Solver::by_condensation;
+Solver::Way Solver::after_multigrid() const {
+  return std::isfinite(costs_.sparse) ? &Solver::by_sparse_factors : &Solver::by_condensation;
 }
 
 /// s, or where it decides nothing short of rounding, what the next route and those after it find
@@ -262,10 +269,10 @@ bool Solver::is_cheaper_on_A(const Settings& settings) {
 
 /// What the cheaper of the routes after it costs, over multigrid as a rule: infinite where the
 /// latter is named.
-Allowance Solver::allowance(const Settings& settings, const Costs& costs) const {
+Allowance Solver::allowance(const Settings& settings) const {
   if (settings.method != Method::automatic) return {};
   if (indefinite_ || settings.memory < memory_needed_) return {only_gradients};
-  return {std::min(costs.condensed, worth_a_try * costs.sparse) / costs.multigrid};
+  return {std::min(costs_.condensed, worth_a_try * costs_.sparse) / costs_.multigrid};
 }
 
 /// Whether the condensed route is open: factors A where that was not done, and fits now.

@@ -54,28 +54,30 @@ class Solver {
   Solution by_condensation(const ContactProblem& problem, const Settings& settings,
                            const Vector& x0, Observer* observer);
   Solution by_multigrid(const ContactProblem& problem, const Settings& settings, const Vector& x0,
-                        const Costs& costs, Observer* observer);
+                        Observer* observer);
   Solution by_sparse_factors(const ContactProblem& problem, const Settings& settings,
                              const Vector& x0, Observer* observer);
   using Way = Solution (Solver::*)(const ContactProblem&, const Settings&, const Vector&,
                                    Observer*);
-  static Way after_multigrid(const Costs& costs);
+  Way after_multigrid() const;
   Solution or_by(Way next, Solution s, const ContactProblem& problem, Settings rest,
                  Observer* observer);
   bool lay_out_sparse_factor(const Settings& settings);
   bool is_cheaper_on_A(const Settings& settings);
-  bool sparse_comes_first(const Costs& costs, const Settings& settings);
-  Allowance allowance(const Settings& settings, const Costs& costs) const;
+  bool sparse_comes_first(const Settings& settings);
+  Allowance allowance(const Settings& settings) const;
   bool condense(const Settings& settings, Observer* observer);
   [[noreturn]] void refuse_memory(double given) const;
 
   SystemPtr system_;
   FloatingMotions floating_;
+  Costs costs_;  ///< of the plan
   std::unique_ptr<CondensedSolver> condensed_;
   double memory_needed_ = 0;  ///< by the condensed route, as far as it is known [bytes]
   bool factored_ = false;
   bool factor_reported_ = false;  ///< a solution has told what the factorization took
   bool indefinite_ = false;       ///< A has no factor, whatever the memory
+  bool went_on_ = false;          ///< sparse factors were tried in this call, from the last faces
   bool poor_ = false;             ///< the hierarchy is, or that of the matrix before was
   std::unique_ptr<MultigridSolver> multigrid_;
   std::unique_ptr<SparseSolver> sparse_;

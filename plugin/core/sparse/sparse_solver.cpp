@@ -29,10 +29,7 @@ void SparseSolver::renew(const SystemPtr& system) {
 
 Solution SparseSolver::solve(const ContactProblem& problem, const Settings& settings,
                              const Vector& x0, Observer* observer) {
-  Solution s = newton_.solve(problem, settings, x0, observer, bounded);
-  s.route = Route::sparse;
-  if (s.layer == Layer::multigrid) s.layer = Layer::sparse_newton;
-  answered_ = answered_ || s.status == Status::converged;
+  Solution s = go_on(problem, settings, x0, observer);
   const Index bound = bound_of(problem, settings);
   if (decided(s) || s.iterations >= bound) return s;
   Solution t = follow_path(problem, settings, bound - s.iterations, observer);
@@ -40,6 +37,15 @@ Solution SparseSolver::solve(const ContactProblem& problem, const Settings& sett
   t.steps += s.steps;
   t.times.contact += s.times.contact;
   return t;
+}
+
+Solution SparseSolver::go_on(const ContactProblem& problem, const Settings& settings,
+                             const Vector& x0, Observer* observer) {
+  Solution s = newton_.solve(problem, settings, x0, observer, bounded);
+  s.route = Route::sparse;
+  if (s.layer == Layer::multigrid) s.layer = Layer::sparse_newton;
+  answered_ = answered_ || s.status == Status::converged;
+  return s;
 }
 
 Solution SparseSolver::follow_path(const ContactProblem& problem, const Settings& settings,

@@ -23,8 +23,11 @@ class SparseSolver {
   bool laid_out() const { return factor_.laid_out(); }
   bool has_answered() const { return answered_; }
 
-  /// x0: n, or empty to start from the last answer.
+  /// Newton's method, then the central path. x0: n, or empty to start from the last answer.
   Solution solve(const ContactProblem& problem, const Settings& settings, const Vector& x0,
+                 Observer* observer);
+  /// Newton's method alone.
+  Solution go_on(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                  Observer* observer);
   /// The central path at once.
   Solution follow_path(const ContactProblem& problem, const Settings& settings, Index max_steps,
