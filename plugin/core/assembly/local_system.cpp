@@ -140,8 +140,9 @@ LocalLoad LocalSystem::load_from(const Vector& b, const Vector& w_old) const {
   load.F = load.total;
   if (w_old.size() == 0) return load;
   load.start.head(w) = w_old;
-  load.F.noalias() -= system_->entries() * load.start.head(w);
-  load.sizes += magnitude(system_->entries(), load.start.head(w));
+  Vector Aw;
+  load.sizes += system_->multiply_sized(w_old, Aw);
+  load.F -= Aw;
   return load;
 }
 

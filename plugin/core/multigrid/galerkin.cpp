@@ -4,6 +4,14 @@
 
 namespace frictioncg {
 
+namespace {
+
+bool are_zero(const float* begin, const float* end) {
+  return std::all_of(begin, end, [](float a) { return a == 0; });
+}
+
+}  // namespace
+
 template <int B, int K>
 SymmetricBlocks<K> galerkin_pattern(const SymmetricBlocks<B>& A, const Prolongation<B, K>& P) {
   std::vector<std::vector<Index>> lower(P.columns);
@@ -48,6 +56,7 @@ void GalerkinProduct<B, K>::start_row(const Prolongation<B, K>& P) {
 template <int B, int K>
 void GalerkinProduct<B, K>::multiply(float factor, const float* a, const Prolongation<B, K>& P,
                                      Index j) {
+  if (are_zero(a, a + B * B)) return;
   for (Index q = P.row[j]; q < P.row[j + 1]; ++q) {
     Index& place = place_[P.col[q]];
     if (place < 0) {
@@ -85,6 +94,7 @@ template <int B, int K>
 void GalerkinProduct<B, K>::add(const SymmetricBlocks<B>& A, const Prolongation<B, K>& P, Rows rows,
                                 SymmetricBlocks<K>& coarse) {
   for (Index i = rows.begin; i < rows.end; ++i) {
+    if (are_zero(P.at(P.row[i]), P.at(P.row[i + 1]))) continue;  // a node that sticks
     start_row(P);
     multiply(0.5f, A.diagonal_at(i), P, i);
     for (Index k = A.row[i]; k < A.row[i + 1]; ++k) multiply(1, A.at(k), P, A.col[k]);

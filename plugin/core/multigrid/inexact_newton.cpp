@@ -93,8 +93,10 @@ Status InexactNewton::solve(Real tol, Index max_iterations, const Vector& x0, co
     const Real violation = faces_.violation(x_, b_C_);
     if (std::hypot(inner_.norm(), violation) <= std::max(goal_, spring_share * spring_force())) {
       const bool held = spring_force() > goal_;
+      Certificate certificate = certify(problem_, x_);
+      b_ = certificate.r;
       const bool goes_on = release_springs();
-      if (accept(tol, held)) return Status::converged;
+      if (accept(std::move(certificate), tol, held)) return Status::converged;
       if (!goes_on) return ended(Status::stagnated);
     } else if (!solved || !violation_falls(violation)) {
       if (accepted_.size() > 0 || gave_up_ || !retreat(solved)) return ended(Status::stagnated);
@@ -106,10 +108,9 @@ Status InexactNewton::solve(Real tol, Index max_iterations, const Vector& x0, co
   return ended(Status::max_iterations);
 }
 
-/// Whether the laws hold at x, friction along the slip included; else what to aim for next. held:
-/// springs took a part of the load.
-bool InexactNewton::accept(Real tol, bool held) {
-  Certificate certificate = certify(problem_, x_);
+/// Whether the laws hold at x by its certificate, friction along the slip included; else what to
+/// aim for next. held: springs took a part of the load.
+bool InexactNewton::accept(Certificate certificate, Real tol, bool held) {
   const Real goal = tol * certificate.scale;
   if (certificate.residual <= tol) {
     certificate_ = std::move(certificate);
@@ -126,12 +127,6 @@ Status InexactNewton::ended(Status otherwise) {
   if (accepted_.size() == 0) return otherwise;
   x_ = accepted_;
   return Status::converged;
-}
-
-void InexactNewton::recompute_forces() {
-  system_.multiply(x_, b_);
-  b_ = problem_.increment.F - b_;
-  b_C_ = b_.tail(springs_.size()) + springs_.cwiseProduct((rest_ - x_).tail(springs_.size()));
 }
 
 /// x onto the faces, and b with it.
@@ -197,12 +192,13 @@ Real InexactNewton::spring_force() const {
   return std::sqrt(system_.sum((springs_.array() * stretch).square().cwiseQuotient(D).sum()));
 }
 
-/// The springs, if there are any, at rest where the body is: another problem from here on.
+/// The springs, if there are any, at rest where the body is, b = F - Ax: another problem from here
+/// on.
 void InexactNewton::attach_springs() {
   if (sprung_) springs_ = proximal_.eps() * system_.D.tail(springs_.size());
   rest_ = x_;
   faces_at_rest_ = faces_.all();
-  recompute_forces();
+  b_C_ = b_.tail(springs_.size());
   first_violation_ = least_violation_ = infinity;
   updates_since_least_ = 0;
 }
@@ -233,6 +229,8 @@ bool InexactNewton::retreat(bool solved) {
     faces_.start_from(faces_at_rest_);
     proximal_.missed();
   }
+  system_.multiply(x_, b_);
+  b_ = problem_.increment.F - b_;
   attach_springs();
   return true;
 }

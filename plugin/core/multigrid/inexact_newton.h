@@ -46,7 +46,6 @@ class InexactNewton {
   static constexpr Real infinity = std::numeric_limits<Real>::infinity();
 
   void move_onto_faces();
-  void recompute_forces();
   bool solve_faces();
   bool costs_too_much(Real from, Index cycles) const;
   void count(StepLabel label);
@@ -55,7 +54,7 @@ class InexactNewton {
   void attach_springs();
   bool release_springs();
   bool retreat(bool solved);
-  bool accept(Real tol, bool held);
+  bool accept(Certificate certificate, Real tol, bool held);
   Status ended(Status otherwise);
 
   const ContactProblem& problem_;

@@ -12,11 +12,15 @@ using namespace frictioncg::test;
 
 namespace {
 
-/// A system as one process of several has it: it counts the sums it is asked for.
+/// A system as one process of several has it: it counts the sums and products it is asked for.
 struct Alone final : System {
   explicit Alone(const System& of) : System(of), whole(of) {}
-  void multiply(const Vector& x, Vector& Ax) const override { whole.multiply(x, Ax); }
+  void multiply(const Vector& x, Vector& Ax) const override {
+    ++products;
+    whole.multiply(x, Ax);
+  }
   Vector multiply_sized(const Vector& x, Vector& Ax) const override {
+    if (!x.isZero(0)) ++products;
     return whole.multiply_sized(x, Ax);
   }
   void move_contact(const Vector& dx_C, Vector& r) const override { whole.move_contact(dx_C, r); }
@@ -25,7 +29,7 @@ struct Alone final : System {
   void sum(Real*, Index) const override { ++sums; }
 
   const System& whole;
-  mutable Index sums = 0;
+  mutable Index sums = 0, products = 0;
 };
 
 Solution solve_shared(const ContactProblem& problem, const SceneInBlocks& scene, Index* sums) {
@@ -68,6 +72,24 @@ TEST(Processes, OneAloneTakesTheIterationsAndFindsTheAnswerOfASystemThatIsNotSha
     EXPECT_NEAR(a.certificate.residual, b.certificate.residual, 1e-11);
     // a reduction or two for each purpose, not one for each direction
     EXPECT_LT(sums, 12 * a.iterations);
+  }
+}
+
+TEST(Processes, AnIncrementTakesAProductWithAForItsStartAndOneForItsAnswer) {
+  SceneInBlocks scene(block(true));
+  ContactProblem problem = scene.posed.problem();
+  const auto alone = std::make_shared<const Alone>(*problem.system);
+  problem.system = alone;
+  MultigridSolver solver(alone, std::move(scene.hierarchy));
+  Index before = 0;
+  for (Real load : {1.0, 1.1, 1.3}) {
+    problem.increment.F = load * scene.posed.problem().increment.F;
+    const Solution s = solver.solve(problem, Settings(), {}, nullptr);
+    EXPECT_EQ(s.status, Status::converged);
+    if (load > 1) {
+      EXPECT_EQ(alone->products - before, 2) << load;
+    }
+    before = alone->products;
   }
 }
 
