@@ -29,10 +29,11 @@ constexpr double worth_an_ordering = 1e8;
 /// Of a sparse factor, over the entries of A: what eight of multigrid's cycles take.
 constexpr double few_flops = 200;
 
-/// Of the estimate of the central path on sparse factors, what multigrid may take before it. Of
-/// plates that are lifted or hang it solves two thirds in this time, which then take 0.1 to 0.5 of
-/// the path's, and no forces tell which.
-constexpr double worth_a_try = 0.4;
+/// Where the central path on sparse factors costs so many times what multigrid is estimated at, as
+/// on P1 plates, multigrid may take a share of that before it: of those that are lifted or hang it
+/// solves most, in 0.1 to 0.5 of the path's time, and no forces tell which. P2 plates are at 14, of
+/// which it solves few: they are left as soon as forces show that they are lifted.
+constexpr double far_dearer = 18, worth_a_try = 0.4;
 
 /// Where no factor can be had, the alternative to multigrid is a gradient method: multigrid may
 /// then cost so many times what it does as a rule, which is more than it ever does.
@@ -272,7 +273,10 @@ bool Solver::is_cheaper_on_A(const Settings& settings) {
 Allowance Solver::allowance(const Settings& settings) const {
   if (settings.method != Method::automatic) return {};
   if (indefinite_ || settings.memory < memory_needed_) return {only_gradients};
-  return {std::min(costs_.condensed, worth_a_try * costs_.sparse) / costs_.multigrid};
+  const double dense = costs_.condensed / costs_.multigrid;
+  const double path = costs_.sparse / costs_.multigrid;
+  if (path < far_dearer) return {std::min(dense, path), lifts};
+  return {std::min(dense, worth_a_try * path)};
 }
 
 /// Whether the condensed route is open: factors A where that was not done, and fits now.

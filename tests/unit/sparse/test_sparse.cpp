@@ -148,24 +148,18 @@ TEST(SparseRoute, IsWeighedForBeamsOfTheWholePlaneToo) {
   EXPECT_EQ(b.route, Route::condensed);
 }
 
-/// The cycles that multigrid has before sparse factors, and one linear system that was begun.
-Real affordable_cycles(const Costs& costs) {
-  return 40 * 0.4 * costs.sparse / costs.multigrid + 10;
-}
-
-TEST(SparseRoute, AnswersForPlatesThatFallFarAfterABoundOfCyclesAndAsTheCondensedRouteDoes) {
+TEST(SparseRoute, AnswersForPlatesThatFallFarAfterFewCyclesAndAsTheCondensedRouteDoes) {
   SparseScene scene = sparse_block(plate(18));
   scene.gap.setConstant(1e-2);
   const Posed posed = scene.system(scene.node_of_dof);
-  const Plan plan = make_plan(posed.problem(), Settings());
-  ASSERT_EQ(plan.route, Route::multigrid);
+  ASSERT_EQ(make_plan(posed.problem(), Settings()).route, Route::multigrid);
   Solver solver(posed.problem().system);
   const Solution a = solver.solve(posed.problem().increment, Settings());
   EXPECT_EQ(a.status, Status::converged);
   EXPECT_EQ(a.route, Route::sparse);
   EXPECT_EQ(a.layer, Layer::sparse_interior_point);
-  EXPECT_LE(a.steps[StepLabel::conjugate], affordable_cycles(plan.costs));
-  EXPECT_LE(a.iterations - a.steps[StepLabel::conjugate], 60);
+  EXPECT_LE(a.steps[StepLabel::conjugate], 10);  // all but two of multigrid's cycles
+  EXPECT_LE(a.iterations, 30);
   const auto verdict = verify(scene, posed.to_global(a.x), posed.force_to_global(a.certificate.r));
   EXPECT_LT(verdict.worst(), 1e-5);
   Settings settings;
@@ -178,7 +172,7 @@ TEST(SparseRoute, AnswersForPlatesThatFallFarAfterABoundOfCyclesAndAsTheCondense
   EXPECT_EQ(again.status, Status::converged);
   EXPECT_EQ(again.layer, Layer::sparse_newton);
   EXPECT_LE(again.iterations, 10);
-  // another matrix, of another pattern: the layout is its own
+  // another matrix, of another pattern: no hierarchy is tried again, and the layout is its own
   SparseScene less = scene;
   std::size_t k = less.a.size() - 1;
   while (less.i[k] == less.j[k] || less.a[k] == 0) --k;
@@ -191,7 +185,7 @@ TEST(SparseRoute, AnswersForPlatesThatFallFarAfterABoundOfCyclesAndAsTheCondense
   const Solution c = solver.solve(other.problem().increment, Settings());
   EXPECT_EQ(c.status, Status::converged);
   EXPECT_EQ(c.route, Route::sparse);
-  EXPECT_LE(c.iterations - c.steps[StepLabel::conjugate], 60);
+  EXPECT_LE(c.iterations, 25);
   // and of the same one, with rows and columns scaled: new factors
   for (std::size_t e = 0; e < less.a.size(); ++e)
     if (less.a[e] < 1e20)
@@ -223,21 +217,19 @@ TEST(SparseRoute, ComesFirstWhereItsFactorsAreCheap) {
   }
 }
 
-TEST(SparseRoute, LeavesWidePlatesToMultigridUnlessItTakesLong) {
+TEST(SparseRoute, LeavesWidePlatesToMultigridUnlessTheyAreLifted) {
   SparseScene scene = sparse_block(plate(24));
   const Posed lying = scene.system(scene.node_of_dof);
   const Solution a = solve(lying.problem(), Settings());
   EXPECT_EQ(a.status, Status::converged);
   EXPECT_EQ(a.layer, Layer::multigrid);
   scene.gap.setConstant(1e-3);
-  const Posed near = scene.system(scene.node_of_dof);
-  EXPECT_EQ(solve(near.problem(), Settings()).layer, Layer::multigrid);
-  scene.gap.setConstant(1e-2);
   const Posed hanging = scene.system(scene.node_of_dof);
   Solver solver(hanging.problem().system);
   const Solution b = solver.solve(hanging.problem().increment, Settings());
   EXPECT_EQ(b.status, Status::converged);
   EXPECT_EQ(b.layer, Layer::sparse_interior_point);
+  EXPECT_LE(b.steps.total(), 10);  // of multigrid, until the first linear system has shown it
   const Solution again = solver.solve(hanging.problem().increment, Settings());
   EXPECT_EQ(again.status, Status::converged);
   EXPECT_EQ(again.layer, Layer::sparse_newton);
