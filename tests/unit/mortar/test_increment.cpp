@@ -76,6 +76,29 @@ TEST(MortarIncrement, WhatMaxgapLeavesOutStaysOut) {
   for (int d : {2, 3}) expect_continuous([&](Real t) { return left_out(d, t); }, hold_facing);
 }
 
+TEST(MortarIncrement, MaxgapIsOfThePlacesNowWhereNothingWasBeforeAFacet) {
+  for (int d : {2, 3}) {
+    const auto over_a_slope = [d](Real from) {  // whose plane is far from where it has no facets
+      Surfaces s(d);
+      s.options.maxgap = 1;
+      s.pairs[0].master = s.sheet(
+          5, 1,
+          [d](const Vec3& x) {
+            Vec3 y = x;
+            y[d - 1] = -1.7 * std::max<Real>(0, x[0] - 0.6);
+            return y;
+          },
+          1);
+      s.pairs[0].slave = s.sheet(4, -1, lifted(d, 0.1, from, from + 0.97), 2);
+      return s;
+    };
+    Surfaces s = over_a_slope(0);
+    const Mortar by_itself = s.mortar();
+    s.nodes.before = over_a_slope(-1).nodes.X;
+    EXPECT_EQ(change(s.mortar(), by_itself), 0) << d;
+  }
+}
+
 TEST(MortarIncrement, ASurfaceThatDoesNotFaceItselfLeavesOtherPairsWhatTheyDecided) {
   for (int d : {2, 3})
     expect_continuous(
