@@ -77,6 +77,29 @@ TEST(MortarIncrement, WhatMaxgapLeavesOutStaysOut) {
   for (int d : {2, 3}) expect_continuous([&](Real t) { return left_out(d, t); }, hold_facing);
 }
 
+TEST(MortarIncrement, MaxgapIsOfThePlacesNowWhereNothingWasBeforeAFacet) {
+  for (int d : {2, 3}) {
+    const auto over_a_slope = [d](Real from) {  // whose plane is far from where it has no facets
+      Surfaces s(d);
+      s.options.maxgap = 1;
+      s.pairs[0].master = s.sheet(
+          5, 1,
+          [d](const Vec3& x) {
+            Vec3 y = x;
+            y[d - 1] = -1.7 * std::max<Real>(0, x[0] - 0.6);
+            return y;
+          },
+          1);
+      s.pairs[0].slave = s.sheet(4, -1, lifted(d, 0.1, from, from + 0.97), 2);
+      return s;
+    };
+    Surfaces s = over_a_slope(0);
+    const Mortar by_itself = s.mortar();
+    s.nodes.before = over_a_slope(-1).nodes.X;
+    EXPECT_EQ(change(s.mortar(), by_itself), 0) << d;
+  }
+}
+
 TEST(MortarIncrement, ASurfaceThatDoesNotFaceItselfLeavesOtherPairsWhatTheyDecided) {
   for (int d : {2, 3})
     expect_continuous(
@@ -548,7 +571,32 @@ TEST(MortarIncrement, ANormalThatIsHeldStaysSo) {
           s.nodes.held.resize(s.nodes.X.size(), 0);
           return s;
         },
-        hold_facing);
+        hold_edges);
+}
+
+TEST(MortarIncrement, ANormalIsHeldWhereItIsSoWithoutDeformation) {
+  const auto sloped = [](Real slope) {
+    Surfaces s(2);
+    const auto tilted = [=](const Vec3& x) { return Vec3(x[0], slope * x[0], 0); };
+    s.pairs[0].master = s.sheet(3, 1, tilted, 1);
+    s.pairs[0].slave = s.sheet(4, -1, tilted, 2);
+    s.nodes.held.assign(s.nodes.X.size(), 0);
+    s.nodes.held.back() = 1;  // x, as on an axis
+    return s;
+  };
+  const Surfaces flat = sloped(0), tilted = sloped(0.3);
+  for (bool increment : {false, true})
+    for (Real slope : {0., 0.3, 60.}) {  // of the last one nothing is left free
+      Surfaces s = sloped(slope);
+      if (increment) s.nodes.before = s.nodes.X;
+      s.nodes.reference = flat.nodes.X;
+      EXPECT_EQ(s.mortar().statistics().held, slope > 1 ? 1 : 0) << slope;
+      EXPECT_EQ(s.mortar().nodes().size(), slope > 1 ? 4 : 5) << slope;
+      s.nodes.reference = tilted.nodes.X;
+      EXPECT_EQ(s.mortar().statistics().held, 1) << slope;
+      s.options.normals.assign(9, Vec3(0, -1, 0));  // of now
+      EXPECT_EQ(s.mortar().statistics().held, 0) << slope;
+    }
 }
 
 namespace {

@@ -121,9 +121,13 @@ void Covering::find(Index f, Real maxgap) {
     if (c.extent <= nothing) continue;
     const Vec2 middle = centroid(c.part);
     c.distance = c.projection.distance(middle);
-    if (std::abs(deciding_distance(f, m, c.projection.distance)(middle)) > maxgap) continue;
+    // A plane far from its facet tells nothing: where no part was before, the place of now decides.
+    const bool had_part = earlier_ && faced(f, m);
+    const Affine distance =
+        had_part ? deciding_distance(f, m, c.projection.distance) : c.projection.distance;
+    if (std::abs(distance(middle)) > maxgap) continue;
     const Real deepest = std::max(base.size, master_.planes[m].size);
-    if (earlier_ && c.distance < -deepest && !faced(f, m)) continue;  // it has come past its end
+    if (earlier_ && c.distance < -deepest && !had_part) continue;  // it has come past its end
     if (own_ && own_->excludes(slave_, f, master_.facet(m), middle, c.distance, deepest)) continue;
     c.left = infinite, c.right = -infinite;
     for (const Vec2& xi : c.part)

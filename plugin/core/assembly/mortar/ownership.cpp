@@ -21,15 +21,22 @@ Index label_position(const Surface& surface, long label) {
   return static_cast<Index>(at - surface.labels.begin());
 }
 
-/// The normals by which it is decided whether Dirichlet conditions hold them: those where the
-/// increment began, or those of now.
-std::vector<Vec3> normals_before(const Arrangement* begun, const Options& options, const Owns& owns,
-                                 const std::vector<Vec3>& now) {
-  if (!begun || !options.normals.empty()) return now;
-  const auto& held = begun->nodes.held;
-  const bool any = std::any_of(held.begin(), held.end(), [](auto h) { return h != 0; });
-  Slipping slipping = begun->ownership->slipping;
-  return any ? slave_normals(begun->nodes, begun->slaves, options, owns, slipping) : now;
+/// The normals by which it is decided whether Dirichlet conditions hold them: those of the bodies
+/// as they are not deformed. Along a path a node on an axis or on a plane of symmetry keeps its
+/// law, whatever the normal of its facets, which lie on one side of it, does there.
+std::vector<Vec3> undeformed_normals(const Nodes& nodes, const std::vector<Side>& slaves,
+                                     const Options& options, const Owns& owns,
+                                     const std::vector<Vec3>& now) {
+  bool any = false;  // of those with a normal
+  for (std::size_t i = 0; i < now.size(); ++i)
+    any = any || (nodes.held[i] != 0 && !now[i].isZero(0));
+  if (!any || nodes.reference.empty() || !options.normals.empty()) return now;
+  Nodes at_rest = nodes;
+  at_rest.X = nodes.reference;
+  std::vector<Side> sides;
+  for (const Side& slave : slaves) sides.emplace_back(slave, nodes.X, at_rest.X);
+  Slipping slipping;
+  return slave_normals(at_rest, sides, options, owns, slipping);
 }
 
 }  // namespace
@@ -69,7 +76,8 @@ Ownership::Ownership(const Nodes& nodes, const std::vector<Side>& slaves,
   if (!begun) find_faced(masters, covers);
   remove_shared(masters);
   remove_taken(nodes.taken);
-  if (!nodes.held.empty()) remove_held(nodes, slaves, normals_before(begun, options, owns, normal));
+  if (!nodes.held.empty())
+    remove_held(nodes, slaves, undeformed_normals(nodes, slaves, options, owns, normal));
   if (begun) take_off_slaves(masters, covers);
   for (std::size_t p = 0; p < slaves.size(); ++p)
     choose_carriers(static_cast<Index>(p), slaves[p], covers[p]);
@@ -223,7 +231,7 @@ void Ownership::remove_held(const Nodes& nodes, const std::vector<Side>& slaves,
     Vec3 free = normal[i], held = Vec3::Zero();
     for (int c = 0; c < nodes.dimension; ++c)
       if (nodes.held[i] >> c & 1) free[c] = 0, held[c] = deciding[i][c];
-    if (held.norm() > mostly_free)
+    if (held.norm() > mostly_free || free.norm() <= mostly_free)
       state[i] = State::held;
     else
       normal[i] = free.normalized();
