@@ -5,7 +5,8 @@
 namespace frictioncg {
 
 enum class Method {
-  automatic,  ///< condensed, or multigrid where a factor costs more or does not fit, else gcx
+  automatic,  ///< condensed, or where its factor costs more or does not fit multigrid, on slender
+              ///< bodies sparse factors first, else gcx
   condensed,  ///< the interior eliminated by one factorization
   multigrid,  ///< Newton steps on A, preconditioned by multigrid with the contact faces cut out
   gc1,        ///< release tensile nodes at each iteration and restart (Jeusette-Sonzogni)

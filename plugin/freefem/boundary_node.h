@@ -59,6 +59,7 @@ struct BoundaryNode {
   std::vector<AdjacentFacet> facets;    ///< of this normal; none between two bodies
   std::shared_ptr<BoundaryNode> begun;  ///< itself where the increment began; null: here
   bool is_begun = false;                ///< it is such a one
+  const BoundaryNode& deciding() const { return begun ? *begun : *this; }
 };
 
 /// The dofs of a node of the second of two spaces among those of both.

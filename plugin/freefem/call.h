@@ -202,6 +202,7 @@ inline KN_<double> solve(Stack stack, const Call& call, Scene& scene, const Poin
     report_plan(call.args, scene, problem, call.settings, call.verb);
     warn_of_averages(scene);
     report_averted(scene);
+    warn_of_passed(stack, call.args, scene);
     report_large_friction(largest_friction(problem));
     note_weight(scene);
     note_contrast(*scene.system->system());

@@ -239,8 +239,8 @@ class BoundaryNodes {
     Fem2D::R3 middle;
     for (const FacetNodes::Node& n : facet.node)
       if (n.corner) middle += D::position(Vh_.Th, k, n.hat) / D::d;
-    throw IllegalInput("at turns the element behind the " + std::string(D::facet_name) + " at " +
-                       coordinates(middle, D::d) + " on label " + std::to_string(label) +
+    throw IllegalInput(place_.moved_by() + " turns the element behind the " + D::facet_name +
+                       " at " + coordinates(middle, D::d) + " on label " + std::to_string(label) +
                        " inside out, or makes it flat; take a smaller increment of the load, or a "
                        "part of the step");
   }

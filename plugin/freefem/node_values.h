@@ -140,10 +140,14 @@ inline void set_normals(Stack stack, const Arguments& args, Scene& scene) {
                          place(node, scene.d) +
                          "; give the outward normal of the body, of any length > 0");
     node.point.normal = n;
-    const BoundaryNode& deciding = node.begun ? *node.begun : node;
-    if (node.begun) scene.go_to(guard.point(), deciding);
-    const bool told = node.begun && unit_vector(stack, args, normal, scene.d, n);
-    const bool away = faces_away(deciding, told ? n : node.point.normal);
+    if (node.begun) {
+      scene.go_to(guard.point(), *node.begun);
+      const bool told = unit_vector(stack, args, normal, scene.d, n);
+      node.begun = std::make_shared<BoundaryNode>(*node.begun);
+      node.begun->point.normal = told ? n : node.point.normal;
+    }
+    const BoundaryNode& deciding = node.deciding();
+    const bool away = faces_away(deciding, deciding.point.normal);
     (away ? scene.averted : facing).push_back(node);
   }
   scene.nodes = std::move(facing);

@@ -100,14 +100,14 @@ void add_points(const SharedNode& node, int d, std::vector<BoundaryNode>& points
 }
 
 /// Given normals may agree where those of the mesh do not: keeps one point for each normal of a
-/// node. The points of a node follow each other.
+/// node, as they are where that is decided. The points of a node follow each other.
 inline void merge_equal_normals(std::vector<BoundaryNode>& points) {
   std::vector<BoundaryNode> kept;
   for (const BoundaryNode& p : points) {
     std::size_t q = kept.size();
     bool merged = false;
     while (!merged && q-- > 0 && kept[q].point.dof[0] == p.point.dof[0])
-      if (similar(as_R3(kept[q].point.normal), as_R3(p.point.normal))) {
+      if (similar(as_R3(kept[q].deciding().point.normal), as_R3(p.deciding().point.normal))) {
         kept[q].weight += p.weight;
         merged = true;
       }

@@ -12,6 +12,7 @@ using Displacement = std::shared_ptr<const Vector>;
 /// decides what is chosen; null: the same.
 struct Stage {
   Displacement at, begun;
+  const char* name = "at";  ///< of the argument that `at` is
 };
 
 /// A space, and where its nodes are: on its mesh, or moved from there by a displacement. Elements
@@ -30,10 +31,12 @@ class Placement {
   const FESpaceType& space() const { return *keep_; }
   const typename D::Mesh& mesh() const { return space().Th; }
   bool is_moved() const { return stage_.at != nullptr; }
+  std::string moved_by() const { return stage_.name; }  ///< the argument
   /// Where the increment began; null: here.
   const Placement* begun() const {
     if (!begun_ && is_moved() && stage_.begun)
-      begun_ = std::make_shared<const Placement>(space(), Stage{stage_.begun, nullptr}, offset_);
+      begun_ =
+          std::make_shared<const Placement>(space(), Stage{stage_.begun, nullptr, "uold"}, offset_);
     return begun_.get();
   }
 

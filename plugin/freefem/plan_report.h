@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "../core/assembly/mortar/validation.h"
+#include "node_values.h"
 #include "report.h"
 
 namespace frictioncg {
@@ -58,6 +59,21 @@ inline void report_averted(const Scene& scene) {
   line() << count << (count == 1 ? " node faces" : " nodes face")
          << " away from the normal given, as at " << place(scene.averted.front(), scene.d)
          << ", and cannot touch: left out" << std::endl;
+}
+
+/// A warning for nodes that faced away from the obstacle where the increment began, and face it now
+/// from within: nothing has held them back.
+inline void warn_of_passed(Stack stack, const Arguments& args, const Scene& scene) {
+  std::vector<BoundaryNode> facing;
+  for (const BoundaryNode& node : scene.averted)
+    if (node.begun && !faces_away(node, node.point.normal)) facing.push_back(node);
+  const Vector gap =
+      at_nodes(stack, args, scene.pairing ? p_obstaclegap : p_gap, scene, facing);
+  Index worst = 0;
+  if (gap.size() == 0 || gap.minCoeff(&worst) >= 0) return;
+  line() << "warning: " << place(facing[worst], scene.d)
+         << " faced away from the obstacle where the increment began, was left out, and lies "
+         << -gap[worst] << " inside it; take smaller increments" << std::endl;
 }
 
 /// The largest coefficient of Coulomb friction; 0 where there is none.

@@ -2,6 +2,7 @@
 #include "freefem.h"
 
 #include <iostream>
+#include <iterator>
 
 #include "options.h"
 #include "progress.h"
@@ -40,6 +41,9 @@ constexpr const char* layer_names[] = {
     "Newton on A, preconditioned by multigrid",
     "Newton on A, by sparse factors",
     "an interior point on A, by sparse factors, with Newton after it"};
+static_assert(std::size(status_names) == static_cast<int>(Status::runaway) + 1);
+static_assert(std::size(law_names) == static_cast<int>(Law::coulomb) + 1);
+static_assert(std::size(layer_names) == static_cast<int>(Layer::sparse_interior_point) + 1);
 inline const char* name_of(Status status) { return status_names[static_cast<int>(status)]; }
 inline const char* name_of(Law law) { return law_names[static_cast<int>(law)]; }
 inline const char* name_of(Layer layer) { return layer_names[static_cast<int>(layer)]; }

@@ -107,7 +107,7 @@ inline void remember(const std::vector<BoundaryNode>& begun, std::vector<Boundar
 /// Whether points are on a curved surface, where that is decided.
 inline bool any_curved(const std::vector<BoundaryNode>& points) {
   return std::any_of(points.begin(), points.end(),
-                     [](const auto& p) { return (p.begun ? *p.begun : p).turn > 0; });
+                     [](const auto& p) { return p.deciding().turn > 0; });
 }
 
 /// Makes motions that each body's points do not resist, as far as the mesh can tell, tangential

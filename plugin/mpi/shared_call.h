@@ -13,9 +13,10 @@ namespace frictioncg {
 /// in place of the cycle, for this call and those that follow.   Collective.
 inline Solution by_layers(SharedScene& shared, const ContactProblem& problem, Settings settings,
                           const Vector& x0, Observer* observer) {
-  // Over the usual cost of multigrid: a factorization takes less; springs wait for it. Bodies that
-  // hang over a gap arrive where the first forces violate the laws 2e4 times, and not at 5e4.
-  constexpr Allowance patience{10, 3e4};
+  // Over the usual cost of multigrid: a factorization takes less. Of the bodies of
+  // tests/bench/routes.edp that hang over a gap those arrive by the cycle of one process whose
+  // first forces violate the laws by less than 9e4 times the load, and those above 1e5 do not.
+  constexpr Allowance patience{10, 1e5};
   const bool last = shared.coarsening == Coarsening::none || !may_be_factorized(*shared.A);
   const Allowance allowance = last ? Allowance() : patience;
   Solution s = shared.solver->solve(problem, settings, x0, observer, allowance);

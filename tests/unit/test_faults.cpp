@@ -11,6 +11,7 @@
 #include <new>
 
 #include "core/solver.h"
+#include "core/sparse/factored_matrix.h"
 #include "scene.h"
 #include "sparse_scene.h"
 
@@ -134,6 +135,26 @@ TEST_F(Faults, EveryAllocationThatFailsIsBadAllocAndLeaksNothing) {
     EXPECT_EQ((scene.b - before.b).norm(), 0);
     EXPECT_EQ((field(scene, method) - u).norm(), 0);
   }
+}
+
+TEST_F(Faults, SparseFactorsThatAreNotLaidOutLeakNothing) {
+  BlockOptions o;
+  o.cells = 2;
+  const Posed posed = block(o).system();
+  const SystemPtr system = posed.problem().system;
+  long failures = 0;
+  for (bool done = false; !done; ++failures) {
+    const long at_start = live;
+    until_failure = failures + 1;
+    try {
+      const FactoredMatrix factor(system);
+      done = until_failure > 0;
+    } catch (const std::bad_alloc&) {
+    }
+    until_failure = 0;
+    ASSERT_EQ(live, at_start) << "allocation " << failures;
+  }
+  EXPECT_GT(failures, 20);
 }
 
 TEST_F(Faults, AThousandCallsLeakNothing) {

@@ -69,28 +69,6 @@ struct Elimination::UpperTriangle {
   }
 };
 
-Elimination::Elimination() {
-  cholmod_start(&common_);
-  common_.print = 0;
-  common_.try_catch = 1;
-  common_.supernodal = CHOLMOD_SUPERNODAL;
-  common_.final_ll = 1;
-  common_.nmethods = 1;
-  common_.method[0].ordering = CHOLMOD_GIVEN;
-}
-
-Elimination::~Elimination() {
-  release();
-  cholmod_finish(&common_);
-}
-
-void Elimination::release() {
-  cholmod_free_factor(&L_, &common_);
-  cholmod_free_dense(&X_, &common_);
-  cholmod_free_dense(&Y_, &common_);
-  cholmod_free_dense(&E_, &common_);
-}
-
 Elimination::Outcome Elimination::factor(const System& system, double memory_bound, bool again) {
   const bool laid_out = again && L_;
   if (!laid_out) release();
@@ -119,24 +97,19 @@ Elimination::Outcome Elimination::factor(const System& system, double memory_bou
   return Outcome::done;
 }
 
-/// Orders the dofs and lays out the factor. False where it is too large for CHOLMOD, which indexes
-/// it by 32 bits.
+/// Orders the dofs and lays out the factor. False where it is too large for CHOLMOD.
 bool Elimination::analyze(const System& system, UpperTriangle& A) {
   const std::vector<Index> order = contact_last(system, common_);
   const auto fits = [&] {
-    L_ = cholmod_analyze_p(&A.view, const_cast<Index*>(order.data()), nullptr, 0, &common_);
-    if (common_.status == CHOLMOD_TOO_LARGE)
-      memory_needed_ = std::numeric_limits<double>::infinity();
-    if (common_.status == CHOLMOD_TOO_LARGE) return false;
-    check(L_ != nullptr, common_);
-    return true;
+    if (lay_out(A.view, order)) return true;
+    memory_needed_ = std::numeric_limits<double>::infinity();
+    return false;
   };
   if (!fits()) return false;
   if (contact_is_last()) return true;
   // Several bodies: a postordering may end one body, its contact included, before the next.
   roots_ = last_of_each_part(system, order);
   A = UpperTriangle(system, roots_);
-  cholmod_free_factor(&L_, &common_);
   if (!fits()) return false;
   if (!contact_is_last())
     throw std::logic_error("elimination: the contact dofs are not last in the factor");
@@ -263,19 +236,6 @@ void Elimination::form_S(const Vector& D_C) {
   }
   S_.diagonal() -= sigma * D_C;
   S_.triangularView<Eigen::StrictlyUpper>() = S_.transpose();
-}
-
-Vector Elimination::solve(int triangle, const Vector& rhs) {
-  cholmod_dense b = column_view(rhs);
-  // cholmod_solve2 would make its own, but goes on without where there is no memory
-  const auto ensure = [this](cholmod_dense*& workspace, std::size_t rows) {
-    check(cholmod_ensure_dense(&workspace, rows, 1, rows, CHOLMOD_REAL, &common_), common_);
-  };
-  ensure(X_, n_);
-  ensure(Y_, n_);
-  ensure(E_, L_->maxesize);
-  check(cholmod_solve2(triangle, L_, &b, nullptr, &X_, nullptr, &Y_, &E_, &common_), common_);
-  return Eigen::Map<const Vector>(static_cast<Real*>(X_->x), n_);
 }
 
 Vector Elimination::condense(const Vector& F) {

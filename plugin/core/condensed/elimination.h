@@ -1,7 +1,5 @@
 #pragma once
-#include <cholmod.h>
-
-#include "condensed/ordering.h"
+#include "condensed/sparse_factor.h"
 
 namespace frictioncg {
 
@@ -24,14 +22,11 @@ struct EliminationTimes {
 /// they are named. Such a motion shows as a pivot of the interior that rounding alone keeps from 0.
 /// A spring sigma D to the ground at that dof stands in for the support: the motion being rigid, no
 /// force that is balanced over it ever loads the spring, and S, f and the field are exact.
-class Elimination {
+class Elimination : private SparseFactor {
  public:
   enum class Outcome { done, not_positive_definite, too_large };
 
-  Elimination();
-  ~Elimination();
-  Elimination(const Elimination&) = delete;
-  Elimination& operator=(const Elimination&) = delete;
+  Elimination() : SparseFactor(CHOLMOD_SUPERNODAL) {}
 
   /// memory_bound [bytes] is for the factor and the dense matrices on the contact dofs. again: the
   /// system has the pattern of the last one, whose ordering and layout stay.
@@ -59,12 +54,7 @@ class Elimination {
   template <class Visit>
   void for_each_trailing(Visit visit) const;
   Vector back_substitute(Vector y, const Vector& x_C);
-  Vector solve(int triangle, const Vector& rhs);
-  void release();
 
-  cholmod_common common_;
-  cholmod_factor* L_ = nullptr;
-  cholmod_dense *X_ = nullptr, *Y_ = nullptr, *E_ = nullptr;  ///< kept by cholmod_solve2
   Index n_ = 0, interior_ = 0;
   std::vector<Index> roots_;    ///< of UpperTriangle
   std::vector<Index> springs_;  ///< dofs of the interior that stand in for supports

@@ -122,6 +122,7 @@ std::vector<Index> contact_last(const System& s, cholmod_common& common) {
     graph.restrict_to_interior();
     ok = cholmod_metis(&graph.view, nullptr, 0, 0, order.data(), &common);
   }
+  if (!ok && common.status == CHOLMOD_TOO_LARGE) return {};
   check(ok, common);
   std::vector<Index> dofs = graph.dofs_of(order, graph.interior);
   for (Index i = s.interior(); i < s.dofs(); ++i) dofs.push_back(i);
@@ -131,7 +132,9 @@ std::vector<Index> contact_last(const System& s, cholmod_common& common) {
 std::vector<Index> by_nodes(const System& s, cholmod_common& common) {
   NodeGraph graph(s);
   std::vector<Index> order(graph.view.nrow);
-  check(cholmod_amd(&graph.view, nullptr, 0, order.data(), &common), common);
+  const bool ok = cholmod_amd(&graph.view, nullptr, 0, order.data(), &common);
+  if (!ok && common.status == CHOLMOD_TOO_LARGE) return {};
+  check(ok, common);
   return graph.dofs_of(order, static_cast<Index>(order.size()));
 }
 

@@ -12,7 +12,7 @@ namespace frictioncg {
 ///
 /// On blocks (2D to 800 k dofs, 3D to 100 k) minimum degree takes 0.7 of CHOLMOD's best plain solve
 /// in 2D but 1.6 in 3D, nested dissection 0.9 and 1.1; minimum degree of the interior alone fills
-/// more than either.
+/// more than either. Empty where the graph is too large for CHOLMOD, as below.
 std::vector<Index> contact_last(const System& system, cholmod_common& common);
 
 /// A permutation of the dofs (n) with little fill-in, those of a mesh node together: minimum

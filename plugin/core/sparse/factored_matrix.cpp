@@ -1,6 +1,5 @@
 #include "sparse/factored_matrix.h"
 
-#include "condensed/ordering.h"
 #include "condensed/serial.h"
 
 namespace frictioncg {
@@ -11,24 +10,13 @@ namespace {
 constexpr Real least_shift = 1e-14, most_shift = 1e-8, stiffer = 100;
 }  // namespace
 
-FactoredMatrix::FactoredMatrix(SystemPtr system) : system_(std::move(system)) {
-  cholmod_start(&common_);
-  common_.print = 0;
-  common_.try_catch = 1;
-  common_.supernodal =
-      CHOLMOD_AUTO;  // in 2D factors of strips take half as long without supernodes
-  common_.final_ll = 1;
-  copy_upper_triangle();
-  now_ = value_;
-  view_ = symmetric_view(system_->dofs(), column_, row_, now_.data());
-  // On plates of 3650, 25 000 and 73 000 dofs nested dissection saves at most 6 % of the flops, and
-  // takes three times as long; CHOLMOD's own choice, by dofs, 0.8 to 1.9 times the flops and up to
-  // 20 times as long.
-  common_.nmethods = 1;
-  common_.method[0].ordering = CHOLMOD_GIVEN;
-  std::vector<Index> order = by_nodes(*system_, common_);
-  L_ = cholmod_analyze_p(&view_, order.data(), nullptr, 0, &common_);
-  if (common_.status != CHOLMOD_TOO_LARGE) check(L_ != nullptr, common_);
+/// In 2D factors of strips take half as long without supernodes, as CHOLMOD chooses. On plates of
+/// 3650, 25 000 and 73 000 dofs nested dissection saves at most 6 % of the flops, and takes three
+/// times as long; CHOLMOD's own choice of an order, by dofs, 0.8 to 1.9 times the flops and up to
+/// 20 times as long.
+FactoredMatrix::FactoredMatrix(SystemPtr system) : SparseFactor(CHOLMOD_AUTO) {
+  renew(std::move(system));
+  lay_out(view_, by_nodes(*system_, common_));
 }
 
 void FactoredMatrix::renew(SystemPtr system) {
@@ -38,12 +26,6 @@ void FactoredMatrix::renew(SystemPtr system) {
   copy_upper_triangle();
   now_ = value_;
   view_ = symmetric_view(system_->dofs(), column_, row_, now_.data());
-}
-
-FactoredMatrix::~FactoredMatrix() {
-  cholmod_free_factor(&L_, &common_);
-  for (cholmod_dense** workspace : {&X_, &Y_, &E_}) cholmod_free_dense(workspace, &common_);
-  cholmod_finish(&common_);
 }
 
 /// Rows of A up to the diagonal.
@@ -95,9 +77,7 @@ void FactoredMatrix::truncate(const std::vector<char>& fixed,
 void FactoredMatrix::apply(const Vector& r, Vector& z) {
   z.setZero(r.size());
   if (!definite_) return;
-  cholmod_dense b = column_view(r);
-  check(cholmod_solve2(CHOLMOD_A, L_, &b, nullptr, &X_, nullptr, &Y_, &E_, &common_), common_);
-  z = Eigen::Map<const Vector>(static_cast<Real*>(X_->x), r.size());
+  z = solve(CHOLMOD_A, r);
   for (std::size_t c = 0; c < fixed_.size(); ++c)
     if (fixed_[c]) z[system_->interior() + Index(c)] = 0;
 }

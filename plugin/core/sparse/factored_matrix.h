@@ -1,6 +1,5 @@
 #pragma once
-#include <cholmod.h>
-
+#include "condensed/sparse_factor.h"
 #include "multigrid/hierarchy.h"
 
 namespace frictioncg {
@@ -8,12 +7,9 @@ namespace frictioncg {
 /// In place of a hierarchy, A itself, factored by CHOLMOD with each set of faces: the dofs are
 /// ordered once, the factor is laid out once, and takes new values. An inverse to rounding, where A
 /// is slender enough for its factor to be cheap, or too slender for a hierarchy.
-class FactoredMatrix final : public Hierarchy {
+class FactoredMatrix final : public Hierarchy, private SparseFactor {
  public:
   explicit FactoredMatrix(SystemPtr system);
-  ~FactoredMatrix() override;
-  FactoredMatrix(const FactoredMatrix&) = delete;
-  FactoredMatrix& operator=(const FactoredMatrix&) = delete;
 
   /// Another matrix of the same pattern, over the same layout.
   void renew(SystemPtr system);
@@ -34,9 +30,6 @@ class FactoredMatrix final : public Hierarchy {
   Real& diagonal(Index j) { return now_[column_[j + 1] - 1]; }
 
   SystemPtr system_;
-  cholmod_common common_;
-  cholmod_factor* L_ = nullptr;
-  cholmod_dense *X_ = nullptr, *Y_ = nullptr, *E_ = nullptr;  ///< kept by cholmod_solve2
   std::vector<Index> column_, row_;  ///< upper triangle; the two tangents of a node are coupled
   std::vector<Real> value_, now_;
   cholmod_sparse view_{};

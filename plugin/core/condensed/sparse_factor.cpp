@@ -1,0 +1,47 @@
+#include "condensed/sparse_factor.h"
+
+namespace frictioncg {
+
+SparseFactor::SparseFactor(int supernodal) {
+  cholmod_start(&common_);
+  common_.print = 0;
+  common_.try_catch = 1;
+  common_.supernodal = supernodal;
+  common_.final_ll = 1;
+  common_.nmethods = 1;
+  common_.method[0].ordering = CHOLMOD_GIVEN;
+}
+
+SparseFactor::~SparseFactor() {
+  release();
+  cholmod_finish(&common_);
+}
+
+void SparseFactor::release() {
+  cholmod_free_factor(&L_, &common_);
+  for (cholmod_dense** workspace : {&X_, &Y_, &E_}) cholmod_free_dense(workspace, &common_);
+}
+
+bool SparseFactor::lay_out(cholmod_sparse& view, const std::vector<Index>& order) {
+  cholmod_free_factor(&L_, &common_);
+  if (order.size() < view.ncol) return false;  // the ordering has been too large
+  L_ = cholmod_analyze_p(&view, const_cast<Index*>(order.data()), nullptr, 0, &common_);
+  if (common_.status == CHOLMOD_TOO_LARGE) return false;
+  check(L_ != nullptr, common_);
+  return true;
+}
+
+Vector SparseFactor::solve(int triangle, const Vector& rhs) {
+  cholmod_dense b = column_view(rhs);
+  // cholmod_solve2 would make its own, but goes on without where there is no memory
+  const auto ensure = [this](cholmod_dense*& workspace, std::size_t rows) {
+    check(cholmod_ensure_dense(&workspace, rows, 1, rows, CHOLMOD_REAL, &common_), common_);
+  };
+  ensure(X_, L_->n);
+  ensure(Y_, L_->n);
+  ensure(E_, L_->maxesize);
+  check(cholmod_solve2(triangle, L_, &b, nullptr, &X_, nullptr, &Y_, &E_, &common_), common_);
+  return Eigen::Map<const Vector>(static_cast<Real*>(X_->x), rhs.size());
+}
+
+}  // namespace frictioncg

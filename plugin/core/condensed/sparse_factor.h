@@ -1,0 +1,26 @@
+#pragma once
+#include "condensed/ordering.h"
+
+namespace frictioncg {
+
+/// A session of CHOLMOD, and in it one factor L L' of a matrix in an order that is given.
+class SparseFactor {
+ protected:
+  explicit SparseFactor(int supernodal);
+  ~SparseFactor();
+  SparseFactor(const SparseFactor&) = delete;
+  SparseFactor& operator=(const SparseFactor&) = delete;
+
+  /// Lays out the factor. False where it is too large for CHOLMOD, which indexes it by 32 bits.
+  bool lay_out(cholmod_sparse& view, const std::vector<Index>& order);
+  Vector solve(int triangle, const Vector& rhs);
+  void release();
+
+  cholmod_common common_;
+  cholmod_factor* L_ = nullptr;
+
+ private:
+  cholmod_dense *X_ = nullptr, *Y_ = nullptr, *E_ = nullptr;  ///< kept by cholmod_solve2
+};
+
+}  // namespace frictioncg
