@@ -35,8 +35,9 @@ void expect_continuous(const Scene& scene, const Hold& hold, Real bound = 1e-9) 
       hold(*from, begun);
       hold(*from, kept);
       EXPECT_LT(change(begun.mortar(), kept.mortar()), bound);
-      if (!begun.nodes.before.empty())  // where the increment began nothing is another
+      if (!begun.nodes.before.empty()) {  // where the increment began nothing is another
         EXPECT_EQ(change(begun.mortar(), from->mortar()), 0);
+      }
     }
 }
 
