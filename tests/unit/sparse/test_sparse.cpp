@@ -186,7 +186,7 @@ TEST(SparseRoute, AnswersForPlatesThatFallFarAfterFewCyclesAndAsTheCondensedRout
   EXPECT_EQ(again.status, Status::converged);
   EXPECT_EQ(again.layer, Layer::sparse_newton);
   EXPECT_LE(again.iterations, 10);
-  // another matrix, of another pattern: no hierarchy is tried again, and the layout is its own
+  // another matrix, of another pattern: the layout is its own
   SparseScene less = scene;
   std::size_t k = less.a.size() - 1;
   while (less.i[k] == less.j[k] || less.a[k] == 0) --k;
