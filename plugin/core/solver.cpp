@@ -151,7 +151,7 @@ Solution Solver::by_route(const ContactProblem& problem, const Settings& setting
                           Observer* observer) {
   const Plan plan = make_plan(problem, settings);
   costs_ = plan.costs;
-  went_on_ = false;
+  multigrid_failed_ = false;
   switch (plan.route) {
     case Route::iterative:
     case Route::sparse:  // no plan has it: that it comes first shows once A is ordered
@@ -165,8 +165,7 @@ Solution Solver::by_route(const ContactProblem& problem, const Settings& setting
         const bool has_others = (poor_ || factored_) && settings.memory >= memory_needed_;
         if (has_others || sparse_comes_first(settings))
           return (this->*after_multigrid())(problem, settings, x0, observer);
-        went_on_ = sparse_ && sparse_->has_answered() && lay_out_sparse_factor(settings);
-        if (went_on_)
+        if (sparse_ && sparse_->has_answered() && lay_out_sparse_factor(settings))
           return or_by(&Solver::by_multigrid, sparse_->go_on(problem, settings, x0, observer),
                        problem, settings, observer);
       }
@@ -213,7 +212,8 @@ Solution Solver::by_multigrid(const ContactProblem& problem, const Settings& set
   }
   if (!multigrid_->has_hierarchy()) return by_condensation(problem, rest, x0, observer);
   Solution s = multigrid_->solve(problem, settings, x0, observer, allowance(settings));
-  poor_ = s.status != Status::max_iterations && !arrives(s) && std::isinf(costs_.sparse);
+  multigrid_failed_ = !arrives(s);
+  poor_ = s.status != Status::max_iterations && multigrid_failed_ && std::isinf(costs_.sparse);
   return or_by(after_multigrid(), std::move(s), problem, rest, observer);
 }
 
@@ -221,10 +221,9 @@ Solution Solver::by_multigrid(const ContactProblem& problem, const Settings& set
 /// failed. Where they do not arrive, or do not fit, the condensed route.
 Solution Solver::by_sparse_factors(const ContactProblem& problem, const Settings& settings,
                                    const Vector& x0, Observer* observer) {
-  const bool newton_failed = multigrid_ && (went_on_ || !(sparse_ && sparse_->has_answered()));
   if (!lay_out_sparse_factor(settings)) return by_condensation(problem, settings, x0, observer);
   return or_by(&Solver::by_condensation,
-               newton_failed
+               multigrid_failed_
                    ? sparse_->follow_path(problem, settings, bound_of(problem, settings), observer)
                    : sparse_->solve(problem, settings, x0, observer),
                problem, settings, observer);

@@ -67,7 +67,12 @@ inline void warn_of_passed(Stack stack, const Arguments& args, const Scene& scen
   std::vector<BoundaryNode> facing;
   for (const BoundaryNode& node : scene.averted)
     if (node.begun && !faces_away(node, node.point.normal)) facing.push_back(node);
-  const Vector gap = at_nodes(stack, args, scene.pairing ? p_obstaclegap : p_gap, scene, facing);
+  Vector gap;
+  try {
+    gap = at_nodes(stack, args, scene.pairing ? p_obstaclegap : p_gap, scene, facing);
+  } catch (const IllegalInput&) {
+    return;  // no law asks for it
+  }
   Index worst = 0;
   if (gap.size() == 0 || gap.minCoeff(&worst) >= 0) return;
   line() << "warning: " << place(facing[worst], scene.d)

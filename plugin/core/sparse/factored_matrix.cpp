@@ -82,6 +82,13 @@ void FactoredMatrix::apply(const Vector& r, Vector& z) {
     if (fixed_[c]) z[system_->interior() + Index(c)] = 0;
 }
 
+/// Supernodes keep zeros, what is without them the row of each entry.
+double FactoredMatrix::bytes() const {
+  if (!laid_out()) return 0;
+  return L_->is_super ? sizeof(Real) * double(L_->xsize)
+                      : (sizeof(Real) + sizeof(Index)) * common_.lnz;
+}
+
 Real FactoredMatrix::operator_complexity() const {
   return laid_out() ? 2 * common_.lnz / Real(system_->entries().nonZeros()) : 0;
 }

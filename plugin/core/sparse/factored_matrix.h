@@ -23,7 +23,7 @@ class FactoredMatrix final : public Hierarchy, private SparseFactor {
   void apply(const Vector& r, Vector& z) override;
   Index levels() const override { return 1; }
   Real operator_complexity() const override;
-  double bytes() const override { return laid_out() ? sizeof(Real) * common_.lnz : 0; }
+  double bytes() const override;
 
  private:
   void copy_upper_triangle();

@@ -101,6 +101,28 @@ TEST(MortarIncrement, MaxgapIsOfThePlacesNowWhereNothingWasBeforeAFacet) {
   }
 }
 
+TEST(MortarIncrement, StepsAreOfThePlacesNowWhereNothingWasBeforeAFacet) {
+  for (int d : {2, 3}) {
+    const auto over_a_joint = [d](Real from) {  // of two sheets, one of them a slope
+      Surfaces s(d);
+      const auto ramp = [d](const Vec3& x) {
+        Vec3 y = x;
+        y[0] = 0.5 + 0.5 * x[0];
+        y[d - 1] = -0.15 * x[0];
+        return y;
+      };
+      s.pairs[0].master = s.sheet(2, 1, lifted(d, 0, 0, 0.5), 1);
+      for (const Facet& f : s.sheet(2, 1, ramp, 1).facets) s.pairs[0].master.facets.push_back(f);
+      s.pairs[0].slave = s.sheet(3, -1, lifted(d, 0.1, from, from + 0.97), 2);
+      return s;
+    };
+    Surfaces s = over_a_joint(0);
+    const Mortar by_itself = s.mortar();
+    s.nodes.before = over_a_joint(-1).nodes.X;
+    EXPECT_EQ(change(s.mortar(), by_itself), 0) << d;
+  }
+}
+
 TEST(MortarIncrement, ASurfaceThatDoesNotFaceItselfLeavesOtherPairsWhatTheyDecided) {
   for (int d : {2, 3})
     expect_continuous(

@@ -435,6 +435,20 @@ TEST(Multigrid, ACallThatWasTooShortLeavesItToTheNext) {
   EXPECT_EQ(a.layer, Layer::multigrid);
 }
 
+TEST(Multigrid, TheDefaultTakesItWhereAFactorThatWasMadeNoLongerFits) {
+  const SceneInBlocks s(cube(16));
+  Solver solver(s.system);
+  Settings settings;
+  settings.method = Method::condensed;
+  const Increment& increment = s.posed.problem().increment;
+  EXPECT_EQ(solver.solve(increment, settings).status, Status::converged);
+  settings.method = Method::automatic;
+  settings.memory = 1e3;
+  const Solution a = solver.solve(increment, settings);
+  EXPECT_EQ(a.status, Status::converged);
+  EXPECT_EQ(a.layer, Layer::multigrid);
+}
+
 TEST(Multigrid, TheDefaultTakesItInTwoDimensionsWhereTheDenseMatricesAreLarge) {
   AssembledSystem s;
   s.dimension = 2;

@@ -80,6 +80,20 @@ TEST(FactoredMatrix, SaysWhereAMatrixIsNotDefiniteAndRecovers) {
   EXPECT_LT(left.norm(), 1e-11 * r.norm());
 }
 
+TEST(FactoredMatrix, TakesMoreMemoryThanItsEntriesDo) {
+  SparseOptions beam;
+  beam.d = 2;
+  beam.cells = {225, 2, 1};
+  beam.size = {50, 1, 1};
+  for (const SparseOptions& o : {beam, plate(18)}) {  // without supernodes, and with them
+    const SceneInBlocks s(o);
+    const FactoredMatrix factor(s.system);
+    const Real entries = factor.operator_complexity() * s.system->entries().nonZeros() / 2;
+    EXPECT_GT(factor.bytes(), 9 * entries) << o.d;
+    EXPECT_LT(factor.bytes(), 13 * entries) << o.d;
+  }
+}
+
 TEST(SparsePath, EndsWhereThePathOnTheContactDofsEnds) {
   for (int d : {2, 3})
     for (Law law : {Law::frictionless, Law::tresca, Law::coulomb}) {
@@ -172,7 +186,7 @@ TEST(SparseRoute, AnswersForPlatesThatFallFarAfterFewCyclesAndAsTheCondensedRout
   EXPECT_EQ(again.status, Status::converged);
   EXPECT_EQ(again.layer, Layer::sparse_newton);
   EXPECT_LE(again.iterations, 10);
-  // another matrix, of another pattern: no hierarchy is tried again, and the layout is its own
+  // another matrix, of another pattern: the layout is its own
   SparseScene less = scene;
   std::size_t k = less.a.size() - 1;
   while (less.i[k] == less.j[k] || less.a[k] == 0) --k;
@@ -215,6 +229,19 @@ TEST(SparseRoute, ComesFirstWhereItsFactorsAreCheap) {
     EXPECT_EQ(a.layer, Layer::sparse_newton) << o.d;
     EXPECT_LE(a.iterations, 20) << o.d;
   }
+}
+
+TEST(SparseRoute, TriesNewtonsMethodFirstWhereMultigridHasAnsweredACallBefore) {
+  SparseOptions bar;
+  bar.cells = {90, 2, 2};
+  bar.size = {50, 1, 1};
+  const SceneInBlocks s(bar);
+  Solver solver(s.system);
+  Settings named;
+  named.method = Method::multigrid;
+  const Increment& increment = s.posed.problem().increment;
+  EXPECT_EQ(solver.solve(increment, named).layer, Layer::multigrid);
+  EXPECT_EQ(solver.solve(increment, Settings()).layer, Layer::sparse_newton);
 }
 
 TEST(SparseRoute, LeavesWidePlatesToMultigridUnlessTheyAreLifted) {

@@ -90,11 +90,12 @@ Projection Covering::projected_before(Index f, Index master) const {
 }
 
 /// The distance of a master's plane from a slave facet by which it is decided whether it faces it.
+/// A plane far from its facet tells nothing: where no part was before, the place of now decides.
 Affine Covering::deciding_distance(Index f, Index master, const Affine& now) const {
-  if (!earlier_) return now;
+  if (!earlier_ || !faced(f, master)) return now;
   const Projection p = projected_before(f, master);
   const Real along = earlier_->master.planes[master].normal.dot(earlier_->slave.planes[f].normal);
-  return p.inverts && along < facing ? p.distance : now;
+  return along < facing ? p.distance : now;
 }
 
 /// Whether a part of the slave facet was before the master's, not their planes alone.
@@ -121,13 +122,9 @@ void Covering::find(Index f, Real maxgap) {
     if (c.extent <= nothing) continue;
     const Vec2 middle = centroid(c.part);
     c.distance = c.projection.distance(middle);
-    // A plane far from its facet tells nothing: where no part was before, the place of now decides.
-    const bool had_part = earlier_ && faced(f, m);
-    const Affine distance =
-        had_part ? deciding_distance(f, m, c.projection.distance) : c.projection.distance;
-    if (std::abs(distance(middle)) > maxgap) continue;
+    if (std::abs(deciding_distance(f, m, c.projection.distance)(middle)) > maxgap) continue;
     const Real deepest = std::max(base.size, master_.planes[m].size);
-    if (earlier_ && c.distance < -deepest && !had_part) continue;  // it has come past its end
+    if (earlier_ && c.distance < -deepest && !faced(f, m)) continue;  // it has come past its end
     if (own_ && own_->excludes(slave_, f, master_.facet(m), middle, c.distance, deepest)) continue;
     c.left = infinite, c.right = -infinite;
     for (const Vec2& xi : c.part)
