@@ -185,8 +185,8 @@ TEST(MortarTraps, AFacetThatSlopesAwayIsWithinMaxgapByTheMiddleOfWhatItCovers) {
   }
 }
 
-TEST(MortarTraps, AMostlyHeldNormalRemovesTheNodeAndLessIsProjected) {
-  for (const Real tilt : {0.0, 0.015, 0.1, 0.9, 1.1}) {
+TEST(MortarTraps, AHeldNormalRemovesTheNodeAndALittleIsProjected) {
+  for (const Real tilt : {0.0, 0.015, 0.1}) {
     Surfaces s(2);
     const auto tilted = [&](const Vec3& x) { return Vec3(x[0], tilt * x[0], 0); };
     s.pairs[0].master = s.sheet(3, 1, tilted, 1);
@@ -195,9 +195,9 @@ TEST(MortarTraps, AMostlyHeldNormalRemovesTheNodeAndLessIsProjected) {
     s.nodes.held.assign(s.nodes.X.size(), 0);
     s.nodes.held[last] = 1;  // x held, as on a plane of symmetry
     const Mortar mortar = s.mortar();
-    EXPECT_EQ(mortar.statistics().removed, tilt > 1 ? 1 : 0);
-    EXPECT_EQ(mortar.statistics().held, tilt > 1 ? 1 : 0);
-    EXPECT_EQ(mortar.statistics().first_held, tilt > 1 ? last : -1);
+    EXPECT_EQ(mortar.statistics().removed, tilt > 0.02 ? 1 : 0);
+    EXPECT_EQ(mortar.statistics().held, tilt > 0.02 ? 1 : 0);
+    EXPECT_EQ(mortar.statistics().first_held, tilt > 0.02 ? last : -1);
     for (const ContactNode& node : mortar.nodes()) {
       const Vec3 free = Vec3(tilt, -1, 0).normalized();
       const Vec3 expected = node.node == last ? Vec3(0, -1, 0) : free;

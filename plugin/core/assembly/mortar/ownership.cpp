@@ -231,7 +231,7 @@ void Ownership::remove_held(const Nodes& nodes, const std::vector<Side>& slaves,
     Vec3 free = normal[i], held = Vec3::Zero();
     for (int c = 0; c < nodes.dimension; ++c)
       if (nodes.held[i] >> c & 1) free[c] = 0, held[c] = deciding[i][c];
-    if (held.norm() > mostly_held || free.norm() <= least_free)
+    if (held.norm() > mostly_free || free.norm() <= mostly_free)
       state[i] = State::held;
     else
       normal[i] = free.normalized();

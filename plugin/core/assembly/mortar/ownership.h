@@ -11,10 +11,8 @@
 
 namespace frictioncg::mortar {
 
-/// A held part of a normal up to this length is projected away: supports take it, and on a plane of
-/// symmetry the rest is the normal of the whole body. Beyond it the node carries no law, nor where
-/// this is all that is left.
-constexpr Real mostly_held = 0.7, least_free = 0.02;
+/// A held part of a normal up to this length is projected away; beyond it the node carries no law.
+constexpr Real mostly_free = 0.02;
 
 /// Which vertices carry the laws on which slave facet.
 ///

@@ -125,7 +125,7 @@ bool may_carry_later(const Arrangement& of, const Side& slave) {
       Vec3 held = Vec3::Zero();
       for (int c = 0; c < slave.d && !of.nodes.held.empty(); ++c)
         if (of.nodes.held[i] >> c & 1) held[c] = slave.planes[f].normal[c];
-      if (of.ownership->state[i] == Ownership::State::uncovered && held.norm() <= mostly_held)
+      if (of.ownership->state[i] == Ownership::State::uncovered && held.norm() <= mostly_free)
         return true;
     }
   return false;
