@@ -118,6 +118,20 @@ inline void read_obstacle_points(Stack stack, const Arguments& args, bool lasts,
   set_normals(stack, args, scene);
 }
 
+/// Of the points on obstacles alone.
+inline void follow_free_motions(Stack stack, const Expression A, Scene& scene) {
+  if (!has_curved_obstacle(scene)) return;
+  const Triplets matrix = read_matrix(stack, A, scene);
+  const std::vector<NodePlace> places = scene.places();
+  std::vector<ContactPoint> points;
+  Index bodies = 0;
+  for (const BoundaryNode& p : scene.nodes) points.push_back(p.point);
+  for (const NodePlace& p : places) bodies = std::max(bodies, p.body + 1);
+  follow_free_motions(
+      scene, places, extent_of(places), bodies, any_begun(scene.nodes),
+      [&](FreedomOfBodies& freedom) { freedom.add(matrix, Dirichlet(matrix, points), places); });
+}
+
 /// Reads the problem: geometry, laws, and the matrix in local frames. lasts: for further calls,
 /// which may name other laws, and other matrices.
 inline std::shared_ptr<Scene> read_scene(Stack stack, const Arguments& args, const Expression A,
@@ -127,6 +141,7 @@ inline std::shared_ptr<Scene> read_scene(Stack stack, const Arguments& args, con
   read_obstacle_points(stack, args, lasts, *scene);
   if (!scene->pairing) scene->moving = read_obstacles(stack, args, *scene);
   if (scene->nodes.empty() && !scene->averted.empty()) refuse_inward(*scene);
+  follow_free_motions(stack, A, *scene);
   if (scene->pairing) face_bodies(stack, args, A, *scene);
   laws = read_point_laws(stack, args, lasts, *scene, begun_laws(stack, args));
   const Triplets matrix = read_matrix(stack, A, *scene);

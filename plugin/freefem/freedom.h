@@ -5,15 +5,17 @@
 
 namespace frictioncg {
 
-/// Which rigid motions of bodies A leaves free. The places are those of an interface's nodes.
+/// Bodies 0, 1, ...: how many.
+inline Index count_of(const std::vector<Index>& body) {
+  return body.empty() ? 0 : *std::max_element(body.begin(), body.end()) + 1;
+}
+
+/// Which rigid motions of bodies A leaves free.
 class FreedomOfBodies {
  public:
-  /// body: of each node X of the interface.
-  FreedomOfBodies(int d, const std::vector<mortar::Vec3>& X, std::vector<Index> body)
-      : d_(d),
-        extent_(extent_of(X)),
-        body_(std::move(body)),
-        bodies_(body_.empty() ? 0 : *std::max_element(body_.begin(), body_.end()) + 1) {
+  /// body: of each node on the interface, or on obstacles; extent: of these nodes, roughly.
+  FreedomOfBodies(int d, const Extent& extent, std::vector<Index> body, Index bodies)
+      : d_(d), extent_(extent), body_(std::move(body)), bodies_(bodies) {
     const Index k = generators().count();
     in_A_ = in_D_ = held_ = DenseMatrix::Zero(k, k * bodies_);
   }

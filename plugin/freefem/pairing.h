@@ -188,7 +188,8 @@ class Pairing {
     options.freedom = [this, &A, d, &places, &asked] {
       asked = true;
       const std::vector<NodePlace> all = places();
-      FreedomOfBodies bodies(d, between_.X, body_of_nodes(all, A.n));
+      const std::vector<Index> body = body_of_nodes(all, A.n);
+      FreedomOfBodies bodies(d, extent_of(between_.X), body, count_of(body));
       bodies.add(A, *dirichlet_, all);
       return bodies.freedom();
     };

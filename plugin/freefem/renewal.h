@@ -131,6 +131,7 @@ inline PosedProblem renewed(Stack stack, const Arguments& args, const Expression
   if (!moves) place_obstacle(stack, args, scene);
   scene.given_weight = scene.given_weight || args.has(p_weight);
   if (scene.nodes.empty() && !scene.averted.empty()) refuse_inward(scene);
+  follow_free_motions(stack, A, scene);
   if (scene.pairing) face_bodies(stack, args, A, scene);
   take_over(before, scene);
   posed.laws = laws_at(args, before, scene, C.laws);

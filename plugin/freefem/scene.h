@@ -16,6 +16,18 @@ struct MovingObstacles {
   std::vector<long> labels;            ///< empty: one obstacle
   std::vector<Eigen::Vector3d> pivot;  ///< of each
   RigidObstacles rigid;
+
+  /// Their free components, as columns of generators.
+  DenseMatrix free_motions(const RigidGenerators& generators) const {
+    const Index each = generators.count();
+    DenseMatrix motions(each, 0);
+    for (Index q = 0; q < rigid.dofs(); ++q) {
+      if (!rigid.free[q]) continue;
+      motions.conservativeResize(each, motions.cols() + 1);
+      motions.rightCols(1) = generators.about(pivot[q / each], q % each);
+    }
+    return motions;
+  }
 };
 
 struct Scene;
@@ -110,6 +122,36 @@ struct Scene : Geometry {
     }
   }
 };
+
+/// What bodies and obstacles may do that A does not resist, body by body, for its points on
+/// obstacles: motions that their normals let slip, as far as the mesh can tell, they let slip to
+/// rounding.   add: A to the freedom of bodies that the places name
+template <class Add>
+void follow_free_motions(Scene& scene, const std::vector<NodePlace>& places, const Extent& extent,
+                         Index bodies, bool has_begun, const Add& add,
+                         const SumOverProcesses& sum = {}) {
+  std::vector<Index> body_at(scene.ndof(), 0), body;
+  for (const NodePlace& n : places) body_at[n.dof[0]] = n.body;
+  for (const BoundaryNode& p : scene.nodes) body.push_back(body_at[p.point.dof[0]]);
+  FreedomOfBodies freedom_of(scene.d, extent, body, bodies);
+  add(freedom_of);
+  const mortar::Freedom freedom = freedom_of.freedom();
+  const RigidGenerators& generators = freedom.generators;
+  const DenseMatrix of_obstacles =
+      scene.moving ? scene.moving->free_motions(generators) : DenseMatrix(generators.count(), 0);
+  follow_by_body(scene.d, body, bodies, has_begun, scene.nodes,
+                 [&](Index b, auto& points, DecidedCount decided) {
+                   const DenseMatrix& own = freedom.of_body[b];
+                   DenseMatrix relative(own.rows(), own.cols() + of_obstacles.cols());
+                   relative << own, of_obstacles;
+                   return follow_free_motions(scene.d, generators, relative, points, decided, sum);
+                 });
+}
+
+/// Whether the mesh tells the normals of a curved obstacle.
+inline bool has_curved_obstacle(const Scene& scene) {
+  return !scene.given_normals && any_curved(scene.nodes);
+}
 
 /// Which dofs Dirichlet conditions hold: their rows of the change of basis have prescribed
 /// displacements alone.

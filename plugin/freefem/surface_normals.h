@@ -110,28 +110,45 @@ inline bool any_curved(const std::vector<BoundaryNode>& points) {
                      [](const auto& p) { return p.deciding().turn > 0; });
 }
 
+/// Whether any of them has been elsewhere where the increment began.
+inline bool any_begun(const std::vector<BoundaryNode>& points) {
+  return std::any_of(points.begin(), points.end(),
+                     [](const auto& p) { return p.begun != nullptr; });
+}
+
 /// Makes motions that each body's points do not resist, as far as the mesh can tell, tangential
-/// exactly (slippable.h).   body: of each point, 0 .. bodies - 1; has_begun: the increment,
-/// elsewhere, where it is decided how many there are
-inline void follow_motions(int d, const std::vector<Index>& body, Index bodies, bool has_begun,
-                           std::vector<BoundaryNode>& points, const SumOverProcesses& sum = {}) {
+/// exactly, by follow(body, points, decided), which returns how many there are (slippable.h).
+/// body: of each point, 0 .. bodies - 1; has_begun: the increment, elsewhere, where it is decided
+/// how many there are
+template <class Follow>
+void follow_by_body(int d, const std::vector<Index>& body, Index bodies, bool has_begun,
+                    std::vector<BoundaryNode>& points, const Follow& follow) {
   std::vector<std::vector<std::size_t>> of_body(bodies);
   for (std::size_t k = 0; k < points.size(); ++k) of_body[body[k]].push_back(k);
   const auto as_normal = [](const BoundaryNode& p) -> PointNormal {
     return {as_vector(p.x), as_vector(as_R3(p.point.normal)), p.weight, p.turn};
   };
-  for (const std::vector<std::size_t>& own : of_body) {
+  for (Index b = 0; b < bodies; ++b) {
+    const std::vector<std::size_t>& own = of_body[b];
     std::vector<PointNormal> normals, begun;
     for (std::size_t k : own) {
       normals.push_back(as_normal(points[k]));
       if (has_begun) begun.push_back(as_normal(*points[k].begun));
     }
     DecidedCount decided;
-    if (has_begun) decided = follow_slippable_motions(d, begun, {}, sum);
-    if (follow_slippable_motions(d, normals, decided, sum) == 0) continue;
+    if (has_begun) decided = follow(b, begun, DecidedCount());
+    if (follow(b, normals, decided) == 0) continue;
     for (std::size_t k = 0; k < own.size(); ++k)
       for (int c = 0; c < d; ++c) points[own[k]].point.normal[c] = normals[k].normal[c];
   }
+}
+
+/// The motions that the points of each body tell themselves.
+inline void follow_motions(int d, const std::vector<Index>& body, Index bodies, bool has_begun,
+                           std::vector<BoundaryNode>& points, const SumOverProcesses& sum = {}) {
+  follow_by_body(d, body, bodies, has_begun, points, [&](Index, auto& own, DecidedCount decided) {
+    return follow_slippable_motions(d, own, decided, sum);
+  });
 }
 
 }  // namespace frictioncg

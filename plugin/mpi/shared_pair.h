@@ -119,7 +119,7 @@ inline std::vector<BoundaryNode> face_whole(const Arguments& args, const Opening
   }
   options.bodies = [&] { return faces.body; };
   options.freedom = [&] {
-    FreedomOfBodies bodies(faces.d, faces.X, faces.body);
+    FreedomOfBodies bodies(faces.d, extent_of(faces.X), faces.body, count_of(faces.body));
     part.agree([&] {
       bodies.add(A.triplets(), A.dirichlet(), scene.places(),
                  [&](Index i) { return part.owns(i); });

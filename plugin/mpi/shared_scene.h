@@ -123,12 +123,33 @@ inline void make_solver(SharedScene& shared) {
   set_solver(shared, Coarsening::aggregation);
 }
 
+/// As in one process, of the own points, before ghosts take their normals.   Collective.
+inline void follow_free_motions_of_all(const Triplets& A, SharedScene& shared) {
+  const Domain& domain = *shared.domain;
+  Scene& scene = *shared.scene;
+  if (domain.largest(has_curved_obstacle(scene)) == 0) return;
+  const std::vector<NodePlace> places = scene.places();
+  const auto sum = [&](Real* values, Index count) { domain.sum(values, count); };
+  const auto add = [&](FreedomOfBodies& freedom) {
+    domain.agree([&] {
+      std::vector<ContactPoint> points;
+      for (const BoundaryNode& p : scene.nodes) points.push_back(p.point);
+      freedom.add(A, Dirichlet(A, points), places, [&](Index i) { return domain.owns(i); });
+    });
+    freedom.sum(sum);
+  };
+  follow_free_motions(scene, places, extents_of_all(domain, {places}).front(),
+                      count_bodies(domain, places), domain.largest(any_begun(scene.nodes)) > 0, add,
+                      sum);
+}
+
 /// The scene of this process becomes one of all.   Collective.
 inline void share(const Triplets& A, SharedScene& shared) {
   const Domain& domain = *shared.domain;
   Scene& scene = *shared.scene;
   shared.own_points = scene.nodes.size();
   shared.script = scene.dofs;
+  follow_free_motions_of_all(A, shared);
   add_ghost_points(domain, scene);
   std::unique_ptr<Dirichlet> own;
   domain.agree([&] {

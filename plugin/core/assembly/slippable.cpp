@@ -7,11 +7,8 @@ namespace {
 using Vec3 = Eigen::Vector3d;
 using Fields = RigidGenerators::Fields;
 
-/// A point that moves by less than this share of the mean motion is on the axis, where the motion
-/// has no direction.
-constexpr Real at_rest = 0.05;
-/// A normal is made orthogonal to a motion only where this share of it is left.
-constexpr Real kept = 0.9;
+/// Normals tell an axis up to their errors: a point that moves by less than this may lie on it.
+constexpr Tangential to_slippable{0.05, 0.9};
 /// Points resist a motion clearly where the mean square of n.w is above this multiple of what is
 /// allowed: normals would turn by ten times what the mesh cannot tell. Any two points of an oval
 /// let a motion slip, which all of the oval resists.
@@ -43,15 +40,15 @@ struct Spread {
 
 /// Takes off what a normal has along the directions in which motions move its point, the strongest
 /// first: at most d - 1.
-void make_tangential(int d, const Fields& w, Real least, PointNormal& p) {
+void make_tangential(int d, const Fields& w, Tangential where, PointNormal& p) {
   const Eigenpairs along = eigenpairs(w * w.transpose());
   Vec3 n = p.normal;
   for (Index c = 2; c > 3 - d; --c) {
-    if (along.values[c] < at_rest * at_rest) break;
+    if (along.values[c] < where.moved * where.moved) break;
     const Vec3 u = along.vectors.col(c);
     n -= n.dot(u) * u;
   }
-  if (n.norm() > least) p.normal = n.normalized();
+  if (n.norm() > where.kept) p.normal = n.normalized();
 }
 
 }  // namespace
@@ -63,6 +60,12 @@ Fields RigidGenerators::at(const Vec3& x) const {
   for (int axis = d_ == 2 ? 2 : 0; axis < 3; ++axis)
     w.col(d_ == 2 ? 2 : 3 + axis) = Vec3::Unit(axis).cross(arm);
   return w;
+}
+
+Vector RigidGenerators::about(const Vec3& pivot, Index c) const {
+  Vector motion = Vector::Unit(count(), c);
+  if (c >= d_) motion.head(d_) -= at(pivot).col(c).head(d_);
+  return motion;
 }
 
 DenseMatrix tangential_motions(const RigidGenerators& generators, const DenseMatrix& V,
@@ -91,10 +94,10 @@ DenseMatrix tangential_motions(const RigidGenerators& generators, const DenseMat
 }
 
 void make_tangential(int d, const RigidGenerators& generators, const DenseMatrix& motions,
-                     std::vector<PointNormal>& points, Real least) {
+                     std::vector<PointNormal>& points, Tangential where) {
   for (PointNormal& p : points)
     if (motions.cols() > 0 && p.turn > 0)
-      make_tangential(d, generators.at(p.x) * motions, least, p);
+      make_tangential(d, generators.at(p.x) * motions, where, p);
 }
 
 Index follow_slippable_motions(int d, std::vector<PointNormal>& points, DecidedCount decided,
@@ -105,7 +108,17 @@ Index follow_slippable_motions(int d, std::vector<PointNormal>& points, DecidedC
   const Index k = generators.count();
   const DenseMatrix c = tangential_motions(generators, DenseMatrix::Identity(k, k), points,
                                            spread.allowed, decided, sum);
-  make_tangential(d, generators, c, points, kept);
+  make_tangential(d, generators, c, points, to_slippable);
+  return static_cast<Index>(c.cols());
+}
+
+Index follow_free_motions(int d, const RigidGenerators& generators, const DenseMatrix& V,
+                          std::vector<PointNormal>& points, DecidedCount decided,
+                          const SumOverProcesses& sum) {
+  const Spread spread(points, sum);
+  if (V.cols() == 0 || !(spread.allowed > 0)) return 0;
+  const DenseMatrix c = tangential_motions(generators, V, points, spread.allowed, decided, sum);
+  make_tangential(d, generators, c, points, to_free_motions);
   return static_cast<Index>(c.cols());
 }
 

@@ -25,6 +25,9 @@ class RigidGenerators {
       : d_(d), centre_(centre), size_(size) {}
   Index count() const { return d_ == 2 ? 3 : 6; }
   Fields at(const Eigen::Vector3d& x) const;  ///< 3 x count()
+  /// Component c about a pivot, as a column of generators: a translation, or a rotation by 1 over
+  /// the size.
+  Vector about(const Eigen::Vector3d& pivot, Index c) const;
 
  private:
   int d_;
@@ -44,10 +47,14 @@ DenseMatrix tangential_motions(const RigidGenerators& generators, const DenseMat
                                const std::vector<PointNormal>& points, Real allowed,
                                DecidedCount decided = {}, const SumOverProcesses& sum = {});
 
-/// Makes normals that turn tangential to such motions, but where these hardly move, and where less
-/// than the share `least` of the normal would be left.
+/// Where normals are made tangential to motions.
+struct Tangential {
+  Real moved;  ///< only where a point moves by more than this share of the mean motion
+  Real kept;   ///< only where more than this share of the normal is left
+};
+/// Makes normals that turn tangential to such motions.
 void make_tangential(int d, const RigidGenerators& generators, const DenseMatrix& motions,
-                     std::vector<PointNormal>& points, Real least);
+                     std::vector<PointNormal>& points, Tangential where);
 
 /// Normals of one body that some rigid motions leave tangential as far as the mesh can tell (a
 /// surface of revolution, a cylinder, a screw) are made to leave them so exactly: the mesh knows
@@ -58,5 +65,15 @@ void make_tangential(int d, const RigidGenerators& generators, const DenseMatrix
 /// of the facets over the radius. Returns their number.
 Index follow_slippable_motions(int d, std::vector<PointNormal>& points, DecidedCount decided = {},
                                const SumOverProcesses& sum = {});
+
+/// Where supports leave free motions V (generators x k) alone, those of them that normals leave
+/// tangential as far as the mesh can tell are left so to rounding: the axis that the normals tell
+/// by themselves is tilted by their errors, and the supports resist what it adds. Returns their
+/// number.
+Index follow_free_motions(int d, const RigidGenerators& generators, const DenseMatrix& V,
+                          std::vector<PointNormal>& points, DecidedCount decided = {},
+                          const SumOverProcesses& sum = {});
+/// The axis is that of the motions, exactly.
+constexpr Tangential to_free_motions{1e-6, 0.5};
 
 }  // namespace frictioncg

@@ -482,6 +482,59 @@ TEST(SlippableMotions, OfASphereAreThreeAndOfACylinderTwo) {
   EXPECT_EQ(follow_slippable_motions(3, ball), 3);
 }
 
+TEST(SlippableMotions, ThatSupportsLeaveFreeAreThoseOfTheSupports) {
+  // a tube whose axis the vertices tell with a tilt, about which supports do not let it turn
+  std::mt19937 random(7);
+  std::uniform_real_distribution<Real> noise(-1e-3, 1e-3);
+  Shape tube_shape = cylinder(24, 5, 1, true, 6);
+  for (Vec3& x : tube_shape.surface.X) x.head<2>() *= 1 + noise(random) * (1 + x[2]);
+  std::vector<PointNormal> tube = points(tube_shape);
+  EXPECT_EQ(follow_slippable_motions(3, tube), 2);
+  EXPECT_GT(wedge(tube, Vec3::Zero()), 1e-6);
+  const Vec3 pivot(0, 0, 5);
+  const RigidGenerators generators(3, Vec3(0.3, -0.2, 1), 2);
+  const std::vector<PointNormal> told = tube;
+  EXPECT_EQ(follow_free_motions(3, generators, DenseMatrix(6, 0), tube), 0);
+  EXPECT_EQ(tube[7].normal, told[7].normal);
+  EXPECT_EQ(follow_free_motions(3, generators, generators.about(pivot, 0), tube), 0);
+  EXPECT_EQ(tube[7].normal, told[7].normal);
+  EXPECT_EQ(follow_free_motions(3, generators, generators.about(pivot, 5), tube), 1);
+  EXPECT_LT(wedge(tube, Vec3::Zero()), 1e-15);
+  DenseMatrix both(6, 2);
+  both << generators.about(pivot, 5), generators.about(pivot, 2);
+  EXPECT_EQ(follow_free_motions(3, generators, both, tube), 2);
+  EXPECT_LT(wedge(tube, Vec3::Zero()), 1e-15);
+  for (const PointNormal& p : tube) EXPECT_LT(std::abs(p.normal[2]), 1e-15);
+}
+
+TEST(SlippableMotions, ThatSupportsLeaveFreeAreFollowedCloseToTheirAxis) {
+  const RigidGenerators generators(3, Vec3::Zero(), 1);
+  std::vector<PointNormal> cap;  // a pole, and what surrounds it: it tells no axis by itself
+  for (int k = 0; k < 40; ++k) {
+    const Vec3 out = on_circle(0.4 * k);
+    cap.push_back({out - 0.4 * Vec3::UnitZ(), (out + Vec3::UnitZ()).normalized(), 1, 0.2});
+  }
+  const Vec3 near = Vec3(1e-3, 2e-3, 0);
+  cap.push_back({near, Vec3(0.02, -0.01, 1).normalized(), 1e-3, 0.2});
+  cap.push_back({Vec3::Zero(), Vec3(0.02, -0.01, 1).normalized(), 1e-3, 0.2});
+  const Vec3 at_pole = cap.back().normal;
+  EXPECT_EQ(follow_free_motions(3, generators, generators.about(Vec3::Zero(), 5), cap), 1);
+  EXPECT_LT(std::abs(cap[40].normal.dot(Vec3::UnitZ().cross(near))), 1e-18);
+  EXPECT_LT((cap.back().normal - at_pole).norm(), 1e-15);
+}
+
+TEST(SlippableMotions, AboutAPivotAreThoseOfTheGenerators) {
+  const Vec3 centre(1, 2, 3), pivot(-2, 0.5, 1), x(4, -1, 0.3);
+  const RigidGenerators in_3d(3, centre, 2), in_2d(2, Vec3(1, 2, 0), 2);
+  for (int c = 0; c < 3; ++c) {
+    const Vec3 e = Vec3::Unit(c);
+    EXPECT_LT((in_3d.at(x) * in_3d.about(pivot, c) - e).norm(), 1e-15);
+    EXPECT_LT((in_3d.at(x) * in_3d.about(pivot, 3 + c) - e.cross(x - pivot) / 2).norm(), 1e-15);
+  }
+  const Vec3 turned = in_2d.at(x) * in_2d.about(pivot, 2);
+  EXPECT_LT((turned - Vec3(-(x - pivot)[1], (x - pivot)[0], 0) / 2).norm(), 1e-15);
+}
+
 TEST(SlippableMotions, LeaveFlatPointsAloneBitByBit) {
   std::vector<PointNormal> all = points(oval(80, 0, 1e-4));
   const Vec3 n = Vec3(0.6, 0.8 + 1e-9, 0).normalized();

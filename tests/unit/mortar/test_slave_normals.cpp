@@ -80,6 +80,38 @@ TEST(MortarNormals, ABodyThatMayTurnAsFarAsItsMeshTellsTurnsWithoutGap) {
   EXPECT_GT(sizes[3], 0.05);
 }
 
+TEST(MortarNormals, ABodyThatSupportsLeaveToTurnTurnsAboutTheirAxis) {
+  // the axis that rough vertices tell is tilted, and the supports resist what that adds
+  std::mt19937 random(5);
+  std::uniform_real_distribution<Real> by(-1e-3, 1e-3);
+  const auto rough = [&](const Vec3& x) {
+    Vec3 p = on_cylinder(x);
+    const Real r = 1 + by(random);
+    p[0] *= r, p[2] *= r;
+    return p;
+  };
+  for (bool slave_turns : {true, false}) {
+    Surfaces s = uneven_pair(3, false, rough);
+    const auto wedge = [&] {
+      Real most = 0;
+      const Mortar mortar = s.mortar();
+      for (const ContactNode& node : mortar.nodes())
+        most = std::max(most, std::abs(Vec3::UnitY().cross(s.nodes.X[node.node]).dot(node.normal)));
+      return most;
+    };
+    EXPECT_GT(wedge(), 1e-6);
+    std::vector<Index> body(s.nodes.X.size(), slave_turns ? 1 : 0);
+    for (const Facet& f : s.pairs[0].slave.facets)
+      for (int v = 0; v < 3; ++v) body[f.node[v]] = slave_turns ? 0 : 1;
+    s.options.freedom = [body] {
+      Freedom freedom{RigidGenerators(3, Vec3(0.4, 0.1, -0.3), 2), body, {}};
+      freedom.of_body = {freedom.generators.about(Vec3::Zero(), 4), DenseMatrix(6, 0)};
+      return freedom;
+    };
+    EXPECT_LT(wedge(), 1e-15) << slave_turns;
+  }
+}
+
 TEST(MortarNormals, EachBodyHasMotionsOfItsOwn) {
   // two cylinders side by side, rough, with other axes: together they leave one motion alone
   std::mt19937 random(5);

@@ -90,7 +90,8 @@ namespace {
 constexpr Real of_flats = 1e-12;
 /// Cosine of 45 degrees: what a curved master has before a flat slave at a steeper angle is far
 /// away; the motion alone tells the normal there, which turns by up to 60 degrees.
-constexpr Real steep = M_SQRT1_2, kept = 0.5;
+constexpr Real steep = M_SQRT1_2;
+constexpr Tangential to_masters{0.05, 0.5};
 
 /// What faces a node, by its measure.
 struct Facing {
@@ -102,12 +103,19 @@ struct Facing {
   Real measure() const { return same + other; }
   /// The normal of the slave that the master's means, where that may count.
   Vec3 of_master() const { return (same * own - theirs).normalized(); }
+  PointNormal of_slave() const { return {x, own, measure(), own_turn}; }
 };
 
 /// Nodes of one body before one other.
 struct Group {
   std::map<Index, Facing> nodes;
   std::vector<PointNormal> other;  ///< the surfaces, the master's where one is flat and one is not
+
+  std::vector<PointNormal> own() const {
+    std::vector<PointNormal> points;
+    for (const auto& [i, here] : nodes) points.push_back(here.of_slave());
+    return points;
+  }
 };
 
 /// A side with its smooth normals.
@@ -158,30 +166,12 @@ class Curves {
   const SmoothSide smooth_;
 };
 
-/// How the facets of a side are bent against those beside them.
-struct Bends {
-  explicit Bends(const Side& side) {
-    std::set<Index> bent;
-    for (const Joint& j : side.joints) {
-      const auto [a, b] = j.facet;
-      if (!(j.cosine > sharp) || same_direction(side.planes[a].normal, side.planes[b].normal))
-        continue;
-      bent.insert({a, b});
-      const Vec3 turn = side.planes[b].normal - side.planes[a].normal;
-      inwards = inwards || turn.dot(side.planes[b].origin - side.planes[a].origin) < 0;
-    }
-    any = !bent.empty();
-    some_not = static_cast<Index>(bent.size()) < side.facets();
-  }
-  bool any = false, some_not = false, inwards = false;
-};
-
-/// Whether a flat part of one side may be before a curved one of the other, or a bore before what
-/// is in it.
-bool may_differ(const Side& slave, const Side& master) {
-  const Bends own(slave), theirs(master);
-  return (own.some_not && theirs.any) || (own.any && theirs.some_not) ||
-         (own.inwards && theirs.any);
+/// Whether facets of a side lean against those beside them.
+bool is_curved(const Side& side) {
+  return std::any_of(side.joints.begin(), side.joints.end(), [&](const Joint& j) {
+    const auto [a, b] = j.facet;
+    return j.cosine > sharp && !same_direction(side.planes[a].normal, side.planes[b].normal);
+  });
 }
 
 /// The nodes of a pair that are before something, by the bodies of both sides.
@@ -238,18 +228,22 @@ DenseMatrix slipping(const Freedom& freedom, const DenseMatrix& relative,
 }
 
 /// Whether more of the motions slip along the master's normals.
-bool master_counts(const Freedom& freedom, const DenseMatrix& relative, const Group& group,
+bool master_counts(const Freedom& freedom, const Group& group, const DenseMatrix& of_own,
                    const DenseMatrix& of_other) {
-  std::vector<PointNormal> own;
-  bool other_first = false;
-  for (const auto& [i, here] : group.nodes) {
-    own.push_back({here.x, here.own, here.measure(), here.own_turn});
-    other_first = other_first || here.other_first;
-  }
-  const DenseMatrix of_own = slipping(freedom, relative, own);
+  const bool other_first = std::any_of(group.nodes.begin(), group.nodes.end(),
+                                       [](const auto& n) { return n.second.other_first; });
   const Index more = static_cast<Index>(of_other.cols() - of_own.cols());
   if (of_other.cols() == 0 || more < 0 || (more == 0 && !other_first)) return false;
-  return slipping(freedom, of_other, own).cols() < of_other.cols();  // other motions
+  return slipping(freedom, of_other, group.own()).cols() < of_other.cols();  // other motions
+}
+
+/// The motions of A that the slave's normals let slip, they let slip to rounding.
+void keep_slaves(int d, const Freedom& freedom, const Group& group, const DenseMatrix& of_own,
+                 std::vector<Vec3>& normal) {
+  std::vector<PointNormal> points = group.own();
+  make_tangential(d, freedom.generators, of_own, points, to_free_motions);
+  std::size_t k = 0;
+  for (const auto& [i, here] : group.nodes) normal[i] = points[k++].normal;
 }
 
 void take_masters(int d, const Freedom& freedom, const Group& group, const DenseMatrix& of_other,
@@ -260,7 +254,7 @@ void take_masters(int d, const Freedom& freedom, const Group& group, const Dense
     const bool far = here.other_turn > 0 && !(theirs.dot(here.own) > steep);
     taken.push_back({here.x, far ? here.own : theirs, here.measure(), here.other_turn});
   }
-  make_tangential(d, freedom.generators, of_other, taken, kept);
+  make_tangential(d, freedom.generators, of_other, taken, to_masters);
   std::size_t k = 0;
   for (const auto& [i, here] : group.nodes) {
     normal[i] = taken[k++].normal;
@@ -282,7 +276,8 @@ CommonNormals choose_common_normals(const Nodes& nodes, const std::vector<Side>&
   for (std::size_t p = 0; p < slaves.size(); ++p) {
     PairShapes& shapes = common.shapes.emplace_back();
     if (begun) shapes = begun->shapes[p];
-    if (begun ? shapes.slave.empty() : !may_differ(slaves[p], masters[p])) continue;
+    const bool curved = is_curved(slaves[p]) || is_curved(masters[p]);
+    if (begun ? shapes.slave.empty() : !curved) continue;
     if (!freedom) freedom = options.freedom();
     for (const auto& [bodies, group] : facing_nodes(nodes, p, slaves[p], masters[p], covers[p],
                                                     owns, freedom->body, normal, shapes)) {
@@ -293,15 +288,22 @@ CommonNormals choose_common_normals(const Nodes& nodes, const std::vector<Side>&
       relative << V, W;
       if (relative.cols() == 0) continue;
       const std::array<Index, 3> key{static_cast<Index>(p), slave, master};
-      const bool decided = begun && begun->choice.count(key) > 0;
       CommonNormals::Choice& choice = common.choice[key];
+      const bool decided = begun && begun->choice.count(key) > 0;
       if (decided) choice = begun->choice.at(key);
-      const DenseMatrix of_other = slipping(
-          *freedom, relative, group.other, decided ? DecidedCount(choice.motions) : DecidedCount());
-      choice.motions = static_cast<Index>(of_other.cols());
-      if (!decided) choice.master = master_counts(*freedom, relative, group, of_other);
+      const auto slip = [&](const std::vector<PointNormal>& points, bool counts) {
+        if (decided && !counts) return DenseMatrix();
+        return slipping(*freedom, relative, points,
+                        decided ? DecidedCount(choice.motions) : DecidedCount());
+      };
+      const DenseMatrix of_own = slip(group.own(), !choice.master),
+                        of_other = slip(group.other, choice.master);
+      if (!decided) choice.master = master_counts(*freedom, group, of_own, of_other);
+      choice.motions = static_cast<Index>((choice.master ? of_other : of_own).cols());
       if (choice.master)
         take_masters(nodes.dimension, *freedom, group, of_other, normal, common.of_master);
+      else
+        keep_slaves(nodes.dimension, *freedom, group, of_own, normal);
     }
   }
   return common;

@@ -35,7 +35,7 @@ struct PairShapes {
 struct CommonNormals {
   struct Choice {
     bool master = false;
-    Index motions = 0;  ///< that the normals of the other side let slip
+    Index motions = 0;  ///< that the normals of the side that counts let slip
   };
   std::vector<char> of_master;                    ///< per node
   std::map<std::array<Index, 3>, Choice> choice;  ///< by pair, and by the bodies of both sides
@@ -57,7 +57,8 @@ struct CommonNormals {
 ///
 /// normal: of the slave's own surface, per node, replaced where the master's count; owns: as in
 /// slave_normals; begun: where the increment began, which has decided; null: it is decided here.
-/// Faces of one body keep theirs.
+/// Faces of one body keep theirs. What A leaves free, and the normals that count let slip as far as
+/// the mesh can tell, they let slip to rounding (slippable.h).
 CommonNormals choose_common_normals(const Nodes& nodes, const std::vector<Side>& slaves,
                                     const std::vector<Side>& masters,
                                     const std::vector<Cover>& covers, const Options& options,
