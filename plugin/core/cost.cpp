@@ -36,12 +36,13 @@ Costs estimate_costs(const System& system) {
   const bool solid = system.dimension == 3;
   costs.condensed = laws + ordered + (solid ? of_factor * n * n : planar);
   const bool known = system.rigid_modes && !system.mesh_node.empty();
-  costs.multigrid = costs.sparse = std::numeric_limits<double>::infinity();
+  costs.multigrid = costs.path = costs.sparse = std::numeric_limits<double>::infinity();
   if (known) costs.multigrid = of_cycles * entries;
   const double on_A = steps_on_A * (ordered + (solid ? of_sparse * std::pow(n, 1.5) : planar));
   const double on_S = costs.condensed + (path_on_S - 1) * laws;
-  if (costs.multigrid < costs.condensed && on_A < on_S && slenderness(system) >= slender)
-    costs.sparse = on_A;
+  if (costs.multigrid < costs.condensed && slenderness(system) >= slender)
+    costs.path = std::min(on_A, on_S);
+  if (costs.path == on_A) costs.sparse = on_A;
   return costs;
 }
 

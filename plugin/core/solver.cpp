@@ -273,7 +273,7 @@ Allowance Solver::allowance(const Settings& settings) const {
   if (settings.method != Method::automatic) return {};
   if (indefinite_ || settings.memory < memory_needed_) return {only_gradients};
   const double dense = costs_.condensed / costs_.multigrid;
-  const double path = costs_.sparse / costs_.multigrid;
+  const double path = costs_.path / costs_.multigrid;
   if (path < far_dearer) return {std::min(dense, path), lifts};
   return {std::min(dense, worth_a_try * path)};
 }

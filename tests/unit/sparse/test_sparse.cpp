@@ -231,6 +231,23 @@ TEST(SparseRoute, ComesFirstWhereItsFactorsAreCheap) {
   }
 }
 
+TEST(SparseRoute, LeavesFrictionlessBarsThatAreLiftedToTheFactorAtOnce) {
+  SparseOptions bar = plate(1);
+  bar.cells = {100, 3, 2};
+  bar.size = {50, 1, 1};
+  bar.law = Law::frictionless;
+  SparseScene scene = sparse_block(bar);
+  scene.gap.setConstant(1e-3);
+  const Posed posed = scene.system(scene.node_of_dof);
+  const Plan plan = make_plan(posed.problem(), Settings());
+  EXPECT_EQ(plan.route, Route::multigrid);
+  EXPECT_TRUE(std::isfinite(plan.costs.path) && std::isinf(plan.costs.sparse));
+  const Solution s = solve(posed.problem(), Settings());
+  EXPECT_EQ(s.status, Status::converged);
+  EXPECT_EQ(s.route, Route::condensed);
+  EXPECT_LE(s.steps.total(), 12) << "of multigrid, until the first linear system has shown it";
+}
+
 TEST(SparseRoute, TriesNewtonsMethodFirstWhereMultigridHasAnsweredACallBefore) {
   SparseOptions bar;
   bar.cells = {90, 2, 2};
