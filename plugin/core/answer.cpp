@@ -60,6 +60,8 @@ Solution answer(const ContactProblem& problem, const Settings& settings,
       !costs_negative_energy(*problem.system, s.negative))
     s.status = Status::stagnated;
   s.status = concluded(s.status, s.certificate, settings);
+  if (s.status == Status::not_positive_definite)  // no field that motions could be taken out of
+    s.undetermined = DenseMatrix(problem.dofs(), 0);
   s.state = classify(problem, s.x, s.certificate);
   return s;
 }

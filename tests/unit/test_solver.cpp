@@ -312,6 +312,28 @@ TEST(Solver, ADirectionThatCostsEnergyAccusesNoMatrix) {
   }
 }
 
+TEST(Solver, AnIndefiniteMatrixLeavesNoMotionUndetermined) {
+  Scene scene = block(BlockOptions());
+  for (std::size_t k = 0; k < scene.a.size(); ++k)
+    if (scene.i[k] != scene.j[k]) scene.a[k] *= 1.5;
+  const Posed posed = scene.system();
+  const Index n = posed.problem().dofs();
+  const Vector negative = solve(posed.problem(), Settings()).negative;
+  const Solution a = answer(
+      posed.problem(), Settings(), [&] { return DenseMatrix(n, 0); },
+      [&] {
+        Solution s;
+        s.x = Vector::Zero(n);
+        s.certificate = certify(posed.problem(), s.x);
+        s.status = Status::not_positive_definite;
+        s.negative = negative;
+        s.undetermined = DenseMatrix::Ones(n, 1);
+        return s;
+      });
+  EXPECT_EQ(a.status, Status::not_positive_definite);
+  EXPECT_EQ(a.undetermined.cols(), 0);
+}
+
 TEST(Solver, TooFewIterationsAreReportedAsSuch) {
   Settings settings;
   settings.nbiter = 3;
