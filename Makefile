@@ -9,7 +9,7 @@ WARN      := -Wall -Wextra -Wshadow -Wno-array-bounds
 ifdef CI
 WARN      += -Werror
 endif
-INCLUDE   := -Iplugin/core -DEIGEN_USE_BLAS -isystem /usr/include/eigen3 -isystem /usr/include/suitesparse
+INCLUDE   := -Iplugin/core -Iplugin -DEIGEN_USE_BLAS -isystem /usr/include/eigen3 -isystem /usr/include/suitesparse
 # GCC collects its garbage from 1 GB on: sooner, that takes a quarter of its time. clang has none.
 HEAP      := $(if $(findstring clang,$(CXX)),,--param ggc-min-heapsize=1000000)
 FLAGS      = -std=c++17 -fPIC $(HEAP) $(CXXFLAGS) $(WARN) $(INCLUDE)
@@ -38,13 +38,15 @@ FF_PROGRAM := FreeFem++-nw
 PACKAGES   += freefem++ libfreefem++-dev
 endif
 # FreeFEM's own operator new confuses this one warning.
-FF_FLAGS   := -Iplugin -isystem $(FF_INCLUDE) -Wno-mismatched-new-delete
+FF_FLAGS   := -isystem $(FF_INCLUDE) -Wno-mismatched-new-delete
 PREFIX     ?= $(FF_PREFIX)
 
 CORE      := $(wildcard plugin/core/*.cpp plugin/core/*/*.cpp plugin/core/*/*/*.cpp)
 OBJECTS   := $(CORE:plugin/%.cpp=$(BUILD)/%.o)
 CORE_H    := $(wildcard plugin/core/*.h plugin/core/*/*.h plugin/core/*/*/*.h)
 HEADERS   := $(CORE_H) $(wildcard plugin/freefem/*.h)
+ADAPTER   := $(wildcard plugin/freefem/*.cpp)
+ADAPTERS  := $(ADAPTER:plugin/%.cpp=$(BUILD)/%.o)
 UNIT      := $(filter-out tests/unit/standalone/%,$(wildcard tests/unit/*.cpp tests/unit/*/*.cpp))
 IDP       := $(wildcard edp/*.idp)
 SCRIPTS   := $(wildcard tests/edp/*.edp)
@@ -55,7 +57,7 @@ SHARED    := $(wildcard tests/mpi/*.edp examples/*-mpi.edp) tests/mpi/scarce tes
 PAGES     := README.md $(wildcard edp/doc/*.md)
 BENCHES   := $(wildcard tests/bench/*.cpp)
 BENCH_PLUGINS = $(BENCHES:tests/bench/%.cpp=$(BUILD)/%.so)
-OWN       := $(CORE) $(HEADERS) $(wildcard plugin/*.cpp plugin/mpi/*.cpp plugin/mpi/*.h tests/unit/*.cpp tests/unit/*.h \
+OWN       := $(CORE) $(ADAPTER) $(HEADERS) $(wildcard plugin/*.cpp plugin/mpi/*.cpp plugin/mpi/*.h tests/unit/*.cpp tests/unit/*.h \
                tests/unit/*/*.cpp tests/unit/*/*.h tests/bench/*.cpp tests/bench/*.h tests/scarce/*.cpp)
 
 # Debian's freefem++.pref names a folder that does not exist; the first two make up for it.
@@ -94,7 +96,6 @@ PRECOMPILED := precompiled.h
 PRELUDE     := plugin/core/precompiled.h plugin/core/types.h
 CORE_PCH     = $(PRECOMPILED:%=$(BUILD)/core/%)
 UNIT_PCH     = $(PRECOMPILED:%=$(BUILD)/unit/%)
-FF_PCH       = $(PRECOMPILED:%=$(BUILD)/freefem/%)
 # where ccache preprocesses, it reads the compiled one too
 READ        := -fpch-preprocess -include
 
@@ -104,21 +105,22 @@ $(BUILD)/core/precompiled.h.gch: $(PRELUDE) Makefile
 
 $(BUILD)/unit/precompiled.h.gch: tests/unit/precompiled.h $(PRELUDE) Makefile
 	@mkdir -p $(@D) && cp $< $(@D)
-	$(CXX) $(FLAGS) -O1 -Iplugin -Itests -x c++-header $< -o $@
-
-$(BUILD)/freefem/precompiled.h.gch: plugin/freefem/precompiled.h plugin/freefem/freefem.h $(PRELUDE) Makefile
-	@mkdir -p $(@D) && cp $< $(@D)
-	$(CXX) $(FLAGS) $(FF_FLAGS) -x c++-header $< -o $@
+	$(CXX) $(FLAGS) -O1 -Itests -x c++-header $< -o $@
 
 $(BUILD)/core/%.o: plugin/core/%.cpp Makefile $(CORE_PCH:=.gch)
 	@mkdir -p $(@D)
 	$(CXX) $(FLAGS) $(DEPENDS) $(CORE_FLAGS) $(addprefix $(READ) ,$(CORE_PCH)) -c $< -o $@
 
-$(BUILD)/frictionCG.o: plugin/frictionCG.cpp Makefile $(FF_PCH:=.gch)
-	@mkdir -p $(@D)
-	$(CXX) $(FLAGS) $(DEPENDS) $(FF_FLAGS) $(addprefix $(READ) ,$(FF_PCH)) -c $< -o $@
+ADAPT = $(CXX) $(FLAGS) $(DEPENDS) $(FF_FLAGS) $(addprefix $(READ) ,$(CORE_PCH)) -c $< -o $@
 
-$(BUILD)/frictionCG.so: $(BUILD)/frictionCG.o $(OBJECTS)
+$(BUILD)/freefem/%.o: plugin/freefem/%.cpp Makefile $(CORE_PCH:=.gch)
+	@mkdir -p $(@D)
+	$(ADAPT)
+
+$(BUILD)/frictionCG.o: plugin/frictionCG.cpp Makefile $(CORE_PCH:=.gch)
+	$(ADAPT)
+
+$(BUILD)/frictionCG.so: $(BUILD)/frictionCG.o $(ADAPTERS) $(OBJECTS)
 	$(CXX) -shared $(OWN_NEW) $(LDFLAGS) $^ -o $@ $(LIBS)
 
 # The plugin of several processes: what it needs beyond the sequential one is asked for here alone.
@@ -140,23 +142,20 @@ mpi: setup setup-mpi ## the plugin of several processes, on PETSc
 setup-mpi:
 	@$(MAKE) --no-print-directory setup PACKAGES="$(MPI_PACKAGES)"
 
-$(BUILD)/distributed/frictionCG-mpi.o: SEEN = $(FF_PCH)
-$(BUILD)/distributed/frictionCG-mpi.o: $(FF_PCH:=.gch)
-$(BUILD)/distributed/%.o: SEEN = $(CORE_PCH)
 $(BUILD)/distributed/%.o: plugin/mpi/%.cpp Makefile $(CORE_PCH:=.gch)
 	@mkdir -p $(@D)
-	$(CXX) $(FLAGS) $(DEPENDS) $(MPI_FLAGS) $(FF_FLAGS) $(addprefix $(READ) ,$(SEEN)) -c $< -o $@
+	$(CXX) $(FLAGS) $(DEPENDS) $(MPI_FLAGS) $(FF_FLAGS) $(addprefix $(READ) ,$(CORE_PCH)) -c $< -o $@
 
 # Beside the plugin, for tests/bench/mpi3d.edp
-$(BUILD)/mpiUnit.so: tests/bench/distributed/mpiUnit.cpp $(MPI_OBJECTS) $(OBJECTS) $(HEADERS)
+$(BUILD)/mpiUnit.so: tests/bench/distributed/mpiUnit.cpp $(MPI_OBJECTS) $(ADAPTERS) $(OBJECTS) $(HEADERS)
 	$(CXX) $(FLAGS) $(MPI_FLAGS) $(FF_FLAGS) -Wno-shadow -shared $< \
-	  $(filter-out %/frictionCG-mpi.o,$(MPI_OBJECTS)) $(OBJECTS) -o $@ $(LIBS) $(MPI_LIBS)
+	  $(filter-out %/frictionCG-mpi.o,$(MPI_OBJECTS)) $(ADAPTERS) $(OBJECTS) -o $@ $(LIBS) $(MPI_LIBS)
 
 # For tests/scarce/one and tests/mpi/scarce
 $(BUILD)/scarce.so: tests/scarce/scarce.cpp
 	$(CXX) -std=c++17 -fPIC $(CXXFLAGS) $(WARN) -shared $< -o $@
 
-$(BUILD)/frictionCG-mpi.so: $(MPI_OBJECTS) $(OBJECTS)
+$(BUILD)/frictionCG-mpi.so: $(MPI_OBJECTS) $(ADAPTERS) $(OBJECTS)
 	$(CXX) -shared $(OWN_NEW) $(LDFLAGS) $^ -o $@ $(LIBS) $(MPI_LIBS)
 
 core: $(BUILD)/libfrictioncg.a ## the core as a library, used through plugin/core/frictioncg.h
@@ -209,13 +208,13 @@ WRAP := -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
 $(BUILD)/unit/%.o: tests/unit/%.cpp Makefile $(UNIT_PCH:=.gch)
 	@mkdir -p $(@D)
-	$(CXX) $(FLAGS) $(DEPENDS) -O1 -Iplugin -Itests $(addprefix $(READ) ,$(UNIT_PCH)) -c $< -o $@
+	$(CXX) $(FLAGS) $(DEPENDS) -O1 -Itests $(addprefix $(READ) ,$(UNIT_PCH)) -c $< -o $@
 
--include $(OBJECTS:.o=.d) $(UNIT:tests/%.cpp=$(BUILD)/%.d) $(BUILD)/frictionCG.d $(MPI_OBJECTS:.o=.d)
+-include $(OBJECTS:.o=.d) $(UNIT:tests/%.cpp=$(BUILD)/%.d) $(BUILD)/frictionCG.d $(ADAPTERS:.o=.d) $(MPI_OBJECTS:.o=.d)
 
 # The benchmarks run in FreeFEM, with one thread unless they say so, in the same process as what they compare with.
-$(BUILD)/%.so: tests/bench/%.cpp tests/bench/on_scene.h $(OBJECTS) $(HEADERS)
-	$(CXX) $(FLAGS) $(FF_FLAGS) -Wno-shadow -Wno-use-after-free -shared $< $(OBJECTS) -o $@ $(LIBS)
+$(BUILD)/%.so: tests/bench/%.cpp tests/bench/on_scene.h $(ADAPTERS) $(OBJECTS) $(HEADERS)
+	$(CXX) $(FLAGS) $(FF_FLAGS) -Wno-shadow -Wno-use-after-free -shared $< $(ADAPTERS) $(OBJECTS) -o $@ $(LIBS)
 
 bench: setup ## the paper's tables, and costs as ratios to one linear solve
 	@$(MAKE) --no-print-directory -j$$(nproc) all $(BENCH_PLUGINS) >/dev/null

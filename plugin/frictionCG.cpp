@@ -7,7 +7,6 @@
 #include "freefem/freefem.h"
 
 #include "freefem/load.h"
-#include "freefem/memory.h"
 #include "freefem/operators.h"
 
 namespace frictioncg {
@@ -19,7 +18,7 @@ void load() {
   if (!take_buffer_of_blas())
     throw ErrorLoad("frictionCG: not enough memory for a buffer of BLAS", 1);
   register_contactproblem();
-  add_operators<SolveOnce, Construct, SolveIncrement, SiteOf<v_fes>, SiteOf<v_fes3>>();
+  add_operators<SolveOnce, Construct, SolveIncrement, Site>();
 }
 
 }  // namespace

@@ -23,6 +23,7 @@ namespace frictioncg {
 
 using Real = double;
 using Index = int;
+constexpr Real infinity = std::numeric_limits<Real>::infinity();
 using Vector = Eigen::VectorXd;
 using DenseMatrix = Eigen::MatrixXd;
 using Matrix = Eigen::SparseMatrix<Real, Eigen::RowMajor, Index>;  ///< both halves, sorted rows

@@ -1,266 +1,54 @@
 #pragma once
-#include "freefem.h"
-
-#include "arguments.h"
 #include "scene.h"
 
 namespace frictioncg {
 
-/// Saves where expressions are evaluated, and restores it, whatever happens between.
-class PointGuard {
- public:
-  explicit PointGuard(Stack stack) : point_(MeshPointStack(stack)), saved_(*point_) {}
-  ~PointGuard() { *point_ = saved_; }
-  PointGuard(const PointGuard&) = delete;
-  PointGuard& operator=(const PointGuard&) = delete;
-  MeshPoint* point() { return point_; }
-
- private:
-  MeshPoint* point_;
-  MeshPoint saved_;
-};
-
-/// A script's vector as it is now: what is evaluated after it may change the script's.
-inline Vector copy_of(const KN_<double>& v) {
-  Vector copy(v.N());
-  for (long i = 0; i < v.N(); ++i) copy[i] = v[i];
-  return copy;
-}
-/// Empty where it is not given.
-inline Vector vector_of(Stack stack, const Arguments& args, Parameter p) {
-  return args.has(p) ? copy_of(args.value<KN_<double>>(stack, p)) : Vector();
-}
-
-/// Refuses a value at a node, which is named.
-inline void check_value(Parameter p, double x, const BoundaryNode& node, int d) {
-  const bool is_gap = p == p_gap || p == p_obstaclegap;
-  if (std::isfinite(x) && (is_gap || x >= 0)) return;
-  std::ostringstream m;
-  m << parameters[p].name << " = " << x << " at " << place(node, d) << "; "
-    << (p == p_mu || p == p_mu2 ? "a friction coefficient is a number >= 0"
-        : is_gap                ? "a gap is a finite length"
-        : p == p_weight         ? "a weight is a number >= 0"
-        : p == p_cohesion       ? "a cohesion is a traction >= 0"
-        : p == p_shearmax       ? "the largest shear is a traction >= 0"
-                                : "a sliding limit is a traction >= 0");
-  throw IllegalInput(m.str());
-}
-
 /// mu, gap, weight or a traction at each of the nodes; 0 where it is not given.
-inline Vector at_nodes(Stack stack, const Arguments& args, Parameter p, const Scene& scene,
-                       const std::vector<BoundaryNode>& nodes) {
-  Vector result = Vector::Zero(static_cast<Index>(nodes.size()));
-  if (!args.has(p)) return result;
-  PointGuard guard(stack);
-  for (std::size_t k = 0; k < nodes.size(); ++k) {
-    scene.go_to(guard.point(), nodes[k]);
-    result[k] = args.value<double>(stack, p);
-    check_value(p, result[k], nodes[k], scene.d);
-  }
-  return result;
-}
-inline Vector at_nodes(Stack stack, const Arguments& args, Parameter p, const Scene& scene) {
-  return at_nodes(stack, args, p, scene, scene.nodes);
-}
-
-/// The gap at the contact points of pairs. A given one replaces that of the meshes.
-inline Vector read_gap_of_pairs(Stack stack, const Arguments& args, const Scene& scene) {
-  if (!args.has(p_gap)) return scene.pairing->gap();
-  return scene.pairing->gap(at_nodes(stack, args, p_gap, scene, scene.pairing->slave_nodes()));
-}
+Vector at_nodes(Stack stack, const Arguments& args, Parameter p, const Scene& scene,
+                const std::vector<BoundaryNode>& nodes);
+Vector at_nodes(Stack stack, const Arguments& args, Parameter p, const Scene& scene);
 
 /// n.w of the displacement at which the geometry is, at each contact point: gaps are those that are
 /// left there, and laws bound the whole displacement.
-inline Vector moved_along_normals(const Scene& scene) {
-  Vector moved(scene.nodes.size());
-  for (Index k = 0; k < moved.size(); ++k)
-    moved[k] = (scene.nodes[k].moved, as_R3(scene.nodes[k].point.normal));
-  return moved;
-}
-
-/// The bound on n.w at each contact point: the gap, with what has been moved already. before: that
-/// of the contactproblem, or empty; what the call does not name has it.
-inline Vector read_gap(Stack stack, const Arguments& args, const Scene& scene,
-                       const Vector& before = {}) {
-  const Vector moved = moved_along_normals(scene);
-  if (!scene.pairing) return at_nodes(stack, args, p_gap, scene) + moved;
-  const Index paired = static_cast<Index>(scene.paired()), beside = moved.size() - paired;
-  Vector gap = before;
-  gap.conservativeResize(moved.size());
-  if (args.has(p_gap) || before.size() == 0)
-    gap.head(paired) = read_gap_of_pairs(stack, args, scene) + moved.head(paired);
-  const std::vector<BoundaryNode> on_obstacle(scene.nodes.begin() + paired, scene.nodes.end());
-  if (args.has(p_obstaclegap) || before.size() == 0)
-    gap.tail(beside) =
-        at_nodes(stack, args, p_obstaclegap, scene, on_obstacle) + moved.tail(beside);
-  return gap;
-}
-
-/// The values of a vector, p, at the present point, scaled to length 1; false where it has no
-/// direction.
-inline bool unit_vector(Stack stack, const Arguments& args, Parameter p, int d,
-                        std::array<Real, 3>& n) {
-  const Arguments::Components& components = args.vector(p);
-  double norm = 0;
-  for (int c = 0; c < d; ++c) {
-    n[c] = evaluated(parameters[p].name, [&] { return GetAny<double>((*components[c])(stack)); });
-    norm = std::hypot(norm, n[c]);
-  }
-  for (int c = 0; c < d; ++c) n[c] /= norm;
-  return norm > 0 && std::isfinite(norm);
-}
+Vector moved_along_normals(const Scene& scene);
 
 /// A normal may lean away from the boundary's own, up to lying in it (the obstacle may give it).
 /// Beyond that the node faces away from the obstacle.
-inline bool faces_away(const BoundaryNode& node, const std::array<Real, 3>& n) {
-  return (node.mean, as_R3(n)) < -1e-6;
-}
-
-/// The normals of the mesh, all of which have to have a direction.
-inline void keep_normals(const Scene& scene) {
-  for (const BoundaryNode& node : scene.nodes)
-    if (Norme2(as_R3(node.point.normal)) == 0)
-      throw IllegalInput("the outward normals at " + place(node, scene.d) +
-                         " cancel; give normal=[...] explicitly");
-}
+bool faces_away(const BoundaryNode& node, const std::array<Real, 3>& n);
 
 /// Replaces the mesh's normals on an obstacle by those of the call. Nodes that faced away from it
 /// where the increment began, as those at the ends of a nose, are left out, and kept aside.
-inline void set_normals(Stack stack, const Arguments& args, Scene& scene) {
-  const Parameter normal = scene.pairing ? p_obstaclenormal : p_normal;
-  scene.given_normals = args.has(normal);
-  if (!scene.given_normals) return keep_normals(scene);
-  PointGuard guard(stack);
-  std::vector<BoundaryNode> facing;
-  for (BoundaryNode& node : scene.nodes) {
-    scene.go_to(guard.point(), node);
-    std::array<Real, 3> n{};
-    if (!unit_vector(stack, args, normal, scene.d, n))
-      throw IllegalInput(std::string(parameters[normal].name) + " has no direction at " +
-                         place(node, scene.d) +
-                         "; give the outward normal of the body, of any length > 0");
-    node.point.normal = n;
-    if (node.begun) {
-      scene.go_to(guard.point(), *node.begun);
-      const bool told = unit_vector(stack, args, normal, scene.d, n);
-      node.begun = std::make_shared<BoundaryNode>(*node.begun);
-      node.begun->point.normal = told ? n : node.point.normal;
-    }
-    const BoundaryNode& deciding = node.deciding();
-    const bool away = faces_away(deciding, deciding.point.normal);
-    (away ? scene.averted : facing).push_back(node);
-  }
-  scene.nodes = std::move(facing);
-  merge_equal_normals(scene.nodes);
-}
+void set_normals(Stack stack, const Arguments& args, Scene& scene);
 
 /// Refuses normals that every node faces away from: they point into the body.
-inline void refuse_inward(const Scene& scene) {
-  const BoundaryNode& node = scene.averted.front();
-  throw IllegalInput(std::string(scene.pairing ? "obstaclenormal = " : "normal = ") +
-                     coordinates(as_R3(node.point.normal), scene.d) + " at " +
-                     place(node, scene.d) +
-                     " points into the body, whose boundary has the outward normal " +
-                     coordinates(node.mean, scene.d) + "; give the normal that leaves the body");
-}
+void refuse_inward(const Scene& scene);
 
 /// The normals of the call at the slave's nodes; 0 where they have no direction.
-inline std::vector<mortar::Vec3> slave_normals(Stack stack, const Arguments& args,
-                                               const Scene& scene) {
-  std::vector<mortar::Vec3> normals;
-  PointGuard guard(stack);
-  for (const BoundaryNode& node : scene.pairing->slave_nodes()) {
-    scene.go_to(guard.point(), node);
-    std::array<Real, 3> n{};
-    if (!unit_vector(stack, args, p_normal, scene.d, n)) n = {};
-    normals.emplace_back(n[0], n[1], n[2]);
-  }
-  return normals;
-}
+std::vector<mortar::Vec3> slave_normals(Stack stack, const Arguments& args, const Scene& scene);
 
 /// Orthotropic friction: the ratio of the coefficients, and the direction of the first. The frames
 /// keep the ratio: a later call changes mu, and mu2 with it.
-inline void set_orthotropy(Stack stack, const Arguments& args, const Vector& mu, Scene& scene) {
-  if (!args.has(p_mu2)) return;
-  const Vector mu2 = at_nodes(stack, args, p_mu2, scene);
-  PointGuard guard(stack);
-  for (std::size_t k = 0; k < scene.nodes.size(); ++k) {
-    BoundaryNode& node = scene.nodes[k];
-    if ((mu[k] > 0) != (mu2[k] > 0)) {
-      std::ostringstream m;
-      m << "mu = " << mu[k] << " but mu2 = " << mu2[k] << " at " << place(node, scene.d)
-        << "; both coefficients are > 0, or both are 0";
-      throw IllegalInput(m.str());
-    }
-    if (mu[k] == 0) continue;
-    ContactPoint& p = node.point;
-    scene.go_to(guard.point(), node);
-    const bool has_direction = unit_vector(stack, args, p_direction, scene.d, p.direction);
-    const double along_normal = (as_R3(p.direction), as_R3(p.normal));
-    if (!has_direction || std::abs(along_normal) > 1 - 1e-10)
-      throw IllegalInput("direction has no part in the contact plane at " + place(node, scene.d) +
-                         "; give a direction, of any length > 0, that is not the normal");
-    p.mu_ratio = mu2[k] / mu[k];
-  }
-}
-
-/// Refuses laws that exclude one another, and a bound on friction that nothing makes.
-inline void check_laws(const Arguments& args, const PointLaws& given) {
-  for (Parameter p : {p_mu, p_cohesion, p_shearmax})
-    if (args.has(p) && args.has(p_slidinglimit))
-      throw IllegalInput(std::string(parameters[p].name) +
-                         " and slidinglimit are both given; friction takes mu, cohesion and "
-                         "shearmax, min(cohesion + mu p, shearmax), a limit without a pressure p "
-                         "slidinglimit alone");
-  if (args.has(p_shearmax) && !args.has_any(frictions) && given.law != Law::coulomb)
-    throw IllegalInput(
-        "shearmax bounds friction, and there is none; give mu or cohesion with it, or the limit "
-        "itself as slidinglimit");
-}
+void set_orthotropy(Stack stack, const Arguments& args, const Vector& mu, Scene& scene);
 
 /// Refuses friction on a contactproblem, `name`, that has no tangents.
-inline void refuse_friction_of_none(const char* name, const Arguments& args, const Scene& scene) {
-  if (scene.tangents || !args.has_any(frictions)) return;
-  throw IllegalInput(std::string(name) +
-                     " was made without friction; name mu, cohesion or slidinglimit in "
-                     "contactProblem(...), too");
-}
+void refuse_friction_of_none(const char* name, const Arguments& args, const Scene& scene);
 
 /// What the laws of a call are beside their values at nodes, of which `given` has others.
-inline PointLaws begun_laws(Stack stack, const Arguments& args, PointLaws given = {}) {
-  check_laws(args, given);
-  given.bilateral = args.value(stack, p_bilateral, given.bilateral);
-  if (args.has(p_gap) || args.has(p_obstaclegap)) given.gap.resize(0);
-  given.given_gap = given.given_gap || args.has(p_gap);
-  return given;
-}
-
-/// A traction at each contact node, as a force.
-inline Vector forces_at_nodes(Stack stack, const Arguments& args, Parameter p, const Scene& scene) {
-  Vector force = at_nodes(stack, args, p, scene);
-  for (std::size_t k = 0; k < scene.nodes.size(); ++k) force[k] *= scene.nodes[k].weight;
-  return force;
-}
+PointLaws begun_laws(Stack stack, const Arguments& args, PointLaws given = {});
 
 /// The laws of a call: those of `laws` where the call names no other. They hold for this call only.
 /// gap: as read_gap's before.
-inline PointLaws read_laws(Stack stack, const Arguments& args, const Scene& scene, PointLaws laws,
-                           const Vector& gap = {}) {
-  if (laws.gap.size() != static_cast<Index>(scene.nodes.size()))
-    laws.gap = read_gap(stack, args, scene, gap);
-  if (args.has(p_slidinglimit)) {
-    laws.g = forces_at_nodes(stack, args, p_slidinglimit, scene);
-    for (Vector* v : {&laws.mu, &laws.cohesion, &laws.cap}) v->resize(0);
-    laws.law = Law::tresca;
-  }
-  if (args.has(p_mu) || (args.has(p_cohesion) && laws.law != Law::coulomb)) {
-    laws.mu = at_nodes(stack, args, p_mu, scene);
-    laws.g.resize(0);
-    laws.law = Law::coulomb;
-  }
-  if (args.has(p_cohesion)) laws.cohesion = forces_at_nodes(stack, args, p_cohesion, scene);
-  if (args.has(p_shearmax)) laws.cap = forces_at_nodes(stack, args, p_shearmax, scene);
-  return laws;
-}
+PointLaws read_laws(Stack stack, const Arguments& args, const Scene& scene, PointLaws laws,
+                    const Vector& gap = {});
+
+/// Weights the shares of the contact points on an obstacle, by which tractions are multiplied.
+void set_weights(Stack stack, const Arguments& args, Scene& scene);
+
+/// The weight of the mortar at the slave's nodes; empty where none is named.
+std::vector<Real> slave_weights(Stack stack, const Arguments& args, const Scene& scene);
+
+/// The radius of forms that look axisymmetric, as a component, where contact does not know it: no
+/// weight is named, and pressures or limits are integrated. Else -1.
+int unnamed_radius(const Arguments& args, const Scene& scene, const Triplets& A);
 
 }  // namespace frictioncg

@@ -1,21 +1,213 @@
 #pragma once
 #include "freefem.h"
 
+#include <cstdlib>
+
 #include "call.h"
-#include "contactproblem.h"
-#include "errors.h"
-#include "overload.h"
-#include "renewal.h"
-#include "usage.h"
+#include "node_values.h"
 
 namespace frictioncg {
+
+/// The variable itself. FreeFEM allots its bytes without a constructor, calls init() and destroy(),
+/// and never a destructor; arrays of it are made by `new`, and deleted.
+class ContactProblemVariable {
+ public:
+  ContactProblemVariable() = default;
+  ContactProblemVariable(const ContactProblemVariable& from) { *this = from; }
+  ContactProblemVariable& operator=(const ContactProblemVariable& from) {
+    if (this == &from) return *this;
+    auto* copy = from.problem_ ? new PosedProblem(*from.problem_) : nullptr;
+    delete problem_;
+    problem_ = copy;
+    return *this;
+  }
+  ~ContactProblemVariable() { destroy(); }
+  void init() { problem_ = nullptr; }
+  void destroy() {
+    delete problem_;
+    problem_ = nullptr;
+  }
+  void set(PosedProblem problem) {
+    destroy();
+    problem_ = new PosedProblem(std::move(problem));
+  }
+  /// A copy, so that what the script assigns meanwhile takes nothing away from a call.
+  PosedProblem get() const {
+    if (!is_set()) throw IllegalInput(not_set);
+    return *problem_;
+  }
+  bool is_set() const { return problem_ != nullptr; }
+  static constexpr const char* not_set =
+      "the contactproblem is not set; write contactproblem C = contactProblem(A, Vh, labels, ...)";
+
+ private:
+  PosedProblem* problem_ = nullptr;
+};
+
+/// C = ..., at the declaration: the bytes hold nothing yet.
+inline ContactProblemVariable* first_assignment(ContactProblemVariable* C,
+                                                ContactProblemVariable* from) {
+  C->init();
+  *C = *from;
+  return C;
+}
+
+inline ContactProblemVariable* assignment(ContactProblemVariable* C, ContactProblemVariable* from) {
+  *C = *from;
+  return C;
+}
+
+inline AnyType init_variable(Stack, const AnyType& x) {
+  GetAny<ContactProblemVariable*>(x)->init();
+  return x;
+}
+
+/// return C: a function's variables end with it, so what it returns is a copy that lives to the end
+/// of the statement.
+inline AnyType copy_on_return(Stack stack, const AnyType& x) {
+  return SetAny<ContactProblemVariable*>(
+      Add2StackOfPtr2Free(stack, new ContactProblemVariable(*GetAny<ContactProblemVariable*>(x))));
+}
+
+using ContactProblemArray = KN<ContactProblemVariable>;
+
+inline ContactProblemArray* init_array(ContactProblemArray* const& a, const long& n) {
+  a->init(n);
+  return a;
+}
+
+inline ContactProblemVariable* element(ContactProblemArray* const& a, const long& k) {
+  if (k < 0 || k >= a->N())
+    ExecError("contactproblem[int]: index " + std::to_string(k) + " of an array of " +
+              std::to_string(a->N()));
+  return &(*a)[k];
+}
+
+/// Registers the type, its assignments, and arrays of it: contactproblem[int] C(n).
+inline void register_contactproblem() {
+  using C = ContactProblemVariable*;
+  Dcl_Type<C>(init_variable, ::Destroy<ContactProblemVariable>, copy_on_return);
+  zzzfff->Add("contactproblem", atype<C>());
+  TheOperators->Add("<-", new OneOperator2<C, C, C>(first_assignment));
+  TheOperators->Add("=", new OneOperator2<C, C, C>(assignment));
+
+  using Array = ContactProblemArray*;
+  Dcl_Type<Array>(0, ::Destroy<ContactProblemArray>, NotReturnOfthisType);
+  TheOperators->Add("<-", new OneOperator2_<Array, Array, long>(init_array));
+  atype<Array>()->Add("[", "", new OneOperator2_<C, Array, long>(element));
+  map_type_of_map[std::make_pair(atype<long>(), atype<C>())] = atype<Array>();
+}
+
+/// One form of the arguments of an operator: FreeFEM chooses among them by their types.
+class Overload : public OneOperator {
+ public:
+  using Make = std::function<E_F0*(const basicAC_F0&)>;
+  Overload(aType result, const std::vector<aType>& types, Make make)
+      : OneOperator(result, Types(types)), make_(std::move(make)) {}
+  E_F0* code(const basicAC_F0& args) const override { return make_(args); }
+
+ private:
+  struct Types : ArrayOfaType {
+    explicit Types(const std::vector<aType>& types) {
+      n = static_cast<int>(types.size());
+      t = new aType[n];  // ArrayOfaType deletes it
+      std::copy(types.begin(), types.end(), t);
+    }
+  };
+  Make make_;
+};
+
+/// What a script calls an argument of this type.
+inline std::string words(aType type) {
+  const std::pair<aType, const char*> known[] = {
+      {atype<Matrice_Creuse<double>*>(), "matrix"},
+      {atype<Matrice_Creuse<Complex>*>(), "matrix<complex>"},
+      {atype<KN<double>*>(), "real[int]"},
+      {atype<KN_<double>>(), "real[int]"},
+      {atype<KN<Complex>*>(), "complex[int]"},
+      {atype<KN_<Complex>>(), "complex[int]"},
+      {atype<KN<long>*>(), "int[int]"},
+      {atype<KN_<long>>(), "int[int]"},
+      {atype<long>(), "int"},
+      {atype<long*>(), "int"},
+      {atype<double>(), "real"},
+      {atype<double*>(), "real"},
+      {atype<string*>(), "string"},
+      {atype<E_Array>(), "[ ]"},
+      {atype<v_fes::pfes*>(), "fespace on a mesh"},
+      {atype<v_fes3::pfes*>(), "fespace on a mesh3"},
+      {atype<v_fesS::pfes*>(), "fespace on a meshS"},
+      {atype<v_fesL::pfes*>(), "fespace on a meshL"},
+      {atype<std::pair<FEbase<double, v_fes>*, int>>(), "function"},
+      {atype<std::pair<FEbase<double, v_fes3>*, int>>(), "function"},
+      {atype<ContactProblemVariable*>(), "contactproblem"}};
+  for (const auto& [one, word] : known)
+    if (one == type) return word;
+  if (std::string(type->name()) == typeid(char).name()) return "string";  // a literal
+  return "something else";
+}
+
+inline std::string usage(bool constructs) {
+  const std::string name = constructs ? constructor_name : operator_name,
+                    b = constructs ? "" : "b, ";
+  return "\n  " + name + "(A, " + b + "Vh, labels, ...)               a rigid obstacle" +  //
+         "\n  " + name + "(A, " + b + "Vh, slave, master, ...)        two bodies in one space" +
+         "\n  " + name + "(A, " + b + "V1, slave, V2, master, ...)    two bodies in two spaces" +
+         (constructs ? ""
+                     : "\n  " + name +
+                           "(C, b, ...)                           C = contactProblem(A, Vh, "
+                           "labels, ...)\n  " +
+                           name + "(C, A, b, ...)                        C, with another matrix") +
+         "\n  A: a matrix" + (constructs ? "" : "; b: a real[int]") +
+         "; Vh: a fespace such as [P1,P1], [P2,P2] on a mesh, [P1,P1,P1] on a mesh3"
+         "\n  labels, slave, master: 1, [1, 2] or an int[int]; all else by name, as in mu=0.3";
+}
+
+/// Registers a form of any arguments of a given number, which refuses them with the list of forms.
+/// FreeFEM prefers a form that needs fewer casts, and this one needs a cast of each.
+inline void add_refusal(aType result, int arguments, bool constructs) {
+  const char* const name = constructs ? constructor_name : operator_name;
+  const auto refuse = [=](const basicAC_F0& args) -> E_F0* {
+    std::string given;
+    for (int k = 0; k < args.size(); ++k)
+      given += (given.empty() ? "" : ", ") + words(args[k].left());
+    CompileError(std::string(name) + ": no form takes the arguments (" + given +
+                 "). The forms are" + usage(constructs) + "\n ");
+    return nullptr;
+  };
+  Global.Add(name, "(",
+             new Overload(result, std::vector<aType>(arguments, atype<AnyType>()), refuse));
+}
+
+/// The longest form has six arguments; four bodies with a space each have ten.
+constexpr int most_arguments = 10;
+
+/// What a script asks for as a number, frictionCGversion.
+inline void add_version() {
+  Global.New("frictionCGversion", CConstant<double>(std::strtod(version, nullptr)));
+}
+
+/// Registers the refusals, of up to as many arguments as anybody may try.
+inline void add_usage() {
+  for (int arguments = 0; arguments <= most_arguments; ++arguments) {
+    add_refusal(atype<KN_<double>>(), arguments, false);
+    add_refusal(atype<ContactProblemVariable*>(), arguments, true);
+  }
+}
+
+/// The field of a call, a temporary to the end of the statement.
+inline AnyType result(Stack stack, const Vector& field) {
+  KN<double>* const u = Add2StackOfPtr2Free(stack, new KN<double>(0L));
+  write(field, u);
+  return SetAny<KN_<double>>(*u);
+}
 
 /// u[] = frictionalContactCG(A, b, site, ...).
 class SolveOnce : public E_F0mps {
  public:
   using Result = KN_<double>;
   SolveOnce(const basicAC_F0& args, std::shared_ptr<const Site> site)
-      : arguments_(args, site->dimension(), site->two_bodies()),
+      : arguments_(args, site->d, site->two_bodies()),
         A_(to<Matrice_Creuse<double>*>(args[0])),
         b_(to<KN_<double>>(args[1])),
         site_(std::move(site)) {}
@@ -27,7 +219,7 @@ class SolveOnce : public E_F0mps {
       const Call call(stack, arguments_, b_);
       PointLaws laws;
       const auto scene = read_scene(stack, arguments_, A_, *site_, false, laws);
-      return SetAny<KN_<double>>(solve(stack, call, *scene, laws));
+      return result(stack, solve(stack, call, *scene, laws));
     });
   }
 
@@ -50,7 +242,7 @@ class Construct : public E_F0mps {
  public:
   using Result = ContactProblemVariable*;
   Construct(const basicAC_F0& args, std::shared_ptr<const Site> site)
-      : arguments_(args, site->dimension(), site->two_bodies()),
+      : arguments_(args, site->d, site->two_bodies()),
         A_(to<Matrice_Creuse<double>*>(args[0])),
         site_(std::move(site)) {
     arguments_.allow_only({p_mu,        p_mu2,       p_direction,   p_gap,
@@ -83,7 +275,7 @@ inline void refuse_what_C_lacks(const Arguments& args, const Scene& scene) {
   refuse_motions(args, scene);
   for (Parameter p : {p_obstaclegap, p_obstaclenormal, p_obstacleforce})
     if (scene.beside_pairs == 0 && args.has(p))
-      throw IllegalInput(std::string(parameters[p].name) +
+      throw IllegalInput(std::string(name_of(p)) +
                          " is that of an obstacle beside pairs; C was made without obstacle=");
 }
 
@@ -106,7 +298,7 @@ class SolveIncrement : public E_F0mps {
       const Call call(stack, arguments_, b_);
       const PointLaws laws = read_laws(stack, arguments_, *posed.scene,
                                        begun_laws(stack, arguments_, posed.laws), posed.laws.gap);
-      return SetAny<KN_<double>>(solve(stack, call, *posed.scene, laws));
+      return result(stack, solve(stack, call, *posed.scene, laws));
     });
   }
 
@@ -143,7 +335,7 @@ class Renew : public E_F0mps {
       constexpr long own = 2;  // that of C, and the present one
       posed = renewed(stack, arguments_, A_, posed, posed.scene.use_count() == own, laws);
       C->set(posed);
-      return SetAny<KN_<double>>(solve(stack, call, *posed.scene, laws));
+      return result(stack, solve(stack, call, *posed.scene, laws));
     });
   }
 
@@ -157,18 +349,22 @@ class Renew : public E_F0mps {
   /// FreeFEM's compiler does not know the dimension of C.
   void check_normals(int d) const {
     for (Parameter p : {p_normal, p_obstaclenormal})
-      if (arguments_.has(p) && (arguments_.vector(p)[2] != nullptr) != (d == 3))
-        throw IllegalInput(std::string(parameters[p].name) + " has " + (d == 3 ? "2" : "3") +
+      if (arguments_.has(p) && arguments_.dimension(p) != d)
+        throw IllegalInput(std::string(name_of(p)) + " has " + (d == 3 ? "2" : "3") +
                            " components, and C is of dimension " + std::to_string(d));
   }
   Arguments arguments_;
   Expression C_, A_, b_;
 };
 
-/// Registers an operator on a site, whose types these are: make(args, first) makes it of the
-/// arguments from `first` on.
-template <class Operator, class Make>
-void add_operator(const char* name, const std::vector<aType>& site, const Make& make) {
+/// Makes a site of the arguments from `first` on.
+template <class SiteType>
+using MakeSite = std::function<std::shared_ptr<const SiteType>(const basicAC_F0& args, int first)>;
+
+/// Registers an operator on a site, whose types these are.
+template <class Operator, class SiteType>
+void add_operator(const char* name, const std::vector<aType>& site,
+                  const MakeSite<SiteType>& make) {
   std::vector<aType> types = Operator::before_site();
   const int first = static_cast<int>(types.size());
   types.insert(types.end(), site.begin(), site.end());
@@ -178,32 +374,33 @@ void add_operator(const char* name, const std::vector<aType>& site, const Make& 
              }));
 }
 
-/// Calls add(types, make) for one space and for two, and for labels in each form.
+/// Calls add(types, make) for one space and for two, on a mesh and on a mesh3, and for labels in
+/// each form.
 template <class SiteType, class Add>
 void for_each_site(const Add& add) {
   const auto add_types = [&](const std::vector<aType>& types) {
-    add(types, [count = types.size()](const basicAC_F0& args, int first) {
-      return std::make_shared<const SiteType>(args, first, count);
-    });
+    add(types, MakeSite<SiteType>([count = types.size()](const basicAC_F0& args, int first) {
+          return std::make_shared<const SiteType>(args, first, count);
+        }));
   };
-  const aType space = atype<typename SiteType::Space*>();
-  for (aType a : label_types()) {
-    add_types({space, a});
-    for (aType b : label_types()) {
-      add_types({space, a, b});
-      add_types({space, a, space, b});
+  const aType labels[] = {atype<long>(), atype<KN_<long>>(), atype<E_Array>()};
+  for (aType space : {atype<v_fes::pfes*>(), atype<v_fes3::pfes*>()})
+    for (aType a : labels) {
+      add_types({space, a});
+      for (aType b : labels) {
+        add_types({space, a, b});
+        add_types({space, a, space, b});
+      }
     }
-  }
 }
 
 /// Registers all that a script may call.
-template <class Once, class Constructor, class Increment, class... Sites>
+template <class Once, class Constructor, class Increment, class SiteType>
 void add_operators() {
-  const auto add = [](const std::vector<aType>& site, const auto& make) {
+  for_each_site<SiteType>([](const std::vector<aType>& site, const MakeSite<SiteType>& make) {
     add_operator<Once>(operator_name, site, make);
     add_operator<Constructor>(constructor_name, site, make);
-  };
-  (for_each_site<Sites>(add), ...);
+  });
   Global.Add(operator_name, "(", new OneOperatorCode<Increment>());
   Global.Add(operator_name, "(", new OneOperatorCode<Renew>());
   add_usage();

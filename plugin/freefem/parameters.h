@@ -1,6 +1,4 @@
 #pragma once
-#include "freefem.h"
-
 #include "../core/settings.h"
 
 namespace frictioncg {
@@ -69,12 +67,12 @@ enum Parameter {
       parameter_count
 };
 
-inline basicAC_F0::name_and_type parameters[] = {
-#define FRICTIONCG_ROW(name, type) {#name, &typeid(type)},
-    FRICTIONCG_PARAMETERS(FRICTIONCG_ROW)
-#undef FRICTIONCG_ROW
-};
-#undef FRICTIONCG_PARAMETERS
+inline const char* name_of(Parameter p) {
+#define FRICTIONCG_NAME(name, type) #name,
+  constexpr const char* names[] = {FRICTIONCG_PARAMETERS(FRICTIONCG_NAME)};
+#undef FRICTIONCG_NAME
+  return names[p];
+}
 
 /// The parameters that give a contact problem its tangential laws.
 constexpr Parameter frictions[] = {p_mu, p_cohesion, p_slidinglimit};

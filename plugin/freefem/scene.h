@@ -1,15 +1,30 @@
 #pragma once
-#include "freefem.h"
-
-#include "../core/clock.h"
 #include "../core/solver.h"
-#include "contact_boundary.h"
-#include "matrix.h"
+#include "arguments.h"
 #include "pairing.h"
-#include "large_turn.h"
-#include "stiffness.h"
 
 namespace frictioncg {
+
+/// A script's matrix A, copied, and beside it A - S.
+class Stiffened {
+ public:
+  /// S (n x n): symmetric.
+  Stiffened(const Triplets& A, Matrix S);
+  Triplets plain() const { return view(view_.size); }
+  Triplets less() const { return view(a_.size()); }
+  /// b of A u = b at u = U, for A - S.
+  Vector load(const Vector& b, const Vector& U) const { return b - S_ * U; }
+  /// S v
+  Vector force(const Vector& v) const { return S_ * v; }
+
+ private:
+  Triplets view(std::size_t size) const;
+
+  Triplets view_;
+  std::vector<Index> i_, j_;
+  std::vector<Real> a_;
+  Matrix S_;
+};
 
 /// The obstacles of a scene that move, each of a label, or one of all labels.
 struct MovingObstacles {
@@ -18,16 +33,7 @@ struct MovingObstacles {
   RigidObstacles rigid;
 
   /// Their free components, as columns of generators.
-  DenseMatrix free_motions(const RigidGenerators& generators) const {
-    const Index each = generators.count();
-    DenseMatrix motions(each, 0);
-    for (Index q = 0; q < rigid.dofs(); ++q) {
-      if (!rigid.free[q]) continue;
-      motions.conservativeResize(each, motions.cols() + 1);
-      motions.rightCols(1) = generators.about(pivot[q / each], q % each);
-    }
-    return motions;
-  }
+  DenseMatrix free_motions(const RigidGenerators& generators) const;
 };
 
 struct Scene;
@@ -45,8 +51,8 @@ struct Geometry {
   bool tangents = false;         ///< some nodes have tangential laws
   int unnamed_radius = -1;       ///< a component, where A looks axisymmetric without a weight
   std::vector<Index> mesh_node;  ///< of each dof
-  /// Makes a contact node the point at which expressions are evaluated.
-  std::function<void(MeshPoint*, const BoundaryNode&)> go_to;
+  /// Makes a contact node the point at which expressions are evaluated, and returns it.
+  std::function<Vec3(Stack, const BoundaryNode&)> go_to;
   /// Where the nodal values of a displacement are.
   std::function<std::vector<NodePlace>()> places;
   std::function<const std::vector<LabelledNode>&()> labelled;  ///< facet by facet
@@ -56,7 +62,6 @@ struct Geometry {
   Displacement at;                        ///< of the geometry (ndof)
   /// The nodes and faces of the same spaces at another displacement.
   std::function<std::shared_ptr<Scene>(const Stage&)> moved_to;
-
   /// Of its bodies, by the mesh; found when it is first asked for.
   Real least_gyration() const {
     if (!gyration_) gyration_ = frictioncg::least_gyration(places(), d);
@@ -77,7 +82,6 @@ struct Scene : Geometry {
   std::unique_ptr<Stiffened> stiffened;
   double copy_seconds = 0;
   std::vector<char> held;  ///< per dof: by a Dirichlet condition
-
   long ndof() const { return dofs.count; }
   const BoundaryNode& contact_point(Index k) const { return nodes[system->node(k).point]; }
   /// Of the contact points, those of pairs come first.
@@ -88,7 +92,6 @@ struct Scene : Geometry {
   bool starts_node(Index k) const {
     return k == 0 || contact_point(k).point.dof[0] != contact_point(k - 1).point.dof[0];
   }
-
   /// Finds the contact nodes of two bodies, beside those on an obstacle.
   void face(const Triplets& A, const mortar::Options& options, const Vector& u_old,
             bool again = false);
@@ -111,7 +114,6 @@ struct Scene : Geometry {
 
  private:
   void make_system(const Triplets& A, const LocalSystem* before);
-
   /// make(), whose refusals of a contact point get the place of its node.
   template <class Make>
   auto placed(const Make& make) const {
@@ -126,109 +128,57 @@ struct Scene : Geometry {
 /// What bodies and obstacles may do that A does not resist, body by body, for its points on
 /// obstacles: motions that their normals let slip, as far as the mesh can tell, they let slip to
 /// rounding.   add: A to the freedom of bodies that the places name
-template <class Add>
 void follow_free_motions(Scene& scene, const std::vector<NodePlace>& places, const Extent& extent,
-                         Index bodies, bool has_begun, const Add& add,
-                         const SumOverProcesses& sum = {}) {
-  std::vector<Index> body_at(scene.ndof(), 0), body;
-  for (const NodePlace& n : places) body_at[n.dof[0]] = n.body;
-  for (const BoundaryNode& p : scene.nodes) body.push_back(body_at[p.point.dof[0]]);
-  FreedomOfBodies freedom_of(scene.d, extent, body, bodies);
-  add(freedom_of);
-  const mortar::Freedom freedom = freedom_of.freedom();
-  const RigidGenerators& generators = freedom.generators;
-  const DenseMatrix of_obstacles =
-      scene.moving ? scene.moving->free_motions(generators) : DenseMatrix(generators.count(), 0);
-  follow_by_body(scene.d, body, bodies, has_begun, scene.nodes,
-                 [&](Index b, auto& points, DecidedCount decided) {
-                   const DenseMatrix& own = freedom.of_body[b];
-                   DenseMatrix relative(own.rows(), own.cols() + of_obstacles.cols());
-                   relative << own, of_obstacles;
-                   return follow_free_motions(scene.d, generators, relative, points, decided, sum);
-                 });
-}
+                         Index bodies, bool has_begun,
+                         const std::function<void(FreedomOfBodies&)>& add,
+                         const SumOverProcesses& sum = {});
 
 /// Whether the mesh tells the normals of a curved obstacle.
 inline bool has_curved_obstacle(const Scene& scene) {
   return !scene.given_normals && any_curved(scene.nodes);
 }
 
-/// Which dofs Dirichlet conditions hold: their rows of the change of basis have prescribed
-/// displacements alone.
-inline std::vector<char> held_dofs(const Basis& basis) {
-  std::vector<char> held(basis.T.rows(), 1);
-  for (Index i = 0; i < basis.T.rows(); ++i)
-    for (Matrix::InnerIterator e(basis.T, i); e; ++e)
-      if (e.col() < basis.local_dofs() && e.value() != 0) held[i] = 0;
-  return held;
+/// make(), by whichever copy is called first, for all of them.
+template <class Make>
+auto once(Make make) {
+  const auto made = std::make_shared<std::optional<decltype(make())>>();
+  return [make = std::move(make), made]() -> const decltype(make())& {
+    if (!*made) *made = make();
+    return **made;
+  };
 }
 
-inline std::shared_ptr<Scene> Scene::posed_anew() const {
-  auto scene = std::make_shared<Scene>();
-  static_cast<Geometry&>(*scene) = *this;
-  return scene;
-}
+/// Normals that motions of a body leave tangential, as far as the mesh can tell, do so exactly.
+void follow_motions(const Space& Vh, std::vector<BoundaryNode>& points);
 
-inline void Scene::face(const Triplets& A, const mortar::Options& options, const Vector& u_old,
-                        bool again) {
-  const double start = cpu_seconds();
-  const std::vector<BoundaryNode> of_obstacle = std::move(nodes);
-  nodes = pairing->face(A, d, options, u_old, of_obstacle, places, again);
-  nodes.insert(nodes.end(), of_obstacle.begin(), of_obstacle.end());
-  beside_pairs = of_obstacle.size();
-  copy_seconds = cpu_seconds() - start;
-}
+/// Of one space, or of two.
+DofCount dofs_of(const Space& V1, const Space* V2 = nullptr);
 
-inline void Scene::assemble(const Triplets& A) {
-  const double start = cpu_seconds();
-  make_system(A, nullptr);
-  solver = std::make_unique<Solver>(system->system());
-  copy_seconds += cpu_seconds() - start;
-}
+/// One body and an obstacle, at the contact points.
+std::shared_ptr<Scene> obstacle_scene(const SpacePtr& Vh, std::vector<BoundaryNode> points);
 
-inline void Scene::assemble_after(Scene& before, const Triplets& A, bool alone) {
-  const double start = cpu_seconds();
-  make_system(A, before.system.get());
-  if (alone) {
-    before.solver->renew(system->system());
-    solver = std::move(before.solver);
-  } else {
-    solver = std::make_unique<Solver>(system->system());
-  }
-  copy_seconds += cpu_seconds() - start;
-}
+/// The labels of two bodies; those that this process's part of the meshes has, and all pairs.
+struct PairLabels {
+  PairLabels(std::vector<long> slave_, std::vector<long> master_);
 
-inline void Scene::make_system(const Triplets& A, const LocalSystem* before) {
-  std::vector<ContactPoint> points;
-  for (const BoundaryNode& n : nodes) points.push_back(n.point);
-  const Index n = static_cast<Index>(ndof());
-  const auto modes = [places = places, d = d, n] { return rigid_modes(places(), d, n); };
-  const auto each = [places = places, d = d, n] { return body_modes(places(), d, n); };
-  system = placed([&] {
-    if (pairing) return pairing->system(A, d, std::move(points), mesh_node, modes, each, before);
-    if (moving)
-      return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, moving->rigid, modes,
-                                           each, before);
-    return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, modes, before);
-  });
-  held = held_dofs(system->basis());
-}
+  std::vector<long> slave, master;
+  std::vector<mortar::LabelPair> pairs;
+  bool of_part = false;  ///< of meshes that other processes have parts of
+};
 
-inline Vector Scene::slip_from(const Vector& u_old) const {
-  if (u_old.size() == 0) return {};
-  Vector w = system->to_local(u_old);
-  const std::vector<Index>& first = system->system()->first;
-  for (Index k = 0; k < system->nodes(); ++k)
-    for (Index i = first[k] + 1; i < first[k + 1]; ++i) {
-      const BoundaryNode& node = contact_point(k);
-      for (int c = 0; c < d; ++c)
-        if (node.slid[c] != 0) w[i] -= system->basis().W.coeff(i, node.point.dof[c]) * node.slid[c];
-    }
-  return w;
-}
+/// Two bodies in one space: two parts of a mesh, or the faces of a crack; obstacle: labels beside
+/// them.
+std::shared_ptr<Scene> pair_scene(const SpacePtr& Vh, const PairLabels& labels,
+                                  const std::vector<long>& obstacle = {});
 
-inline LocalIncrement Scene::increment(const LocalLoad& load, const PointLaws& laws) const {
-  return placed([&] { return system->increment(load, laws); });
-}
+/// Two bodies in spaces of their own: the dofs of V2 follow those of V1.
+std::shared_ptr<Scene> pair_scene(const SpacePtr& V1, const SpacePtr& V2, const PairLabels& labels,
+                                  const std::vector<long>& obstacle = {});
+void check_stage(const Stage& stage, const DofCount& dofs);
+
+/// The geometry of a site as it is now, moved where the stage says so, and to be moved elsewhere
+/// later; obstacle: labels beside pairs of bodies.
+std::shared_ptr<Scene> scene_of(const Site& site, Stack stack, const std::vector<long>& obstacle,
+                                const Stage& stage);
 
 }  // namespace frictioncg

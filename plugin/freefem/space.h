@@ -1,91 +1,94 @@
 #pragma once
-#include "freefem.h"
+#include "boundary.h"
+#include "../core/statics/nearest_motion.h"
 
-#include "scene.h"
+using Stack = void*;  // FreeFEM's
 
 namespace frictioncg {
 
-/// Which node of the mesh each dof belongs to.
-template <class Space>
-std::vector<Index> mesh_nodes(const Space& Vh) {
-  std::vector<Index> node(Vh.NbOfDF);
-  for (int k = 0; k < Vh.NbOfNodes; ++k)
-    for (int i = Vh.FirstDFOfNode(k); i < Vh.LastDFOfNode(k); ++i) node[i] = k;
-  return node;
-}
+/// A displacement by the dofs of a call, or null.
+using Displacement = std::shared_ptr<const Vector>;
 
-/// The nodes that carry values of every component of the displacement. Elements with nothing new
-/// are passed over: most of them, in 3D.
-template <class Space>
-std::vector<NodePlace> node_places(const Placement<Space>& placement) {
-  using D = Dimension<Space>;
-  const Space& Vh = placement.space();
-  const std::vector<Index> body = body_of_element(Vh.Th, D::d);
-  std::vector<NodePlace> places, at_point;
-  std::vector<char> seen(Vh.NbOfDF, 0);
-  Interpolation ip;
-  for (int k = 0; k < Vh.Th.nt; ++k) {
-    const typename D::Element K(Vh[k]);
-    bool news = false;
-    for (int i = 0; i < K.NbDoF() && !news; ++i) news = !seen[K(i)];
-    if (!news) continue;
-    D::interpolate(K, ip);
-    at_point.assign(ip.hat.size(), NodePlace());
-    for (std::size_t e = 0; e < ip.dof.size(); ++e)
-      if (ip.coefficient[e] == 1) at_point[ip.point[e]].dof[ip.component[e]] = K(ip.dof[e]);
-    for (std::size_t p = 0; p < at_point.size(); ++p) {
-      NodePlace& n = at_point[p];
-      bool whole = true;
-      for (int c = 0; c < D::d; ++c) whole &= n.dof[c] >= 0;
-      if (!whole || seen[n.dof[0]]) continue;
-      const Fem2D::R3 x = placement.node(k, ip.hat[p], n.dof);
-      n.x = {x.x, x.y, x.z};
-      n.body = body[k];
-      places.push_back(n);
-      seen[n.dof[0]] = 1;
-    }
-    for (int i = 0; i < K.NbDoF(); ++i) seen[K(i)] = 1;
-  }
-  return places;
-}
+/// The displacement at which the geometry of a call is, and that where its increment began, which
+/// decides what is chosen; null: the same.
+struct Stage {
+  Displacement at, begun;
+  const char* name = "at";  ///< of the argument that `at` is
+};
 
-/// Makes a node the point at which expressions are evaluated: where it has been moved to, and in
-/// its element, by which functions on the mesh are read.
-template <class FESpaceType>
-void go_to(MeshPoint* mp, const Placement<FESpaceType>& Vh, const BoundaryNode& node) {
-  const Placement<FESpaceType>& there = node.is_begun ? *Vh.begun() : Vh;
-  Dimension<FESpaceType>::set_point(mp, Vh.mesh(), node,
-                                    there(node.element, node.hat) + node.aside);
-}
+/// What the labels of a space are called in messages, and what one of them inside a body is told.
+struct SpaceInWords {
+  const char *name, *mesh, *inside;
+};
 
-/// make(), by whichever copy is called first, for all of them.
-template <class Make>
-auto once(Make make) {
-  const auto made = std::make_shared<std::optional<decltype(make())>>();
-  return [make = std::move(make), made]() -> const decltype(make())& {
-    if (!*made) *made = make();
-    return **made;
-  };
-}
+constexpr const char* obstacle_inside = "an obstacle touches the outer boundary only";
+constexpr SpaceInWords before_obstacle{"Vh", "the mesh", obstacle_inside};
 
-/// How to evaluate expressions at the nodes of a space, and where they are.
-template <class FESpaceType>
-void observe(const Placement<FESpaceType>& Vh, Scene& scene) {
-  scene.mesh_node = mesh_nodes(Vh.space());
-  scene.go_to = [Vh](MeshPoint* mp, const BoundaryNode& node) { frictioncg::go_to(mp, Vh, node); };
-  scene.places = once([Vh] { return node_places(Vh); });
-  scene.labelled = once([Vh] { return labelled_nodes(Vh); });
-}
+/// A finite-element space of a mesh or a mesh3, and where its nodes are: on the mesh, or moved from
+/// there by a displacement. Elements stay straight between their vertices, as those of a mesh that
+/// movemesh moves.
+class Space {
+ public:
+  virtual ~Space() = default;
+  /// The same at another displacement: among the dofs of the call those of this space begin at
+  /// `offset`.
+  virtual std::shared_ptr<const Space> at(const Stage& stage, Index offset = 0) const = 0;
+  virtual Index dofs() const = 0;
+  virtual Index nodes() const = 0;
+  virtual std::vector<Index> mesh_nodes() const = 0;  ///< which of them each dof belongs to
+  virtual Index vertices() const = 0;                 ///< of the mesh
+  virtual Index elements() const = 0;
+  virtual std::array<Index, 4> element(Index k) const = 0;  ///< its vertices; in 2D the last is -1
+  virtual std::set<long> labels() const = 0;                ///< that the mesh's boundary has
+  /// The contact boundary of the labels. Throws IllegalInput where there is none, or the space is
+  /// not one of those for which the laws are written.
+  virtual Boundary boundary(const std::vector<long>& labels,
+                            const SpaceInWords& words = before_obstacle) const = 0;
+  virtual SharedNode node_at_vertex(Index element, int vertex) const = 0;
+  /// The nodes that carry values of every component of the displacement.
+  virtual std::vector<NodePlace> places() const = 0;
+  virtual std::vector<LabelledNode> labelled() const = 0;  ///< facet by facet, by all its labels
+  /// Makes a node the point at which expressions are evaluated: where it has been moved to, and in
+  /// its element, by which functions on the mesh are read. Returns the place.
+  virtual Vec3 go_to(Stack stack, const BoundaryNode& node) const = 0;
+  bool is_moved() const { return stage_.at != nullptr; }
+  /// Where the increment began; null: here.
+  const Space* begun() const;
+  /// Which part of the mesh each element belongs to: parts share no vertex.
+  std::vector<Index> body_of_element() const;
 
-/// Normals that motions of a body leave tangential, as far as the mesh can tell, do so exactly.
-template <class FESpaceType>
-void follow_motions(const Placement<FESpaceType>& Vh, std::vector<BoundaryNode>& points) {
-  if (!any_curved(points)) return;
-  const std::vector<Index> of_element = body_of_element(Vh.mesh(), Dimension<FESpaceType>::d);
-  std::vector<Index> body;
-  for (const BoundaryNode& p : points) body.push_back(of_element[p.element]);
-  follow_motions(Dimension<FESpaceType>::d, body, *std::max_element(body.begin(), body.end()) + 1,
-                 Vh.begun() != nullptr, points);
-}
+  const int d;  ///< dimension
+
+ protected:
+  Space(int dimension, const Stage& stage, Index offset)
+      : d(dimension), stage_(stage), offset_(offset) {}
+
+  const Stage stage_;
+  const Index offset_;
+
+ private:
+  mutable std::shared_ptr<const Space> begun_;  ///< once it is asked for
+};
+using SpacePtr = std::shared_ptr<const Space>;
+
+/// The space that an expression of the script stands for, on its mesh: made anew where the mesh has
+/// changed.
+SpacePtr space_of(Stack stack, int d, class E_F0* expression, const char* name);
+
+/// The vertex at a place of the reference simplex, or -1.
+int corner_at(const Vec3& hat, int d);
+
+/// Saves where expressions are evaluated, and restores it, whatever happens between.
+class PointGuard {
+ public:
+  explicit PointGuard(Stack stack);
+  ~PointGuard();
+  PointGuard(const PointGuard&) = delete;
+  PointGuard& operator=(const PointGuard&) = delete;
+
+ private:
+  Stack stack_;
+  std::shared_ptr<const void> saved_;
+};
 
 }  // namespace frictioncg

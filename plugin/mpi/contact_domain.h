@@ -121,7 +121,7 @@ inline void register_contactdomain() {
       },
       ::Destroy<ContactDomainVariable>);
   zzzfff->Add("contactdomain", atype<C>());
-  parameters[p_domain].type = &typeid(C);
+  set_type_of_domain(typeid(C));
   atype<C>()->AddCast(new JoinDomains);
   Global.Add("constructor", "(", new OneOperatorCode<MakeDomain>());
 }

@@ -7,7 +7,6 @@
 #include "../freefem/freefem.h"
 
 #include "../freefem/load.h"
-#include "../freefem/memory.h"
 #include "shared_operators.h"
 
 namespace frictioncg {
@@ -42,8 +41,7 @@ void load() {
         "it?",
         1);
   ff_atend(end);
-  add_operators<SharedSolveOnce, SharedConstruct, SharedSolveIncrement, SharedSiteOf<v_fes>,
-                SharedSiteOf<v_fes3>>();
+  add_operators<SharedSolveOnce, SharedConstruct, SharedSolveIncrement, SharedSite>();
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <charconv>
 
 #include "../freefem/call.h"
+#include "../freefem/freefem.h"
 #include "contact_domain.h"
 
 namespace frictioncg {
@@ -23,12 +24,12 @@ inline std::string in_brackets(const std::vector<long>& labels) {
 inline void refuse_obstacles(const Arguments& args) {
   for (Parameter p : of_obstacle_beside_pairs)
     if (args.has(p))
-      throw IllegalInput(std::string(parameters[p].name) +
+      throw IllegalInput(std::string(name_of(p)) +
                          " is of one process; with domain= a call has pairs or an obstacle, not "
                          "both: mesh the obstacle as a master that Dirichlet conditions hold");
   for (Parameter p : of_moving_obstacle)
     if (args.has(p))
-      throw IllegalInput(std::string(parameters[p].name) +
+      throw IllegalInput(std::string(name_of(p)) +
                          " is of an obstacle that moves, which one process alone has; leave out "
                          "domain=, or search over gap");
 }
@@ -36,7 +37,7 @@ inline void refuse_obstacles(const Arguments& args) {
 /// What several processes do not do is refused by name.
 inline void refuse_options(const Arguments& args, bool two_bodies) {
   const auto refuse = [&](Parameter p, const char* why) {
-    if (args.has(p)) throw IllegalInput(std::string(parameters[p].name) + " " + why);
+    if (args.has(p)) throw IllegalInput(std::string(name_of(p)) + " " + why);
   };
   const char* const own =
       "belongs to methods of one process; with domain= there is multigrid alone";
@@ -109,7 +110,7 @@ class Opening {
     Comparison all;
     all.add("the call", form_);
     for (int p = 0; p < parameter_count; ++p)
-      if (p != p_verb) all.add(parameters[p].name, args_.has(Parameter(p)) ? "given" : "");
+      if (p != p_verb) all.add(name_of(Parameter(p)), args_.has(Parameter(p)) ? "given" : "");
     all.mark();
     all.add("the contactproblem", problem > 0 ? "no. " + std::to_string(problem) : "");
     all.add("the domain", domain);

@@ -2,7 +2,8 @@
 #include "../freefem/freefem.h"
 
 #include "../core/answer.h"
-#include "../freefem/newton_step.h"
+#include "../core/assembly/mortar/slip.h"
+#include "../freefem/motions.h"
 #include "../freefem/outputs.h"
 #include "shared_pair.h"
 #include "shared_report.h"
@@ -172,8 +173,7 @@ inline Vector start_of(const Call& call, const SharedScene& shared) {
 }
 
 /// The field of one increment.   Collective.
-inline KN_<double> solve_together(Stack stack, const Call& call, SharedScene& shared,
-                                  PointLaws laws) {
+inline Vector solve_together(Stack stack, const Call& call, SharedScene& shared, PointLaws laws) {
   const Domain& domain = *shared.domain;
   const Outputs out{stack, call.args};
   ContactProblem problem{shared.A, {}};
@@ -204,11 +204,10 @@ inline KN_<double> solve_together(Stack stack, const Call& call, SharedScene& sh
     refuse_unconverged(solution, call.settings, unheld);
   write_together(shared, local, laws, progress, out);
   const long n = shared.scene->ndof();
-  KN<double>* u = Add2StackOfPtr2Free(stack, new KN<double>(n));
   if (speaks) warn_of_large_displacements(shared, field, verb);
-  for (long i = 0; i < n; ++i) (*u)[i] = field[i];
-  update(shared, u);
-  return *u;
+  Vector u = field.head(n);
+  shared.domain->update(u);
+  return u.head(shared.script.count);
 }
 
 }  // namespace frictioncg

@@ -36,7 +36,7 @@ inline PointLaws with_ghosts(PointLaws laws, const SharedScene& shared) {
 /// The call, apart from what is given by name.
 inline std::string form_of(const char* name, const Site& site) {
   return std::string(name) + (site.two_bodies() ? " of two bodies in " : " in ") +
-         std::to_string(site.dimension()) + "D";
+         std::to_string(site.d) + "D";
 }
 
 /// Begins a call on a space: its domain, or null, its labels, and what its laws are.
@@ -75,8 +75,8 @@ class SharedSolveOnce : public SolveOnce {
     return opening.together_with(domain.get(), [&] {
       PointLaws laws;
       const auto shared = read_shared(stack, arguments_, A_, *part_, domain, false, opening, laws);
-      return SetAny<KN_<double>>(
-          solve_together(stack, *opening.call, *shared, with_ghosts(laws, *shared)));
+      return result(stack,
+                    solve_together(stack, *opening.call, *shared, with_ghosts(laws, *shared)));
     });
   }
 
@@ -139,8 +139,7 @@ class SharedSolveIncrement : public SolveIncrement {
       if (shared.interface && arguments_.has(p_gap))
         laws.gap = gap_of_all(stack, arguments_, shared);
       domain->agree([&] { laws = read_increment_laws(stack, shared, laws); });
-      return SetAny<KN_<double>>(
-          solve_together(stack, *opening.call, shared, with_ghosts(laws, shared)));
+      return result(stack, solve_together(stack, *opening.call, shared, with_ghosts(laws, shared)));
     });
   }
 

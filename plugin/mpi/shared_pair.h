@@ -11,8 +11,8 @@ namespace frictioncg {
 inline Motion motion_of_nodes(Stack stack, const Arguments& args, const Scene& scene) {
   const Pairing& pairing = *scene.pairing;
   const auto given = [&](Parameter p) {
-    Vector v = vector_of(stack, args, p);
-    if (args.has(p)) check_vector(v, parameters[p].name, scene.dofs);
+    Vector v = args.vector(stack, p);
+    if (args.has(p)) check_vector(v, name_of(p), scene.dofs);
     if (!args.has(p)) v = Vector::Zero(scene.ndof());
     return pairing.at_nodes(v, scene.d);
   };
@@ -75,10 +75,8 @@ class PartMatrix {
   PartMatrix(Stack stack, const Expression A, const Scene& scene, const Domain& part) {
     std::unique_ptr<Dirichlet> own;
     part.agree([&] {
-      given_ = read_matrix(stack, A, scene);
-      if (2 * scene.dofs.first == scene.dofs.count &&
-          BlockOrder(scene.places(), scene.d, scene.dofs).exchanged(given_))
-        refuse_order(scene.dofs);
+      given_ = matrix_of(stack, A, scene.dofs);
+      if (are_exchanged(scene.places(), scene.d, scene.dofs, given_)) refuse_order(scene.dofs);
       own = std::make_unique<Dirichlet>(given_, std::vector<ContactPoint>{});
     });
     patch_ = std::make_unique<PatchedMatrix>(part, given_, *own);

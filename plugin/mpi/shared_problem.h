@@ -17,7 +17,9 @@ inline std::shared_ptr<const Domain> domain_of(Stack stack, const Arguments& arg
         "which createMat(Th, C, Pk) makes, or, for a problem of its own on each process, a "
         "contactdomain that is not set");
   if (!args.has(p_domain)) return nullptr;
-  auto domain = args.value<ContactDomainVariable*>(stack, p_domain)->get();
+  auto domain = evaluated(name_of(p_domain), [&] {
+                  return GetAny<ContactDomainVariable*>((*args.expression(p_domain))(stack));
+                })->get();
   if (!domain && site.is_on_part(stack))
     throw IllegalInput(
         "domain is a contactdomain that is not set, but the mesh is one process's part of a "
@@ -48,7 +50,7 @@ inline std::shared_ptr<SharedScene> read_shared(Stack stack, const Arguments& ar
     set_weights(stack, args, scene);
     set_normals(stack, args, scene);
     laws = read_point_laws(stack, args, everywhere, scene, opening.laws);
-    matrix = read_matrix(stack, A, scene);
+    matrix = matrix_of(stack, A, scene.dofs);
   });
   const Real counts[] = {Real(scene.nodes.size()), Real(scene.averted.size())};
   if (shared->domain->largest(counts[0]) == 0 && shared->domain->largest(counts[1]) > 0)

@@ -4,7 +4,7 @@
 #include <iostream>
 
 #include "../freefem/motions.h"
-#include "../freefem/plan_report.h"
+#include "../freefem/report.h"
 #include "shared_scene.h"
 
 namespace frictioncg {

@@ -2,6 +2,8 @@
 #include "../freefem/freefem.h"
 
 #include "../freefem/call.h"
+#include "../freefem/checks.h"
+#include "../freefem/node_values.h"
 #include "ghosts.h"
 #include "guests.h"
 #include "hierarchy.h"

@@ -8,15 +8,6 @@
 
 namespace frictioncg {
 
-/// Where a call looks for contact; of its labels a process may have none.
-class SharedSite : public Site {
- public:
-  /// The part of this process, where the stage says; the labels of the opening are the same on all.
-  /// Collective.
-  virtual std::shared_ptr<Scene> part(Stack stack, const Opening& opening, const Domain& domain,
-                                      const Stage& stage) const = 0;
-};
-
 /// Those of the labels that are on this part's boundary; each is on that of some.   Collective.
 inline std::vector<long> labels_here(const Domain& domain, const std::set<long>& boundary,
                                      const std::vector<long>& labels, const std::string& mesh) {
@@ -58,46 +49,44 @@ inline Stage with_ghosts(const Stage& stage, const DofCount& dofs, const Domain&
   return {at, of_owners(stage.begun)};
 }
 
-template <class V>
-class SharedSiteOf final : public SiteOf<V, SharedSite> {
+/// Where a call looks for contact; of its labels a process may have none.
+class SharedSite final : public Site {
  public:
-  using SiteOf<V, SharedSite>::SiteOf;
+  using Site::Site;
+  /// The part of this process, where the stage says; the labels of the opening are the same on all.
+  /// Collective.
   std::shared_ptr<Scene> part(Stack stack, const Opening& opening, const Domain& domain,
-                              const Stage& given) const override {
-    const FESpaceType *V1 = nullptr, *V2 = nullptr;  // the latter of two spaces alone
+                              const Stage& given) const {
+    SpacePtr V1, V2;  // the latter of two spaces alone
     DofCount dofs;
     domain.agree([&] {
-      V1 = &this->space(stack, 0);
-      if (this->in_two_spaces()) V2 = &this->space(stack, 1);
-      dofs = V2 ? dofs_of(V1->NbOfDF, V2->NbOfDF) : dofs_of(V1->NbOfDF);
+      V1 = space(stack);
+      if (in_two_spaces()) V2 = space(stack, 1);
+      dofs = dofs_of(*V1, V2.get());
       check_size(domain, dofs);
     });
-    const auto here = [&](const FESpaceType& Vh, const std::vector<long>& labels,
-                          const char* name) {
-      return labels_here(domain, labels_of_boundary(Vh), labels,
+    const auto here = [&](const Space& Vh, const std::vector<long>& labels, const char* name) {
+      return labels_here(domain, Vh.labels(), labels,
                          V2 ? std::string("the mesh of ") + name : "the mesh");
     };
     const std::vector<long> labels = here(*V1, opening.labels, "V1");
-    if (!this->two_bodies())
-      return obstacle_part(*V1, labels, domain, with_ghosts(given, dofs, domain));
+    if (!two_bodies()) return obstacle_part(V1, labels, domain, with_ghosts(given, dofs, domain));
     const std::vector<long> masters = here(V2 ? *V2 : *V1, opening.masters, "V2");
-    return pair_part(*V1, V2, labels, masters, opening, domain, with_ghosts(given, dofs, domain));
+    return pair_part(V1, V2, labels, masters, opening, domain, with_ghosts(given, dofs, domain));
   }
 
  private:
-  using FESpaceType = typename V::FESpace;
   /// One body, by the labels that are here.
-  std::shared_ptr<Scene> obstacle_part(const FESpaceType& Vh, const std::vector<long>& labels,
+  std::shared_ptr<Scene> obstacle_part(const SpacePtr& Vh, const std::vector<long>& labels,
                                        const Domain& domain, const Stage& stage) const {
-    const int d = this->dimension();
-    std::unique_ptr<const Placement<FESpaceType>> place;
+    SpacePtr place;
     Boundary surface, begun;
     std::vector<NodePlace> places;
     domain.agree([&] {
-      place = std::make_unique<Placement<FESpaceType>>(Vh, stage);
-      surface = boundary_of(*place, labels);
-      if (place->begun()) begun = boundary_of(*place->begun(), labels);
-      places = node_places(*place);
+      place = Vh->at(stage);
+      surface = place->boundary(labels);
+      if (place->begun()) begun = place->begun()->boundary(labels);
+      places = place->places();
     });
     refuse_other_domain(domain, places);
     const std::size_t own = surface.nodes.size();
@@ -110,7 +99,7 @@ class SharedSiteOf final : public SiteOf<V, SharedSite> {
     domain.agree([&] {
       std::vector<BoundaryNode> points = contact_points(d, surface, own);
       if (place->begun()) remember(contact_points(d, begun, own), points);
-      scene = obstacle_scene(*place, std::move(points));
+      scene = obstacle_scene(place, std::move(points));
     });
     scene->at = stage.at;
     keep_own_points(domain, *scene);
@@ -119,7 +108,7 @@ class SharedSiteOf final : public SiteOf<V, SharedSite> {
     return scene;
   }
   /// V2: the master's space; null where it is V1.
-  std::shared_ptr<Scene> pair_part(const FESpaceType& V1, const FESpaceType* V2,
+  std::shared_ptr<Scene> pair_part(const SpacePtr& V1, const SpacePtr& V2,
                                    const std::vector<long>& slave, const std::vector<long>& master,
                                    const Opening& opening, const Domain& domain,
                                    const Stage& stage) const {
@@ -133,8 +122,8 @@ class SharedSiteOf final : public SiteOf<V, SharedSite> {
       labels.slave = slave;
       labels.master = master;
       labels.of_part = true;
-      scene = V2 ? pair_scene(Placement(V1, stage), Placement(*V2, stage, V1.NbOfDF), labels)
-                 : pair_scene(Placement(V1, stage), labels);
+      scene = V2 ? pair_scene(V1->at(stage), V2->at(stage, V1->dofs()), labels)
+                 : pair_scene(V1->at(stage), labels);
       scene->at = stage.at;
       places = scene->places();
     });

@@ -31,11 +31,11 @@ struct NumberedFacet {
   bool was_sent = false;  ///< by another process
 
   long label() const { return static_cast<long>(values(0, 0)); }
-  Fem2D::R3 normal() const { return place(0); }
+  Vec3 normal() const { return place(0); }
   Real number(int v) const { return values(0, v + 1); }
-  Fem2D::R3 x(int v) const { return place(v + 1); }
-  Fem2D::R3 place(int k) const { return {values(1, k), values(2, k), values(3, k)}; }
-  void set(int k, Real first, const Fem2D::R3& x) { values.col(k) << first, x.x, x.y, x.z; }
+  Vec3 x(int v) const { return place(v + 1); }
+  Vec3 place(int k) const { return {values(1, k), values(2, k), values(3, k)}; }
+  void set(int k, Real first, const Vec3& x) { values.col(k) << first, x; }
   Key key() const {
     Key sorted{{number(0), number(1), number(2)}};
     std::sort(sorted.begin(), sorted.end());

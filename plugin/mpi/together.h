@@ -3,7 +3,7 @@
 
 #include <new>
 
-#include "../freefem/errors.h"
+#include "../freefem/freefem.h"
 #include "domain.h"
 
 namespace frictioncg {

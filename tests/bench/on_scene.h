@@ -1,7 +1,7 @@
 #pragma once
 // Functions of a script on the contact problem that the operator would solve.
 #include "../../plugin/freefem/call.h"
-#include "../../plugin/freefem/errors.h"
+#include "../../plugin/freefem/freefem.h"
 #include "../../plugin/freefem/operators.h"
 
 namespace frictioncg {

@@ -84,7 +84,7 @@ def fault(command, log, seconds=None, **more):
 
 @functools.lru_cache(None)
 def included(path):
-    """A file of plugin/core or tests/unit and all of our own headers in it, below ROOT."""
+    """A file of plugin/ or tests/unit and all of our own headers in it, below ROOT."""
     files = {path}
     with open(os.path.join(ROOT, path)) as f:
         for name in re.findall(r'^#include "(.*)"', f.read(), re.M):
@@ -115,6 +115,11 @@ class Build:
         """The objects of build/room, from such sources, that a file of plugin/core goes into."""
         made = [o for o in self.lines if o.startswith(f"{self.build}/{room}/") and o.endswith(".o")]
         return [o for o in made if f"plugin/{path}" in included(sources + o[len(f"{self.build}/{room}"):-2] + ".cpp")]
+
+    def adapters(self, path):
+        """The objects of the sequential plugin that a file of plugin/freefem goes into."""
+        goes = f"plugin/{path}" in included("plugin/frictionCG.cpp")
+        return self.objects(path, "freefem", "plugin/freefem") + [f"{self.build}/frictionCG.o"] * goes
 
     def command(self, target, exchange):
         line = self.lines[f"{self.build}/{target}" if "/" not in target else target]
@@ -206,7 +211,7 @@ def noticed(mutant, build):
                 seen = scripts_notice(folder, log, judges=mutant.judges)
                 return seen and f"scripts {seen}"
             if mutant.path.startswith("freefem/"):
-                if not all_made([f"{build.build}/frictionCG.o"]):
+                if not all_made(build.adapters(mutant.path)):
                     return "compiler"
                 if not linked("frictionCG.so"):
                     return "linker"

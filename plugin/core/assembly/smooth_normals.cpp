@@ -21,7 +21,6 @@ constexpr Real smooth = 0.02, rough = 0.06;
 /// Two sides change alike where their changes differ by less than this share of the jump. Sides of
 /// one curvature differ by 1e-10 of it.
 constexpr Real alike = 1e-5;
-constexpr Real infinite = std::numeric_limits<Real>::infinity();
 
 /// From 0 at `from` to 1 at `to`.
 Real ramp(Real x, Real from, Real to) { return std::clamp<Real>((x - from) / (to - from), 0, 1); }
@@ -159,9 +158,9 @@ class Estimator {
       if (r == static_cast<Index>(p) || std::binary_search(near.begin(), near.end(), r)) continue;
       if (s_.d == 2 && rim_[r] && !flat_[r])
         continue;  // at a free end the circle is its neighbour's
-      changes.push_back(quadric_[q] && quadric_[r] ? difference(q, r) : infinite);
+      changes.push_back(quadric_[q] && quadric_[r] ? difference(q, r) : infinity);
     }
-    if (changes.empty()) return infinite;
+    if (changes.empty()) return infinity;
     const auto middle = changes.begin() + static_cast<long>(changes.size() / 2);
     std::nth_element(changes.begin(), middle, changes.end());
     return *middle;
@@ -174,7 +173,7 @@ class Estimator {
     if (s_.is_moved) return own;
     const auto [most, counts] = jump_at(p);
     if (counts == 0) return own;
-    Real least = infinite, sum = 0;
+    Real least = infinity, sum = 0;
     Vec3 sides = Vec3::Zero();
     for (Index q : next_[p]) {
       const Real change = change_beyond(p, q) / most;

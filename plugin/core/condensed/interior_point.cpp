@@ -24,8 +24,6 @@ constexpr int patience = 12;       ///< steps in which the mean product must hal
 constexpr Index most_steps = 60;   ///< slender bodies take up to 20
 constexpr Real stuck_step = 1e-8;  ///< a step that leads nowhere
 
-constexpr Real infinity = std::numeric_limits<Real>::infinity();
-
 /// The positive part a that keeps h + a dh > |v + a dv|, the root of
 ///   h^2 - |v|^2 + 2 a (h dh - v.dv) + a^2 (dh^2 - |dv|^2) = 0.
 Real room_in_cone(Real h, const Tangent& v, Real dh, const Tangent& dv) {

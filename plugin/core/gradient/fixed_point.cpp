@@ -30,7 +30,6 @@ constexpr Real settled = 0.9;
 constexpr Real slid_on = 2;
 /// The error is about proportional to eps, which aims at this share of tol.
 constexpr Real eps_margin = 0.3;
-constexpr Real infinity = std::numeric_limits<Real>::infinity();
 
 class FixedPoint {
  public:

@@ -3,7 +3,6 @@
 namespace frictioncg {
 
 namespace {
-constexpr Real infinity = std::numeric_limits<Real>::infinity();
 /// Step (14) has overshot where J' has risen beyond this share of |J'(0)|.
 constexpr Real overshoot = 0.5;
 /// The recurrence of SSOR leaves so many times the rounding of a product with A in <Av,v>.

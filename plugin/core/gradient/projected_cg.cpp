@@ -11,8 +11,6 @@ namespace frictioncg {
 
 namespace {
 
-constexpr Real infinity = std::numeric_limits<Real>::infinity();
-
 /// A is not positive semi-definite where <Av,v>/<Dv,v> is below this; rounding of a rigid motion
 /// leaves 1e-13 at most on the scenes of the tests.
 constexpr Real indefinite = -1e-11;

@@ -22,7 +22,6 @@ class StoppingTest {
 
   /// The measure after the step dx = rho v to x, or infinity where it is surely above `wanted`.
   Real left(const Preconditioner& P, Real wanted, Real rho, const Vector& v, const Vector& x) {
-    constexpr Real infinity = std::numeric_limits<Real>::infinity();
     if (by_step()) return rho > 0 ? rho * v.norm() / x.norm() : infinity;
     const Real r_z = std::sqrt(std::max(P.r_z(), 0.0));
     if (ratio_ * r_z > wanted && ++since_ < measure_every) return infinity;

@@ -4,7 +4,7 @@
 //   product A x, s]
 #include "freefem/freefem.h"
 
-#include "freefem/contactproblem.h"
+#include "freefem/operators.h"
 #include "mpi/shared_scene.h"
 
 namespace frictioncg {

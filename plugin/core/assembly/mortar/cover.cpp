@@ -13,7 +13,6 @@ namespace frictioncg::mortar {
 
 namespace {
 
-constexpr Real infinite = std::numeric_limits<Real>::infinity();
 /// A cell of a smaller extent, in reference coordinates, is what rounding makes of a common edge.
 constexpr Real nothing = 1e-14;
 /// Neighbours overlap by rounding up to this share of the smaller one; more than that, one of them
@@ -126,7 +125,7 @@ void Covering::find(Index f, Real maxgap) {
     const Real deepest = std::max(base.size, master_.planes[m].size);
     if (earlier_ && c.distance < -deepest && !faced(f, m)) continue;  // it has come past its end
     if (own_ && own_->excludes(slave_, f, master_.facet(m), middle, c.distance, deepest)) continue;
-    c.left = infinite, c.right = -infinite;
+    c.left = infinity, c.right = -infinity;
     for (const Vec2& xi : c.part)
       c.left = std::min(c.left, xi[0]), c.right = std::max(c.right, xi[0]);
     candidates_.push_back(std::move(c));
@@ -209,9 +208,9 @@ bool Covering::overlap_refused(Index f, const Cell& cell) {
 }
 
 Real Covering::nearest_facing() {
-  Real nearest = infinite;
+  Real nearest = infinity;
   for (Index f = 0; f < slave_.facets(); ++f) {
-    find(f, infinite);
+    find(f, infinity);
     for (const Candidate& c : candidates_) nearest = std::min(nearest, std::abs(c.distance));
   }
   return nearest;

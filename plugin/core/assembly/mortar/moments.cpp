@@ -18,7 +18,6 @@ namespace {
 /// once weights have followed it, less than the second share.
 constexpr Real rounding = 1e-14, balanced_to = 1e-10;
 
-constexpr Real infinite = std::numeric_limits<Real>::infinity();
 /// Lines that pass a facet at this share of the widest column meet it: edges belong to both facets.
 constexpr Real on_edge = 1e-9;
 /// Columns to search, as a share of the widest one, and how they grow: what is met costs little.
@@ -130,7 +129,7 @@ Plane across(int d, const Vec3& x, const Vec3& direction, Real reach) {
 struct Hit {
   Index facet = -1;
   Vec3 lambda = Vec3::Zero();
-  Real aside = infinite, along = infinite;  ///< distances of the line, and on it [length]
+  Real aside = infinity, along = infinity;  ///< distances of the line, and on it [length]
   bool operator<(const Hit& o) const { return std::tie(aside, along) < std::tie(o.aside, o.along); }
 };
 
@@ -144,7 +143,7 @@ class Lines {
   Hit hit(const Vec3& x, const Vec3& n, Real column) {
     for (Real reach = narrowest * column;; reach *= wider) {
       const Plane base = across(master_.d, x, n, reach);
-      tree_.find({base, -infinite, infinite, true}, found_);
+      tree_.find({base, -infinity, infinity, true}, found_);
       Hit nearest;
       for (Index m : found_) nearest = std::min(nearest, on(m, base, on_edge * column));
       if (nearest.aside <= reach || reach > column) return nearest;
@@ -162,7 +161,7 @@ class Lines {
     if (!p.inverts) return here;
     here = {m, p.at(xi), 0, std::abs(p.distance(xi))};
     if (here.lambda.head(d).minCoeff() >= 0) return here;
-    Hit rim{m, Vec3::Zero(), infinite, 0};
+    Hit rim{m, Vec3::Zero(), infinity, 0};
     for (int k = 0; k < edges_of_facet(d); ++k) {
       const auto [v, w] = edge_ends(d, k);
       const Vec2 a = base.B * (X_[facet.node[v]] - base.origin) - xi;

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "freefem/rigid_motion.h"
+#include "core/statics/nearest_motion.h"
 
 using namespace frictioncg;
 

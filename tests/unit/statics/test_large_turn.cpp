@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "core/solver.h"
-#include "freefem/large_turn.h"
+#include "core/statics/nearest_motion.h"
 #include "random_scene.h"
 
 using namespace frictioncg;

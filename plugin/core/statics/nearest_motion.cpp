@@ -1,0 +1,229 @@
+#include "statics/nearest_motion.h"
+
+#include "linear_algebra.h"
+
+namespace frictioncg {
+
+namespace {
+
+/// u at a node; components beyond d are 0.
+Eigen::Vector3d displacement_at(const NodePlace& n, int d, const Vector& u) {
+  Eigen::Vector3d at = Eigen::Vector3d::Zero();
+  for (int k = 0; k < d; ++k) at[k] = u[n.dof[k]];
+  return at;
+}
+
+/// Of nodes of mass 1, about a point.
+Eigen::Matrix3d inertia_of(const std::vector<NodePlace>& nodes, const Eigen::Vector3d& about) {
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+  for (const NodePlace& n : nodes) {
+    const Eigen::Vector3d arm = position(n) - about;
+    inertia += arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose();
+  }
+  return inertia;
+}
+
+constexpr Real rigid_misfit = 1e-3;  ///< up to which a motion is called rigid
+
+/// A rotation about a centre as many times the extent of the body away is a translation: rounding,
+/// amplified by a nearly singular A, turns every translation by so much.
+constexpr Real far_away = 2000;
+
+/// The motion of one body in words; where a part of the body moves, the node that moves most.
+std::string describe_one(const std::vector<NodePlace>& nodes, int d, const Vector& u) {
+  const RigidMotion m = nearest_rigid_motion(nodes, d, u);
+  if (m.misfit > rigid_misfit) {
+    const NodePlace* most = &nodes.front();
+    for (const NodePlace& n : nodes)
+      if (displacement_at(n, d, u).norm() > displacement_at(*most, d, u).norm()) most = &n;
+    const Eigen::Vector3d x(most->x[0], most->x[1], most->x[2]);
+    return "a motion of a part of the body, most at " + components_of(x, d, 1e-6 + x.norm()) +
+           ", along " + components_of(displacement_at(*most, d, u).normalized(), d, 1);
+  }
+  return describe(m, d);
+}
+
+constexpr Real stiff_turn = 30;  ///< rotation over strain: loads that turn a body far strain it
+
+}  // namespace
+
+Eigen::MatrixXd rigid_modes(const std::vector<NodePlace>& nodes, int d, Index n,
+                            const Extent& extent) {
+  Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(n, d == 2 ? 3 : 6);
+  const RigidGenerators generators(d, extent.mean, extent.radius > 0 ? extent.radius : 1);
+  for (const NodePlace& p : nodes) {
+    const RigidGenerators::Fields w = generators.at(position(p));
+    for (int k = 0; k < d; ++k) modes.row(p.dof[k]) = w.row(k);
+  }
+  return modes;
+}
+
+Eigen::MatrixXd rigid_modes(const std::vector<NodePlace>& nodes, int d, Index n) {
+  return rigid_modes(nodes, d, n, extent_of(nodes));
+}
+
+std::map<Index, std::vector<NodePlace>> by_body(const std::vector<NodePlace>& nodes) {
+  std::map<Index, std::vector<NodePlace>> bodies;
+  for (const NodePlace& p : nodes) bodies[p.body].push_back(p);
+  return bodies;
+}
+
+Eigen::MatrixXd body_modes(const std::vector<NodePlace>& nodes, int d, Index n) {
+  const auto bodies = by_body(nodes);
+  const Index each = d == 2 ? 3 : 6;
+  Eigen::MatrixXd modes(n, each * static_cast<Index>(bodies.size()));
+  Index k = 0;
+  for (const auto& [number, body] : bodies)
+    modes.middleCols(each * k++, each) = rigid_modes(body, d, n);
+  return modes;
+}
+
+RigidMotion nearest_rigid_motion(const std::vector<NodePlace>& nodes, int d, const Vector& u) {
+  RigidMotion motion;
+  if (nodes.empty()) return motion;
+  const Extent extent = extent_of(nodes);
+  motion.c = extent.mean;
+  motion.extent = extent.radius;
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+  for (const NodePlace& n : nodes) {
+    const Eigen::Vector3d v = displacement_at(n, d, u);
+    motion.a += v / static_cast<Real>(nodes.size());
+    moment += (position(n) - motion.c).cross(v);
+  }
+  motion.w = least_squares(inertia_of(nodes, motion.c), moment);
+  Real most = 0;
+  for (const NodePlace& n : nodes) {
+    const Eigen::Vector3d v = displacement_at(n, d, u);
+    most = std::max(most, v.norm());
+    motion.misfit =
+        std::max(motion.misfit, (v - motion.a - motion.w.cross(position(n) - motion.c)).norm());
+  }
+  if (most > 0) motion.misfit /= most;
+  return motion;
+}
+
+std::string components_of(const Eigen::Vector3d& v, int d, Real unit) {
+  std::ostringstream s;
+  s.precision(4);
+  for (int k = 0; k < d; ++k) s << (k ? ", " : "(") << (std::abs(v[k]) < 1e-6 * unit ? 0 : v[k]);
+  s << ")";
+  return s.str();
+}
+
+std::string describe(const RigidMotion& m, int d) {
+  const Real turn = m.w.norm();
+  if (far_away * turn * m.extent <= m.a.norm())
+    return m.a.norm() > 0
+               ? "a translation along " + components_of(m.a.normalized(), d, 1e6 / far_away)
+               : "no motion";
+  const Eigen::Vector3d axis = m.w / turn;
+  const Eigen::Vector3d centre = m.c + m.w.cross(m.a) / (turn * turn);
+  const std::string about = components_of(centre, d, m.extent + centre.norm());
+  if (d == 2)
+    return std::string("a rotation, ") + (m.w[2] > 0 ? "counter-clockwise" : "clockwise") +
+           ", about " + about;
+  std::string text = "a rotation about the axis " + components_of(axis, d, 1) + " through " + about;
+  const Real along = m.a.dot(axis);
+  if (std::abs(along) > at_rest * turn * m.extent) text += ", with a translation along it";
+  return text;
+}
+
+Real largest_displacement(const std::vector<NodePlace>& nodes, int d, const Vector& u) {
+  Real most = 0;
+  for (const NodePlace& n : nodes) most = std::max(most, displacement_at(n, d, u).norm());
+  return most;
+}
+
+std::string describe_motion(const std::vector<NodePlace>& nodes, int d, const Vector& u) {
+  const auto bodies = by_body(nodes);
+  const RigidMotion all = nearest_rigid_motion(nodes, d, u);
+  if (bodies.size() < 2 || all.misfit <= rigid_misfit) return describe_one(nodes, d, u);
+  const Real most = largest_displacement(nodes, d, u);
+  std::vector<const std::vector<NodePlace>*> moving;
+  for (const auto& [number, body] : bodies)
+    if (largest_displacement(body, d, u) > at_rest * most) moving.push_back(&body);
+  constexpr std::size_t named = 3;
+  if (moving.size() > named)
+    std::stable_sort(moving.begin(), moving.end(), [&](const auto* a, const auto* b) {
+      return largest_displacement(*a, d, u) > largest_displacement(*b, d, u);
+    });
+  std::string text;
+  for (std::size_t k = 0; k < std::min(named, moving.size()); ++k) {
+    const Eigen::Vector3d centre = nearest_rigid_motion(*moving[k], d, u).c;
+    text += (text.empty() ? "" : ", with ") + describe_one(*moving[k], d, u) +
+            " of the body around " + components_of(centre, d, 1e-6 + centre.norm());
+  }
+  if (moving.size() > named) text += ", and " + std::to_string(moving.size() - named) + " more";
+  return text;
+}
+
+std::vector<LargeTurn> large_turns(const std::vector<NodePlace>& nodes, int d, const Vector& u) {
+  std::vector<LargeTurn> turns;
+  for (const auto& [number, body] : by_body(nodes)) {
+    const RigidMotion motion = nearest_rigid_motion(body, d, u);
+    const Real turn = motion.w.norm();
+    if (!(turn > small_turn)) continue;
+    const Real strain = motion.misfit * largest_displacement(body, d, u) / motion.extent;
+    if (turn > stiff_turn * strain) turns.push_back({number, motion, strain});
+  }
+  return turns;
+}
+
+Real least_gyration(const std::vector<NodePlace>& nodes, int d) {
+  Real least = std::numeric_limits<Real>::infinity();
+  for (const auto& [number, body] : by_body(nodes)) {
+    const Eigen::Matrix3d inertia = inertia_of(body, extent_of(body).mean);
+    const Real about_axis = d == 2 ? inertia(2, 2) : eigenpairs(inertia).values[0];
+    least = std::min(least, std::sqrt(std::max<Real>(0, about_axis) / Real(body.size())));
+  }
+  return least;
+}
+
+DenseMatrix turning(const std::vector<Vector>& motions, const std::vector<NodePlace>& body, int d,
+                    const Eigen::Vector3d& axis) {
+  constexpr Real none = 1e-6;  // over the largest displacement of the motion
+  const Index k = static_cast<Index>(motions.size());
+  DenseMatrix turns = DenseMatrix::Zero(3, k);
+  for (Index j = 0; j < k; ++j) {
+    const RigidMotion m = nearest_rigid_motion(body, d, motions[j]);
+    if (m.w.norm() * m.extent > none * motions[j].lpNorm<Eigen::Infinity>()) turns.col(j) = m.w;
+  }
+  if (turns.isZero(0)) return DenseMatrix(k, 0);
+  const DenseMatrix first = least_squares(turns, axis),
+                    others = null_space(turns, none * turns.norm());
+  if (!((turns * first - axis).norm() < 0.5)) return DenseMatrix(k, 0);
+  DenseMatrix all(k, 1 + others.cols());
+  all << first, others;
+  return all;
+}
+
+void StandAgainst::add(const Vector& against) {
+  const DenseMatrix product = against * against.transpose();
+  sums_.head(product.size()) += product.reshaped();
+}
+
+bool StandAgainst::holds(Real turn) const {
+  constexpr Real clearly = 0.2;
+  const Index k = static_cast<Index>(std::lround(std::sqrt(Real(sums_.size() - 1)))), rest = k - 1;
+  const DenseMatrix G = sums_.head(k * k).reshaped(k, k);
+  Real left = G(0, 0);
+  if (rest > 0) {
+    const Vector along = G.col(0).tail(rest);
+    left -= along.dot(Vector(least_squares(G.bottomRightCorner(rest, rest), along)));
+  }
+  const Real least = std::min(turn / 2, clearly);
+  return left > least * least * sums_.tail(1)[0];
+}
+
+std::string describe(const LargeTurn& turn, int d) {
+  std::ostringstream s;
+  s.precision(3);
+  s << "the body around " << components_of(turn.motion.c, d, 1e-6 + turn.motion.c.norm())
+    << " has turned by " << turn.motion.w.norm() << " radians, " << describe(turn.motion, d)
+    << ", and is strained by no more than " << turn.strain
+    << ": small rotations cannot mean that, and nothing holds it but the error of the normals, the "
+       "couple of friction and a gap, or a contact on which it rolls";
+  return s.str();
+}
+
+}  // namespace frictioncg

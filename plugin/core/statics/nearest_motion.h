@@ -1,0 +1,130 @@
+#pragma once
+#include <Eigen/Geometry>
+
+#include "assembly/slippable.h"
+#include "model/system.h"
+
+namespace frictioncg {
+
+/// A node of the mesh: where it lies, the dofs of the d components of its displacement, and which
+/// of the parts of the mesh that hang together it belongs to.
+struct NodePlace {
+  std::array<Real, 3> x{{0, 0, 0}};
+  std::array<Index, 3> dof{{-1, -1, -1}};
+  Index body = 0;
+};
+
+/// The mean of points, and their largest distance from it.
+struct Extent {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Real radius = 0;
+};
+
+inline Eigen::Vector3d position(const NodePlace& node) {
+  return Eigen::Map<const Eigen::Vector3d>(node.x.data());
+}
+inline const Eigen::Vector3d& position(const Eigen::Vector3d& x) { return x; }
+
+/// Of nodes, or of their positions.
+template <class Point>
+Extent extent_of(const std::vector<Point>& points) {
+  Extent e;
+  for (const Point& p : points) e.mean += position(p) / static_cast<Real>(points.size());
+  for (const Point& p : points) e.radius = std::max(e.radius, (position(p) - e.mean).norm());
+  return e;
+}
+
+/// The translations along the axes and the rotations about the mean of the nodes, scaled to a
+/// largest displacement of about 1, in the n dofs of the script: n x 3 in 2D, n x 6 in 3D. Dofs
+/// that are no component of a node are 0.
+Eigen::MatrixXd rigid_modes(const std::vector<NodePlace>& nodes, int d, Index n,
+                            const Extent& extent);
+Eigen::MatrixXd rigid_modes(const std::vector<NodePlace>& nodes, int d, Index n);
+
+/// The nodes of each body, by its number.
+std::map<Index, std::vector<NodePlace>> by_body(const std::vector<NodePlace>& nodes);
+
+/// The same of each body alone, side by side.
+Eigen::MatrixXd body_modes(const std::vector<NodePlace>& nodes, int d, Index n);
+
+/// The rigid motion u(x) = a + w x (x - c) nearest to a displacement, c the mean of the nodes; in
+/// 2D only w_z differs from 0.
+struct RigidMotion {
+  Eigen::Vector3d a = Eigen::Vector3d::Zero(), w = Eigen::Vector3d::Zero();
+  Eigen::Vector3d c = Eigen::Vector3d::Zero();
+  Real extent = 0;  ///< largest distance of a node from c
+  Real misfit = 0;  ///< largest deviation of the displacement, over its largest value
+};
+
+/// Least squares over the nodes: the rotation balances sum (x - c) x u against the inertia of the
+/// nodes; about a line on which they all lie there is none.
+RigidMotion nearest_rigid_motion(const std::vector<NodePlace>& nodes, int d, const Vector& u);
+
+/// (1, 0, -0.5), of d components, with what is below the rounding of a motion shown as 0.
+std::string components_of(const Eigen::Vector3d& v, int d, Real unit);
+
+constexpr Real at_rest = 1e-6;  ///< over the largest displacement: what does not move
+
+/// A rigid motion in words: a translation along a direction, or a rotation about a point (2D) or an
+/// axis (3D).
+std::string describe(const RigidMotion& m, int d);
+
+/// The largest displacement of the nodes.
+Real largest_displacement(const std::vector<NodePlace>& nodes, int d, const Vector& u);
+
+/// The motion in words; of several bodies that do not move as one, body by body, those at rest left
+/// out, each called by the mean of its nodes; of many the three that move most.
+std::string describe_motion(const std::vector<NodePlace>& nodes, int d, const Vector& u);
+
+/// A rotation [rad] beyond what the linear laws can mean: the next term, its square over 2, is
+/// 5e-3. With the bound on the strain, gross falsehoods are 5 to 1000 times above both, and the
+/// nearest honest body lies 20 times below one of them.
+constexpr Real small_turn = 0.1;
+
+/// A body that a field turns by more than small rotations can mean, and hardly strains.
+struct LargeTurn {
+  Index body = 0;
+  RigidMotion motion;
+  Real strain = 0;  ///< what is left beside the rigid motion, over the extent
+};
+
+/// Such bodies among all nodes. Translations, and rotations of bodies that are strained as much, do
+/// not count: the linear laws allow them, in any units.
+std::vector<LargeTurn> large_turns(const std::vector<NodePlace>& nodes, int d, const Vector& u);
+
+/// The least radius of gyration of a body, over bodies and axes: a field that turns one by w has
+/// displacements of at least w times as much.
+Real least_gyration(const std::vector<NodePlace>& nodes, int d);
+
+/// Of fields, motions that A leaves free, the combinations (k x 1 and more) that turn a body: the
+/// first by an axis (a unit vector), the others not at all. Without columns where none turns it
+/// about that axis: supports hold it, or drive it.
+DenseMatrix turning(const std::vector<Vector>& motions, const std::vector<NodePlace>& body, int d,
+                    const Eigen::Vector3d& axis);
+
+/// What touching nodes say to a turn by 1 with which other motions, that do not turn the body, go
+/// along as they like: to its way what is against closed normals, and against stick.
+class StandAgainst {
+ public:
+  /// motions: the turn and the others.
+  explicit StandAgainst(Index motions) : sums_(Vector::Zero(motions * motions + 1)) {}
+  /// against: what each of the motions does against one component of a node.
+  void add(const Vector& against);
+  /// The way of a node of the body: axis x (x - centre).
+  void add_way(const Eigen::Vector3d& way) { sums_.tail(1)[0] += way.squaredNorm(); }
+  void sum(const System& system) { system.sum(sums_.data(), static_cast<Index>(sums_.size())); }
+  /// Whether the contact holds the body against a turn by so many radians. A floor or a slope
+  /// stands against 0.3 and more of the way, whatever sticks at both ends of the body against all
+  /// of it. Errors of normals make a few hundredths, surfaces of revolution and faces of a crack
+  /// nothing; a round body that sticks stands on the width of its contact, over the arm, and rolls
+  /// on where it has come further than that. What stands on a slope is wider, over its height.
+  bool holds(Real turn) const;
+
+ private:
+  Vector sums_;
+};
+
+/// What the call has to say of such a body.
+std::string describe(const LargeTurn& turn, int d);
+
+}  // namespace frictioncg

@@ -1,0 +1,416 @@
+#include "freefem.h"
+
+#include "arguments.h"
+
+#include "../core/model/validate.h"
+
+namespace frictioncg {
+
+namespace {
+
+/// FreeFEM's types of the named parameters.
+basicAC_F0::name_and_type parameters[] = {
+#define FRICTIONCG_ROW(name, type) {#name, &typeid(type)},
+    FRICTIONCG_PARAMETERS(FRICTIONCG_ROW)
+#undef FRICTIONCG_ROW
+};
+
+/// How A comes to have as many dofs.
+const char* assemble(const DofCount& dofs) {
+  return dofs.first == 0
+             ? "assemble A on the present Vh"
+             : "give the matrix of both bodies, A = [[A1, 0], [0, A2]], and b = [b1, b2]";
+}
+
+/// Refuses the blocks of two bodies that come in the other order: nothing else would tell, where
+/// the sizes add up. Couplings that the script has put between the bodies are none of it.
+void refuse_other_order(const Triplets& A, const DofCount& dofs) {
+  const long second = dofs.count - dofs.first;
+  bool crosses_first = false, crosses_second = false;
+  for (std::size_t k = 0; k < A.size; ++k) {
+    if (A.a[k] == 0) continue;
+    const long i = A.i[k] - A.base, j = A.j[k] - A.base;
+    crosses_first = crosses_first || (i < dofs.first) != (j < dofs.first);
+    crosses_second = crosses_second || (i < second) != (j < second);
+  }
+  if (crosses_first && !crosses_second) refuse_order(dofs);
+}
+
+/// Before a script runs.
+void forbid(Parameter p, const std::string& rule) {
+  CompileError(std::string(operator_name) + ": " + name_of(p) + " " + rule);
+}
+
+/// Before FreeFEM looks for the type of domain, which frictionCG-mpi alone has.
+void refuse_domain(const basicAC_F0& args) {
+  const bool known = *parameters[p_domain].type != typeid(void);
+  if (!known && args.find(name_of(p_domain)).LeftValue())
+    forbid(p_domain,
+           "belongs to a problem that several processes share, which frictionCG has none of; "
+           "load \"frictionCG-mpi\" in its place, or leave domain out");
+}
+
+/// Throws IllegalInput unless the rule holds for x, the value of the option p.
+void require(bool holds, Parameter p, double x, const char* rule) {
+  if (holds) return;
+  std::ostringstream m;
+  m << name_of(p) << " = " << x << "; " << rule;
+  throw IllegalInput(m.str());
+}
+
+/// A bound on the iterations: a whole number that fits, whatever a script writes.
+Index bound_on_iterations(double nbiter) {
+  require(nbiter >= 1, p_nbiter, nbiter,
+          "the bound on the iterations is >= 1 (FreeFEM's whole numbers end at 2^31: write 1e10)");
+  require(nbiter == std::floor(nbiter), p_nbiter, nbiter,
+          "the bound on the iterations is a whole number");
+  return static_cast<Index>(
+      std::min<double>(nbiter, std::numeric_limits<Index>::max() / 2));  // sums of bounds fit
+}
+
+/// An option without effect is refused: it would let the user believe in what does not happen. The
+/// core sees values alone; here what is given counts, be it the default.
+void refuse_without_effect(const Arguments& args, const Settings& s) {
+  constexpr std::pair<Parameter, Option> options[] = {
+      {p_reg, Option::reg},      {p_regeps, Option::regeps}, {p_precon, Option::precon},
+      {p_omega, Option::omega},  {p_step, Option::step},     {p_newton, Option::newton},
+      {p_memory, Option::memory}};
+  for (const auto& [p, option] : options) {
+    const char* const because = args.has(p) ? without_effect(option, s) : nullptr;
+    if (!because) continue;
+    const bool of_precon = p == p_omega && !takes_newton_steps(s);
+    throw IllegalInput(std::string(name_of(p)) + " has no meaning with " +
+                       (of_precon ? std::string("precon=\"") + name_of(s.precon, preconditioners)
+                                  : std::string("method=\"") + name_of(s.method, methods)) +
+                       "\"" + because);
+  }
+}
+
+}  // namespace
+
+std::string DofCount::in_words() const {
+  if (first == 0) return "Vh has " + std::to_string(count) + " degrees of freedom";
+  return "V1 and V2 have " + std::to_string(first) + " + " + std::to_string(count - first) +
+         " degrees of freedom";
+}
+
+void refuse_order(const DofCount& dofs) {
+  throw IllegalInput("the blocks of A are in the other order: " + dofs.in_words() +
+                     ", and A = [[A1, 0], [0, A2]] and b = [b1, b2] have those of V1, the space of "
+                     "the slave, first");
+}
+
+void check_vector(const Vector& v, const char* name, const DofCount& dofs) {
+  if (v.size() != dofs.count) {
+    std::ostringstream s;
+    s << name << " has " << v.size() << " entries but " << dofs.in_words()
+      << "; was the mesh changed after " << name << " was computed?";
+    throw IllegalInput(s.str());
+  }
+  for (long i = 0; i < v.size(); ++i) {
+    if (std::isfinite(v[i])) continue;
+    std::ostringstream s;
+    s << name << "[" << i << "] = " << v[i] << "; the entries of " << name << " must be finite";
+    throw IllegalInput(s.str());
+  }
+}
+
+Vector copy_of(const KN_<double>& v) {
+  Vector copy(v.N());
+  for (long i = 0; i < v.N(); ++i) copy[i] = v[i];
+  return copy;
+}
+
+Vector copy_of(const KN<double>* v) {
+  return v ? copy_of(static_cast<const KN_<double>&>(*v)) : Vector();
+}
+
+Vector vector_of(Stack stack, Expression expression, const char* name) {
+  return evaluated(name, [&] { return copy_of(GetAny<KN_<double>>((*expression)(stack))); });
+}
+
+void write(const Vector& values, KN<double>* out) {
+  if (!out) return;
+  out->resize(values.size());
+  for (long i = 0; i < out->N(); ++i) (*out)[i] = values[i];
+}
+
+void write(const std::vector<long>& values, KN<long>* out) {
+  if (!out) return;
+  out->resize(static_cast<long>(values.size()));
+  std::copy(values.begin(), values.end(), static_cast<long*>(*out));
+}
+
+void write(const std::vector<std::array<double, 4>>& rows, KNM<double>* out) {
+  if (!out) return;
+  out->resize(static_cast<long>(rows.size()), 4);
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    for (int c = 0; c < 4; ++c) (*out)(static_cast<int>(k), c) = rows[k][c];
+}
+
+Triplets matrix_of(Stack stack, Expression expression, const DofCount& dofs) {
+  return evaluated("A", [&] {
+    Matrice_Creuse<double>* const A = GetAny<Matrice_Creuse<double>*>((*expression)(stack));
+    HashMatrix<int, double>* H = A ? A->pHM() : nullptr;
+    if (!H) throw IllegalInput("A is empty; assemble it first, as in matrix A = a(Vh, Vh)");
+    if (H->n != dofs.count || H->m != dofs.count) {
+      std::ostringstream s;
+      s << "A is " << H->n << " x " << H->m << " but " << dofs.in_words() << "; " << assemble(dofs);
+      throw IllegalInput(s.str());
+    }
+    Triplets t;
+    t.n = H->n;
+    t.size = H->nnz;
+    t.i = H->i;
+    t.j = H->j;
+    t.a = H->aij;
+    t.base = H->fortran;
+    t.half = H->half > 0;
+    if (dofs.first > 0 && 2 * dofs.first != dofs.count) refuse_other_order(t, dofs);
+    return t;
+  });
+}
+
+Labels::Single::Single(const C_F0& given) {
+  const aType type = given.left();
+  real = type == atype<double>() || type == atype<double*>();
+  boolean = type == atype<bool>() || type == atype<bool*>();
+  expression = real ? to<double>(given) : boolean ? to<bool>(given) : to<long>(given);
+}
+
+long Labels::Single::operator()(Stack stack, const char* what) const {
+  if (!real && !boolean) return GetAny<long>((*expression)(stack));
+  std::ostringstream m;
+  m << what << " has ";
+  if (real)
+    m << "the real " << GetAny<double>((*expression)(stack));
+  else
+    m << "the bool " << (GetAny<bool>((*expression)(stack)) ? "true" : "false");
+  m << "; a label is a whole number, as in 1, [1, 2] or an int[int], and all that is no label is "
+       "given by name, as in mu=0.3";
+  throw IllegalInput(m.str());
+}
+
+Labels::Labels(const C_F0& argument) {
+  const aType type = argument.left();
+  if (const auto* list = dynamic_cast<const E_Array*>(argument.LeftValue())) {
+    for (int k = 0; k < list->size(); ++k) labels_.emplace_back((*list)[k]);
+  } else if (type == atype<KN_<long>>() || type == atype<KN<long>*>()) {
+    array_ = to<KN_<long>>(argument);
+  } else {
+    labels_.emplace_back(argument);
+  }
+}
+
+std::vector<long> Labels::operator()(Stack stack, const char* what) const {
+  return evaluated(what, [&] { return read(stack, what); });
+}
+
+std::vector<long> Labels::read(Stack stack, const char* what) const {
+  std::vector<long> all;
+  if (array_) {
+    const KN_<long> list = GetAny<KN_<long>>((*array_)(stack));
+    for (long k = 0; k < list.N(); ++k) all.push_back(list[k]);
+  } else {
+    for (const Single& label : labels_) all.push_back(label(stack, what));
+  }
+  if (all.empty())
+    throw IllegalInput(std::string(what) + " is empty; name the boundary that may touch");
+  return all;
+}
+
+Arguments::Arguments(const basicAC_F0& args, int d, bool two_bodies) : Arguments(args) {
+  for (Parameter p : {p_maxgap, p_smooth, p_distance})
+    if (!two_bodies && has(p))
+      forbid(p,
+             "belongs to contact of two bodies; name slave and master, as in "
+             "frictionalContactCG(A, b, Vh, slave, master, ...)");
+  for (Parameter p : of_obstacle_beside_pairs)
+    if (!two_bodies && has(p))
+      forbid(p,
+             "belongs to an obstacle beside pairs of bodies; with one body the labels after Vh "
+             "touch it, and gap, normal and force are its own");
+  for (Parameter p : of_obstacle_beside_pairs)
+    if (has(p) && !has(p_obstacle)) forbid(p, "needs the labels that touch it, as in obstacle=1");
+  for (Parameter p : of_moving_obstacle)
+    if (two_bodies && has(p))
+      forbid(p,
+             "belongs to one body and an obstacle; of two bodies each moves by its own "
+             "displacement");
+  refuse_force_of_nowhere();
+  if (has(p_pivot)) components(p_pivot, d, "[x, y, z]", "[x, y]");
+  for (Parameter p : {p_normal, p_obstaclenormal})
+    if (has(p)) components(p, d, "[nx, ny, nz]", "[nx, ny]");
+  if (!has(p_mu2) && !has(p_direction)) return;
+  const Parameter given = has(p_mu2) ? p_mu2 : p_direction;
+  if (d == 2)
+    forbid(given, "belongs to orthotropic friction in a contact plane; in 2D there is mu alone");
+  if (!has(p_mu) || !has(p_mu2) || !has(p_direction))
+    forbid(given, "is one of three that go together: mu along direction, and mu2 across it");
+  components(p_direction, d, "[dx, dy, dz]", "");
+}
+
+Arguments Arguments::of_increment(const basicAC_F0& args) {
+  const Arguments a = of_contactproblem(args);
+  for (Parameter p : of_geometry)
+    if (a.has(p))
+      forbid(p,
+             "belongs to the contactproblem; give it there, or with a new matrix, as in "
+             "frictionalContactCG(C, A, b, ...)");
+  return a;
+}
+
+Arguments Arguments::of_renewal(const basicAC_F0& args) {
+  Arguments a = of_contactproblem(args, true);
+  for (Parameter p : {p_normal, p_obstaclenormal})
+    if (const auto* list = dynamic_cast<const E_Array*>(a.named_[p]))
+      a.components(p, list->size() == 2 ? 2 : 3, "[nx, ny, nz]", "[nx, ny]");
+  return a;
+}
+
+void Arguments::allow_only(std::initializer_list<Parameter> allowed) const {
+  for (int p = 0; p < parameter_count; ++p)
+    if (has(Parameter(p)) && std::find(allowed.begin(), allowed.end(), p) == allowed.end())
+      CompileError(std::string(constructor_name) + ": " + name_of(Parameter(p)) +
+                   " belongs to frictionalContactCG(C, b, ...)");
+}
+
+std::vector<long> Arguments::obstacle(Stack stack) const {
+  return obstacle_ ? (*obstacle_)(stack, name_of(p_obstacle)) : std::vector<long>();
+}
+
+template <class T>
+T Arguments::value(Stack stack, Parameter p) const {
+  return evaluated(name_of(p), [&] { return GetAny<T>((*named_[p])(stack)); });
+}
+template bool Arguments::value(Stack, Parameter) const;
+template long Arguments::value(Stack, Parameter) const;
+template double Arguments::value(Stack, Parameter) const;
+template long* Arguments::value(Stack, Parameter) const;
+template double* Arguments::value(Stack, Parameter) const;
+template KN<long>* Arguments::value(Stack, Parameter) const;
+template KN<double>* Arguments::value(Stack, Parameter) const;
+template KNM<double>* Arguments::value(Stack, Parameter) const;
+
+Vector Arguments::vector(Stack stack, Parameter p) const {
+  return has(p) ? vector_of(stack, named_[p], name_of(p)) : Vector();
+}
+
+std::vector<long> Arguments::integers(Stack stack, Parameter p) const {
+  std::vector<long> copy;
+  if (!has(p)) return copy;
+  const KN_<long> values = value<KN_<long>>(stack, p);
+  for (long k = 0; k < values.N(); ++k) copy.push_back(values[k]);
+  return copy;
+}
+
+double Arguments::component(Stack stack, Parameter p, int c) const {
+  return evaluated(name_of(p), [&] { return GetAny<double>((*vectors_[p][c])(stack)); });
+}
+
+std::string Arguments::text(Stack stack, Parameter p) const { return *value<string*>(stack, p); }
+
+Arguments Arguments::of_contactproblem(const basicAC_F0& args, bool renewed) {
+  const Arguments a(args);
+  for (Parameter p : {p_mu2, p_direction, p_domain, p_obstacle, p_pivot, p_obstacles, p_motionfree})
+    if (a.has(p)) forbid(p, "belongs to the contactproblem; give it there");
+  for (Parameter p : {p_at, p_forceold})
+    if (!renewed && a.has(p))
+      forbid(p,
+             "belongs to the contactproblem; give it there, or with another matrix, as in "
+             "frictionalContactCG(C, A, b, at=U)");
+  a.refuse_force_of_nowhere();
+  return a;
+}
+
+void Arguments::refuse_force_of_nowhere() const {
+  if (has(p_forceold) && !has(p_at))
+    forbid(p_forceold, "is a force that turns with the geometry at X + U; name that, as in at=U");
+}
+
+Arguments::Arguments(const basicAC_F0& args) {
+  refuse_domain(args);
+  read_names(args);
+  if (has(p_init) && has(p_start)) forbid(p_start, "is another name of init; give one");
+}
+
+/// A named parameter has one type for FreeFEM, and labels have three forms: while the others are
+/// read, obstacle is not among them.
+void Arguments::read_names(const basicAC_F0& args) {
+  const char* const name = name_of(p_obstacle);
+  const C_F0 labels = args.find(name);
+  const bool given = labels.LeftValue() != nullptr;
+  if (given) args.named_parameter->erase(name);
+  args.SetNameParam(parameter_count, parameters, named_);
+  if (!given) return;
+  args.named_parameter->emplace(name, labels);
+  named_[p_obstacle] = labels.LeftValue();
+  obstacle_.emplace(labels);
+}
+
+/// The expressions of a parameter that is a vector.
+void Arguments::components(Parameter p, int d, const char* in_3d, const char* in_2d) {
+  const E_Array* list = dynamic_cast<const E_Array*>(named_[p]);
+  if (!list || list->size() != d)
+    forbid(p, std::string("= ") + (d == 2 ? in_2d : in_3d) + " on a " + (d == 2 ? "2" : "3") +
+                  "D mesh");
+  for (int c = 0; c < d; ++c) vectors_[p][c] = to<double>((*list)[c]);
+}
+
+void set_type_of_domain(const std::type_info& type) { parameters[p_domain].type = &type; }
+
+Settings read_settings(Stack stack, const Arguments& args) {
+  Settings s;
+  s.method = args.chosen(stack, p_method, methods, s.method);
+  s.reg = args.chosen(stack, p_reg, regularizations, s.reg);
+  s.precon = args.chosen(stack, p_precon, preconditioners, s.precon);
+  s.step = args.chosen(stack, p_step, steps, s.step);
+  s.newton = args.value(stack, p_newton, s.newton);
+  s.regeps = args.value(stack, p_regeps, s.regeps);
+  s.omega = args.value(stack, p_omega, s.omega);
+  s.tol = args.value(stack, p_tol, s.tol);
+  if (args.has(p_nbiter)) s.nbiter = bound_on_iterations(args.value(stack, p_nbiter, 0.0));
+  s.memory = 1e9 * args.value(stack, p_memory, s.memory / 1e9);
+  require(!args.has(p_regeps) || s.regeps != 0, p_regeps, 0, "leave it out to have the default");
+  require(!args.has(p_omega) || s.omega != 0, p_omega, 0, "leave it out to have the default");
+  refuse_without_effect(args, s);
+  validate(s);
+  return s;
+}
+
+long read_verb(Stack stack, const Arguments& args) {
+  return args.value<long>(stack, p_verb, std::min(verbosity, 3L));
+}
+
+Site::Site(const basicAC_F0& args, int first, std::size_t count)
+    : d(args[first].left() == atype<v_fes::pfes*>() ? 2 : 3), slave_(args[first + 1]) {
+  const auto space = [&](int k) {
+    return d == 2 ? to<v_fes::pfes*>(args[k]) : to<v_fes3::pfes*>(args[k]);
+  };
+  spaces_.push_back(space(first));
+  if (count > 3) spaces_.push_back(space(first + 2));
+  if (count > 2) master_.emplace(args[first + static_cast<int>(count) - 1]);
+}
+
+SpacePtr Site::space(Stack stack, std::size_t k) const {
+  return space_of(stack, d, spaces_[k], !in_two_spaces() ? "Vh" : k == 0 ? "V1" : "V2");
+}
+
+bool Site::is_on_part(Stack stack) const {
+  bool on_part = false;
+  for (std::size_t k = 0; k < spaces_.size(); ++k) {
+    const SpacePtr Vh = space(stack, k);
+    on_part = (mpisize > 1 && Vh->labels().count(cut) > 0) || on_part;  // 0 in FreeFem++ itself
+  }
+  return on_part;
+}
+
+std::vector<long> Site::labels(Stack stack) const {
+  return slave_(stack, master_ ? "slave" : "labels");
+}
+
+std::vector<long> Site::masters(Stack stack) const {
+  return master_ ? (*master_)(stack, "master") : std::vector<long>();
+}
+
+}  // namespace frictioncg

@@ -1,0 +1,127 @@
+#pragma once
+#include <Eigen/Geometry>
+
+#include "../core/assembly/local_system.h"
+#include "../core/assembly/slippable.h"
+
+namespace frictioncg {
+
+using Vec3 = Eigen::Vector3d;  ///< 2D: third component 0
+
+inline Vec3 as_vector(const std::array<Real, 3>& a) { return Vec3(a[0], a[1], a[2]); }
+/// Summed in the order in which FreeFEM's R3 does it.
+inline Real dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+inline Real length(const Vec3& a) { return std::sqrt(dot(a, a)); }
+
+/// A facet of the contact boundary as one of its nodes sees it.
+struct AdjacentFacet {
+  long label = 0;
+  int element = 0, facet = 0;
+  Vec3 hat = Vec3::Zero();     ///< the node's place in the element
+  Vec3 normal = Vec3::Zero();  ///< outward, of the measure of the facet [length^(d-1)]
+  double share = 0;            ///< integral of the node's shape function over the facet
+  std::size_t place = 0;       ///< among the facets of the boundary
+  double own = 0;              ///< Dimension::own
+  Vec3 deciding =
+      Vec3::Zero();  ///< the normal by which facets are one obstacle to a node, or several
+};
+
+/// A node of the mesh on the contact boundary.
+struct SharedNode {
+  std::array<Index, 3> dof{{-1, -1, -1}};  ///< of each component of the displacement
+  Vec3 x = Vec3::Zero();                   ///< on its straight facets
+  Vec3 moved = Vec3::Zero();               ///< by the displacement at which the geometry is
+  Vec3 aside = Vec3::Zero();               ///< by so much a P2 mid-edge lies beside x
+  std::vector<AdjacentFacet> facets;       ///< in the order in which the labels were given
+};
+
+/// A facet of the contact boundary by its nodes, as places among those of the boundary: the
+/// vertices, then the middle of the edge opposite each of them, in 2D of the only edge.
+struct BoundaryFacet {
+  long label = 0;
+  Vec3 normal = Vec3::Zero();  ///< outward, of the measure of the facet [length^(d-1)]
+  std::vector<std::size_t> node;
+  int element = 0, facet = 0;  ///< the latter has the number of the vertex opposite
+};
+
+struct Boundary {
+  std::vector<SharedNode> nodes;
+  std::vector<BoundaryFacet> facets;
+};
+
+/// A contact point as FreeFEM sees it: one normal of a node, where to evaluate expressions, and its
+/// share of the boundary. A node in a corner has several.
+struct BoundaryNode {
+  ContactPoint point;
+  Vec3 x = Vec3::Zero();
+  long label = 0;
+  double weight = 0;  ///< integral of its shape function over the facets of this normal, weighted
+  int element = 0, facet = 0;
+  int space = 0;            ///< of two spaces, whose elements these are: 0 or 1
+  Vec3 hat = Vec3::Zero();  ///< its place in the element
+  Vec3 moved =
+      Vec3::Zero();  ///< already, against what it touches: the laws bound it with what follows
+  Vec3 aside = Vec3::Zero();  ///< as SharedNode's
+  Vec3 slid = Vec3::Zero();   ///< mortar/slip.h: what its motion since uold lacks of its slip
+  Vec3 mean = Vec3::Zero();  ///< mean outward normal of all facets at the node; 0 where they cancel
+  double turn = 0;           ///< angle to its facets, of a curved surface; 0 where that is flat
+  bool averaged = false;     ///< it stands for more normals than the node can obey
+  std::vector<AdjacentFacet> facets;    ///< of this normal; none between two bodies
+  std::shared_ptr<BoundaryNode> begun;  ///< itself where the increment began; null: here
+  bool is_begun = false;                ///< it is such a one
+  const BoundaryNode& deciding() const { return begun ? *begun : *this; }
+};
+
+/// A node of a boundary with a label: its share is the integral of its trace.
+struct LabelledNode {
+  long label = 0;
+  std::array<Index, 3> dof{{-1, -1, -1}};
+  Real share = 0;  ///< [length^(d-1)]
+  int space = 0;   ///< the second of two: 1
+};
+
+/// The dofs of a node of the second of two spaces among those of both.
+std::array<Index, 3> shifted(Index offset, int d, std::array<Index, 3> dof);
+
+/// Coordinates for messages: (x, y) or (x, y, z).
+std::string coordinates(const Vec3& x, int dimension);
+
+/// Where a contact node is, for messages.
+std::string place(const BoundaryNode& node, int dimension);
+
+/// The contact points of the first `count` nodes, one per node and normal: that of the smooth
+/// surface which the facets stand for. Where there are more normals than the node can obey (the tip
+/// of a pyramid), one mean normal stands for all.
+std::vector<BoundaryNode> contact_points(int d, const Boundary& boundary, std::size_t count);
+
+/// Given normals may agree where those of the mesh do not: keeps one point for each normal of a
+/// node, as they are where that is decided. The points of a node follow each other.
+void merge_equal_normals(std::vector<BoundaryNode>& points);
+
+/// The same boundary where the increment began tells which facets are one obstacle to a node.
+void decide_by(const Boundary& begun, Boundary& boundary);
+
+/// Points with what they were where the increment began, which is decided by decide_by.
+void remember(const std::vector<BoundaryNode>& begun, std::vector<BoundaryNode>& points);
+
+/// Whether points are on a curved surface, where that is decided.
+bool any_curved(const std::vector<BoundaryNode>& points);
+
+/// Whether any of them has been elsewhere where the increment began.
+bool any_begun(const std::vector<BoundaryNode>& points);
+
+/// follow(body, points, decided): how many motions the points of the body have been made tangential
+/// to.
+using Follow = std::function<Index(Index, std::vector<PointNormal>&, DecidedCount)>;
+
+/// Makes motions that each body's points do not resist, as far as the mesh can tell, tangential
+/// exactly, by `follow` (slippable.h).   body: of each point, 0 .. bodies - 1; has_begun: the
+/// increment, elsewhere, where it is decided how many there are
+void follow_by_body(int d, const std::vector<Index>& body, Index bodies, bool has_begun,
+                    std::vector<BoundaryNode>& points, const Follow& follow);
+
+/// The motions that the points of each body tell themselves.
+void follow_motions(int d, const std::vector<Index>& body, Index bodies, bool has_begun,
+                    std::vector<BoundaryNode>& points, const SumOverProcesses& sum = {});
+
+}  // namespace frictioncg

@@ -1,0 +1,416 @@
+#include "call.h"
+
+#include "../core/clock.h"
+#include "../core/gradient/anderson.h"
+#include "checks.h"
+#include "motions.h"
+#include "node_values.h"
+#include "outputs.h"
+#include "report.h"
+
+namespace frictioncg {
+
+namespace {
+
+/// Whether contact points are at the same nodes.
+bool same_points(const std::vector<BoundaryNode>& one, const std::vector<BoundaryNode>& other) {
+  return std::equal(
+      one.begin(), one.end(), other.begin(), other.end(),
+      [](const BoundaryNode& p, const BoundaryNode& q) { return p.point.dof == q.point.dof; });
+}
+
+/// The points on an obstacle with the normals and weights of the call, or as they were.
+void place_obstacle(Stack stack, const Arguments& args, Scene& scene) {
+  const Parameter normal = scene.pairing ? p_obstaclenormal : p_normal;
+  if (!args.has(normal) && (!args.has(p_weight) || scene.on_mesh.empty())) {
+    scene.nodes.erase(scene.nodes.begin(), scene.nodes.begin() + static_cast<long>(scene.paired()));
+    return;
+  }
+  if (!args.has(normal) && scene.given_normals)
+    throw IllegalInput(std::string("weight is given with the new matrix, and ") + name_of(normal) +
+                       ", which C was made with, is not; give both");
+  scene.nodes = scene.on_mesh;
+  scene.averted.clear();
+  set_weights(stack, args, scene);
+  set_normals(stack, args, scene);
+}
+
+/// The points on curved obstacles leave to bodies the motions that A does.
+void follow_free_motions(Stack stack, const Expression A, Scene& scene) {
+  if (!has_curved_obstacle(scene)) return;
+  const Triplets matrix = matrix_of(stack, A, scene.dofs);
+  const std::vector<NodePlace> places = scene.places();
+  std::vector<ContactPoint> points;
+  Index bodies = 0;
+  for (const BoundaryNode& p : scene.nodes) points.push_back(p.point);
+  for (const NodePlace& p : places) bodies = std::max(bodies, p.body + 1);
+  follow_free_motions(
+      scene, places, extent_of(places), bodies, any_begun(scene.nodes),
+      [&](FreedomOfBodies& freedom) { freedom.add(matrix, Dirichlet(matrix, points), places); });
+}
+
+/// Points that have been found anew take from those before what no such call names.
+void take_over(const Scene& before, Scene& scene) {
+  const bool same = same_points(before.nodes, scene.nodes);
+  for (std::size_t k = 0; k < scene.nodes.size(); ++k) {
+    ContactPoint& p = scene.nodes[k].point;
+    p.friction = scene.tangents;
+    if (!same) continue;
+    p.direction = before.nodes[k].point.direction;
+    p.mu_ratio = before.nodes[k].point.mu_ratio;
+  }
+  const auto orthotropic = [](const BoundaryNode& n) { return n.point.mu_ratio != 1; };
+  if (!same && std::any_of(before.nodes.begin(), before.nodes.end(), orthotropic))
+    throw IllegalInput(
+        "other nodes than those of C are to touch, and its mu2 and direction hold for the latter; "
+        "make C anew, with contactProblem(...)");
+}
+
+/// Whether the call names all that bounds friction in these laws.
+bool names_friction(const Arguments& args, const PointLaws& laws) {
+  if (laws.law == Law::frictionless || args.has(p_slidinglimit)) return true;
+  if (laws.law == Law::tresca) return args.has_any(frictions);
+  const auto named = [&](Parameter p, const Vector& v) {
+    return v.size() == 0 || v.isZero(0) || args.has(p);
+  };
+  return named(p_mu, laws.mu) && named(p_cohesion, laws.cohesion) && named(p_shearmax, laws.cap);
+}
+
+/// The laws of C at the points of its scene as it is posed anew: where these are others, the call
+/// has to name what C had.
+PointLaws laws_at(const Arguments& args, const Scene& before, const Scene& scene, PointLaws laws) {
+  const Index paired = static_cast<Index>(before.paired());
+  const Vector moved = moved_along_normals(before);
+  const bool of_meshes = scene.pairing && !laws.given_gap;
+  Vector gap = laws.gap - moved;  // what is left where the geometry is
+  const Vector rest = gap.tail(gap.size() - paired);
+  const Parameter gap_of_rest = scene.pairing ? p_obstaclegap : p_gap;
+  const bool has_gap = (args.has(p_gap) || of_meshes || gap.head(paired).isZero(0)) &&
+                       (args.has(gap_of_rest) || rest.isZero(0));
+  if (args.has(p_at) && !has_gap)
+    throw IllegalInput(
+        "at moves the nodes of C, which has a gap at them; name it in this call, too");
+  if (same_points(before.nodes, scene.nodes)) {
+    if (of_meshes) gap.head(paired) = scene.pairing->gap();
+    laws.gap = gap + moved_along_normals(scene);
+    return laws;
+  }
+  const bool measured = of_meshes || paired == 0;  // for new points a given 0 is no answer
+  if (!has_gap || !(measured || args.has(p_gap)) || !names_friction(args, laws))
+    throw IllegalInput(
+        "other nodes than those of C are to touch, by the normal or by the supports of the new "
+        "matrix, and C has gap and friction at the latter alone; name them in this call, too");
+  const bool none = laws.law == Law::coulomb && laws.mu.isZero(0);  // as it is where nodes are new
+  for (Vector* v : {&laws.gap, &laws.mu, &laws.g, &laws.cohesion, &laws.cap}) v->resize(0);
+  if (none) laws.mu = Vector::Zero(static_cast<Index>(scene.nodes.size()));
+  return laws;
+}
+
+/// What was given as a gap elsewhere says nothing here: C takes that of the call, but for the first
+/// `measured`, which the meshes tell.
+void keep_gap(const PointLaws& of_call, Index measured, PointLaws& of_C) {
+  const Index rest = of_C.gap.size() - measured;
+  of_C.gap.tail(rest) = of_call.gap.tail(rest);
+}
+
+}  // namespace
+
+Call::Call(Stack stack, const Arguments& arguments, const Expression load)
+    : args(arguments),
+      settings(read_settings(stack, arguments)),
+      verb(read_verb(stack, arguments)),
+      b(vector_of(stack, load, "b")),
+      u_old(args.vector(stack, p_uold)),
+      u_init(args.vector(stack, args.start())),
+      motions(stack, args) {}
+
+void face_bodies(Stack stack, const Arguments& args, const Expression A, Scene& scene) {
+  mortar::Options& options = scene.facing;
+  options.maxgap = args.value(stack, p_maxgap, options.maxgap);
+  options.smooth = args.value(stack, p_smooth, options.smooth);
+  if (args.has(p_normal)) options.normals = slave_normals(stack, args, scene);
+  if (args.has(p_weight)) options.weight = slave_weights(stack, args, scene);
+  const Triplets matrix = matrix_of(stack, A, scene.dofs);
+  refuse_exchanged_blocks(scene, matrix);
+  if (args.has(p_forceold)) {
+    const Vector force = args.vector(stack, p_forceold);
+    check_vector(force, name_of(p_forceold), scene.dofs);
+    options.force = scene.pairing->at_nodes(force, scene.d);
+  }
+  Vector u_old;  // where the increment of a geometry that moves began
+  if (scene.at && args.has(p_uold)) {
+    u_old = args.vector(stack, p_uold);
+    check_vector(u_old, "uold", scene.dofs);
+  }
+  constexpr Parameter chosen[] = {p_maxgap, p_smooth, p_normal, p_weight};
+  scene.face(matrix, options, u_old, !args.has_any(chosen));
+}
+
+void report_plain(long verb) {
+  if (verb > 1)
+    line() << "A less the stiffness of forceold has no answer here, as where it is indefinite: A "
+              "stands"
+           << std::endl;
+}
+
+void assemble(const Triplets& A, Scene& scene, long verb,
+              const std::function<void(const Triplets&)>& pose) {
+  if (!scene.facing.force.empty()) {
+    scene.stiffened = std::make_unique<Stiffened>(A, scene.pairing->stiffness(A.n, scene.d));
+    try {
+      return pose(scene.stiffened->less());
+    } catch (const IllegalInput&) {
+      report_plain(verb);
+      scene.stiffened.reset();
+    }
+  }
+  with_components_in_words(scene, [&] { pose(A); });
+}
+
+PointLaws read_point_laws(Stack stack, const Arguments& args, bool everywhere, Scene& scene,
+                          PointLaws begun) {
+  PointLaws laws = read_laws(stack, args, scene, std::move(begun));
+  if (args.has(p_mu2)) set_orthotropy(stack, args, laws.mu, scene);
+  if (laws.law == Law::frictionless) return laws;
+  scene.tangents |= everywhere;  // nothing may face the slave yet
+  for (std::size_t k = 0; k < scene.nodes.size(); ++k)
+    scene.tangents |= scene.nodes[k].point.friction =
+        everywhere || laws.rubs(static_cast<Index>(k));
+  return laws;
+}
+
+Stage read_stage(Stack stack, const Arguments& args) {
+  if (!args.has(p_at)) return {};
+  const auto read = [&](Parameter p) {
+    return args.has(p) ? std::make_shared<const Vector>(args.vector(stack, p)) : nullptr;
+  };
+  return {read(p_at), read(p_uold)};
+}
+
+void read_obstacle_points(Stack stack, const Arguments& args, bool lasts, Scene& scene) {
+  set_weights(stack, args, scene);
+  scene.given_weight = args.has(p_weight);
+  if (lasts) scene.on_mesh = scene.nodes;
+  set_normals(stack, args, scene);
+}
+
+std::shared_ptr<Scene> read_scene(Stack stack, const Arguments& args, const Expression A,
+                                  const Site& site, bool lasts, PointLaws& laws) {
+  const Stage stage = read_stage(stack, args);
+  std::shared_ptr<Scene> scene = scene_of(site, stack, args.obstacle(stack), stage);
+  read_obstacle_points(stack, args, lasts, *scene);
+  if (!scene->pairing) scene->moving = read_obstacles(stack, args, *scene);
+  if (scene->nodes.empty() && !scene->averted.empty()) refuse_inward(*scene);
+  follow_free_motions(stack, A, *scene);
+  if (scene->pairing) face_bodies(stack, args, A, *scene);
+  laws = read_point_laws(stack, args, lasts, *scene, begun_laws(stack, args));
+  const Triplets matrix = matrix_of(stack, A, scene->dofs);
+  assemble(matrix, *scene, read_verb(stack, args), [&](const Triplets& M) { scene->assemble(M); });
+  scene->unnamed_radius = unnamed_radius(args, *scene, matrix);
+  if (!scene->tangents) laws.law = Law::frictionless;
+  return scene;
+}
+
+void check_vectors(const Call& call, const DofCount& dofs) {
+  check_vector(call.b, "b", dofs);
+  if (call.args.has(p_uold)) check_vector(call.u_old, "uold", dofs);
+  if (call.args.has(call.args.start())) check_vector(call.u_init, name_of(call.args.start()), dofs);
+}
+
+void refuse_motions(const Arguments& args, const Scene& scene) {
+  for (Parameter p : of_moving_obstacle)
+    if (!scene.moving && args.has(p))
+      throw IllegalInput(std::string(name_of(p)) +
+                         " is of an obstacle that moves, and C was made with none; name pivot or "
+                         "motionfree in contactProblem(...)");
+}
+
+Vectors::Vectors(const Call& call, const Scene& scene)
+    : b(scene.stiffened ? scene.stiffened->load(call.b, *scene.at) : call.b),
+      u_old(call.u_old),
+      u_init(call.u_init) {
+  if (!scene.moving) return;
+  Motions motions = call.motions;
+  motions.complete(*scene.moving, scene.d);
+  b = joined(b, motions.load);
+  if (u_old.size() == 0 && !motions.before.isZero(0)) u_old = Vector::Zero(scene.ndof());
+  if (u_old.size() > 0) u_old = joined(u_old, motions.before);
+  if (u_init.size() > 0) u_init = joined(u_init, motions.guess);
+}
+
+LocalIncrement increment(const Call& call, const Vectors& vectors, const Scene& scene,
+                         PointLaws laws) {
+  if (scene.system->nodes() == 0) laws.law = Law::frictionless;  // supports hold every normal
+  const LocalLoad load = scene.system->load_from(vectors.b, scene.slip_from(vectors.u_old));
+  LocalIncrement now = scene.increment(load, laws);
+  report_leftover(check_data(scene, call.b, now.u0), call.verb);
+  check_one_value(scene, call.b, call.verb);
+  return now;
+}
+
+namespace {
+
+/// The same in one process. b, u_old: by all dofs; u0: where the increment of s starts. A gap that
+/// is given stays as it is.
+Solution newton_step(Solution s, const Vector& u0, const Settings& settings, const Scene& scene,
+                     const Vector& b, const Vector& u_old, const PointLaws& laws) {
+  if (scene.system->nodes() == 0) return s;
+  const Pairing& pairing = *scene.pairing;
+  const Vector slip_from = scene.slip_from(u_old);
+  const auto trace = [&](const Solution& of) {
+    return pairing.at_nodes(scene.system->to_global(of.x, u0), scene.d);
+  };
+  const auto pass = [&](const AtNodes& v, const Vector& x0) {
+    const mortar::Change change = pairing.change(v, scene.d);
+    PointLaws of_pass = laws;
+    if (!laws.given_gap) of_pass.gap.head(change.gap.size()) += change.gap;
+    const Vector rest = b + pairing.on_free_dofs(change.force, b.size(), scene.d) -
+                        scene.stiffened->force(pairing.on_free_dofs(v, b.size(), scene.d));
+    const LocalLoad load = scene.system->load_from(rest, slip_from);
+    return scene.solver->solve(scene.increment(load, of_pass).increment, settings, x0);
+  };
+  return newton_step(std::move(s), pairing.at_nodes(*scene.at, scene.d), trace, pass);
+}
+
+}  // namespace
+
+void accept_rounding(Solution& s) {
+  const Certificate& c = s.certificate;
+  if (s.status == Status::stagnated && c.residual <= 10 * c.attainable)
+    s.status = Status::converged;
+}
+
+Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws) {
+  const double start = cpu_seconds();
+  const Outputs out{stack, call.args};
+  check_vectors(call, scene.dofs);
+  const Vectors vectors(call, scene);
+  const LocalIncrement now = increment(call, vectors, scene, laws);
+  const ContactProblem problem{scene.system->system(), now.increment};
+  if (call.verb > 0) {
+    report_plan(call.args, scene, problem, call.settings, call.verb);
+    warn_of_averages(scene);
+    report_averted(scene);
+    warn_of_passed(stack, call.args, scene);
+    report_large_friction(largest_friction(problem));
+    note_weight(scene);
+    note_contrast(*scene.system->system());
+  }
+  Progress progress(problem, call.verb, out.history);
+  Vector x0;
+  if (vectors.u_init.size() > 0)
+    x0 = scene.system->to_local(vectors.u_old.size() == 0 ? vectors.u_init
+                                                          : Vector(vectors.u_init - vectors.u_old));
+  Solution solution = scene.solver->solve(now.increment, call.settings, x0,
+                                          call.verb > 0 || out.history ? &progress : nullptr);
+  if (scene.at) accept_rounding(solution);
+  if (solution.status != Status::converged && scene.stiffened) {
+    report_plain(call.verb);
+    scene.assemble_plain();
+    return solve(stack, call, scene, laws);
+  }
+  if (scene.stiffened)
+    solution = newton_step(std::move(solution), now.u0, call.settings, scene, vectors.b,
+                           vectors.u_old, laws);
+  const Vector moved = scene.system->to_global(solution.x, now.u0),
+               field = moved.head(scene.ndof());
+  const std::string turned = runaway(scene, solution, field);
+  if (!turned.empty()) solution.status = Status::runaway;
+  if (call.verb > 0) {
+    report_memory(scene.solver->memory_needed(), call.settings);
+    report_end(solution);
+    report_motions(scene, solution, turned, call.verb);
+  }
+  if (call.verb > 2) report_phases(scene, solution);
+  if (solution.status != Status::converged && !out.status)
+    refuse_unconverged(
+        solution, call.settings,
+        solution.unheld_motion.size() > 0 ? describe(scene, solution.unheld_motion) : turned);
+  write_outputs(scene, solution, laws, progress, out);
+  if (scene.moving) write_motions(scene, solution, moved, call.motions);
+  if (call.verb > 0) warn_of_large_displacements(scene, field);
+  if (call.verb > 0 && scene.moving) warn_of_turns(scene, moved);
+  if (out.times) write_times(scene, solution.times, cpu_seconds() - start, out.times);
+  scene.copy_seconds = 0;  // further increments do not copy
+  return field;
+}
+
+Solution newton_step(Solution s, const AtNodes& U,
+                     const std::function<AtNodes(const Solution&)>& trace,
+                     const std::function<Solution(const AtNodes&, const Vector&)>& pass) {
+  constexpr int passes = 5;
+  constexpr Real precise = 1e-3;      // over the step: the next one is what it is squared
+  constexpr Real negligible = 1e-10;  // over the displacement
+  constexpr Real contraction = 0.6;   // over the step: beyond, slopes at U say too little
+  const auto stacked = [](const AtNodes& u) {
+    return Vector(Eigen::Map<const Vector>(u.front().data(), 3 * static_cast<Index>(u.size())));
+  };
+  const Vector at = stacked(U);
+  Vector u = stacked(trace(s));
+  Real last = (u - at).lpNorm<Eigen::Infinity>();
+  const Real enough = std::max(precise * last, negligible * u.lpNorm<Eigen::Infinity>());
+  const Real far = contraction * last;
+  Anderson anderson;
+  u = anderson.next(at, u);
+  AtNodes v(U.size());
+  for (int k = 0; k < passes && last > enough; ++k) {
+    Eigen::Map<Vector>(v.front().data(), u.size()) = u - at;
+    Solution next = pass(v, s.x);
+    if (next.status != Status::converged) break;
+    const Vector now = stacked(trace(next));
+    const Real change = (now - u).lpNorm<Eigen::Infinity>();
+    if (change > std::min(far, last)) break;
+    next.iterations += s.iterations;
+    s = std::move(next);
+    u = anderson.next(u, now);
+    last = change;
+  }
+  return s;
+}
+
+std::shared_ptr<Scene> moved(Stack stack, const Arguments& args, const Scene& before) {
+  const std::shared_ptr<Scene> scene = before.moved_to(read_stage(stack, args));
+  const auto require = [&](Parameter p, bool given) {
+    if (given && !args.has(p))
+      throw IllegalInput(std::string("at moves the nodes of C, and ") + name_of(p) +
+                         ", which C was made with, is not given; give both");
+  };
+  require(scene->pairing ? p_obstaclenormal : p_normal, before.given_normals);
+  require(p_normal, !before.facing.normals.empty());
+  require(p_weight, before.given_weight);
+  scene->tangents = before.tangents;
+  scene->unnamed_radius = before.unnamed_radius;
+  scene->facing = before.facing;
+  scene->facing.force.clear();  // forceold belongs to the call that names it
+  read_obstacle_points(stack, args, true, *scene);
+  scene->moving = before.moving;
+  if (scene->moving) {
+    find_obstacles(*scene, *scene->moving);
+    set_arms(*scene, *scene->moving);
+  }
+  return scene;
+}
+
+PosedProblem renewed(Stack stack, const Arguments& args, const Expression A, const PosedProblem& C,
+                     bool alone, PointLaws& laws) {
+  Scene& before = *C.scene;
+  const bool moves = args.has(p_at);
+  PosedProblem posed{moves ? moved(stack, args, before) : before.posed_anew(), {}};
+  Scene& scene = *posed.scene;
+  if (!moves) place_obstacle(stack, args, scene);
+  scene.given_weight = scene.given_weight || args.has(p_weight);
+  if (scene.nodes.empty() && !scene.averted.empty()) refuse_inward(scene);
+  follow_free_motions(stack, A, scene);
+  if (scene.pairing) face_bodies(stack, args, A, scene);
+  take_over(before, scene);
+  posed.laws = laws_at(args, before, scene, C.laws);
+  laws = read_laws(stack, args, scene, begun_laws(stack, args, posed.laws), posed.laws.gap);
+  if (posed.laws.gap.size() == 0) posed.laws = laws;
+  if (moves) keep_gap(laws, C.laws.given_gap ? 0 : static_cast<Index>(scene.paired()), posed.laws);
+  const Triplets matrix = matrix_of(stack, A, scene.dofs);
+  assemble(matrix, scene, read_verb(stack, args),
+           [&](const Triplets& M) { scene.assemble_after(before, M, alone); });
+  return posed;
+}
+
+}  // namespace frictioncg

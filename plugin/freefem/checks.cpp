@@ -1,0 +1,300 @@
+#include "checks.h"
+
+#include "report.h"
+
+namespace frictioncg {
+
+namespace {
+
+Scales scales_of(const Scene& scene, const Vector& b) {
+  Scales s;
+  if (scene.nodes.empty()) s.extent = 2 * extent_of(scene.places()).radius;  // nothing faces
+  for (const BoundaryNode& n : scene.nodes) {
+    s.extent = std::max(s.extent, length(n.x - scene.nodes.front().x));
+    s.extent = std::max(s.extent, std::pow(n.weight, 1.0 / (scene.d - 1)));
+  }
+  Real load = 0;
+  for (long i = 0; i < scene.ndof(); ++i)
+    if (!scene.held[i]) load = std::max(load, std::abs(b[i]));
+  const Vector& D = scene.system->system()->D;
+  s.stiffness = D.mean();
+  s.stiffest = D.size() > 0 ? D.maxCoeff() : 0;
+  s.moved = load / s.stiffness;
+  return s;
+}
+
+/// A dof in words: u1, and (0, 0.5).
+struct DofInWords {
+  std::string component = "u", place = "a node";
+};
+DofInWords in_words(const Scene& scene, long dof) {
+  for (const NodePlace& n : scene.places())
+    for (int c = 0; c < scene.d; ++c)
+      if (n.dof[c] == dof)
+        return {"u" + std::to_string(c + 1), coordinates(as_vector(n.x), scene.d)};
+  return {};
+}
+
+constexpr const char* assemble_both = "assemble A and b by one varf, as in a(Vh, Vh) and a(0, Vh)";
+
+/// The nodes of this process by body.
+std::map<Index, Leftover> leftovers(const Scene& scene, const Vector& b) {
+  std::map<Index, Leftover> bodies;
+  for (const NodePlace& n : scene.places()) bodies[n.body].add(scene, b, n);
+  return bodies;
+}
+
+/// b = tgv u_D against tgv in A: another tgv makes u_D huge (A with -1, b with 1e30) or next to
+/// nothing (the other way round), less than the rounding of an expression that should be 0.
+constexpr Real tgv_ratio = 1e20;
+
+bool is_huge(Real u, const Scales& s) { return u > tgv_ratio * std::max(s.extent, s.moved); }
+
+[[noreturn]] void refuse_data(const Vector& b, const Vector& u0, long i, const std::string& why) {
+  std::ostringstream m;
+  m << "b[" << i << "] = " << b[i] << " prescribes a displacement of " << u0[i]
+    << " in the Dirichlet row of A; " << why;
+  throw IllegalInput(m.str());
+}
+
+constexpr const char* different_tgv =
+    "A and b were assembled with different tgv: give both the same, as in a(Vh, Vh, tgv=-1) and "
+    "a(0, Vh, tgv=-1)";
+
+/// Nodes that have one value of b in a component, and the labels that they make up.
+struct OneValue {
+  std::vector<long> labels;
+  std::map<Index, Real> share;  ///< of the boundary, per dof
+  /// Data of on() have it at the ends, too. Where the shares are alike, as on a closed boundary, a
+  /// traction has it as well.
+  bool like_data() const {
+    if (share.size() < 3) return false;
+    const auto less = [](const auto& a, const auto& b) { return a.second < b.second; };
+    const auto [least, most] = std::minmax_element(share.begin(), share.end(), less);
+    return most->second > 1.5 * least->second;
+  }
+};
+
+/// Of a component, the labels whose free nodes all have one value of b, but 0, by that value.
+std::map<Real, OneValue> labels_of_one_value(const Scene& scene, const Vector& b, int c,
+                                             const std::vector<LabelledNode>& nodes) {
+  std::map<std::pair<int, long>, std::vector<const LabelledNode*>> of_label;
+  for (const LabelledNode& n : nodes)
+    if (!scene.held[n.dof[c]]) of_label[{n.space, n.label}].push_back(&n);
+  std::map<Real, OneValue> found;
+  for (const auto& [label, own] : of_label) {
+    const Real value = b[own.front()->dof[c]];
+    const auto same = [&](const LabelledNode* n) { return b[n->dof[c]] == value; };
+    if (value == 0 || !std::all_of(own.begin(), own.end(), same)) continue;
+    found[value].labels.push_back(label.second);
+    for (const LabelledNode* n : own) found[value].share[n->dof[c]] += n->share;
+  }
+  return found;
+}
+
+/// The number of free dofs of a component at which b is `value`.
+std::size_t count_value(const Scene& scene, const Vector& b, int c, Real value) {
+  const std::vector<NodePlace> places = scene.places();
+  return std::count_if(places.begin(), places.end(), [&](const NodePlace& n) {
+    return !scene.held[n.dof[c]] && b[n.dof[c]] == value;
+  });
+}
+
+/// What a block of A is to the nodes of a space: rows that translations leave without a force, and
+/// those of them that rotations leave without a force, too: all, but with the places of another
+/// mesh.
+struct BlockFit {
+  Index translated = 0, rotated = 0;
+  bool holds() const { return translated > 0 && rotated == translated; }
+  bool fails() const { return rotated < translated; }
+};
+
+/// The dofs of two spaces, of as many dofs each, with the places of their nodes.
+class BlockOrder {
+ public:
+  BlockOrder(const std::vector<NodePlace>& places, int d, const DofCount& dofs)
+      : d_(d), first_(dofs.first), component_(dofs.count, -1), x_(dofs.count) {
+    for (const NodePlace& n : places)
+      for (int c = 0; c < d; ++c) {
+        component_[n.dof[c]] = c;
+        x_[n.dof[c]] = position(n);
+      }
+  }
+  /// Whether the blocks are those of the spaces in the other order, and not in this one.
+  bool exchanged(const Triplets& A) const {
+    const std::array<BlockFit, 2> some = fits(A, first_, 1 + first_ / 100);  // mostly they tell
+    if (some[0].fails() || some[1].fails()) return false;
+    const std::array<BlockFit, 2> given = fits(A, 0, 1), other = fits(A, first_, 1);
+    return other[0].holds() && other[1].holds() && !given[0].holds() && !given[1].holds();
+  }
+  long elsewhere(long dof) const { return dof < first_ ? dof + first_ : dof - first_; }
+
+ private:
+  struct Row {
+    Eigen::Vector3d force = Eigen::Vector3d::Zero(), moment = Eigen::Vector3d::Zero();
+    Real size = 0, arm = 0;  ///< of what was summed
+  };
+  /// The fits of each `step`-th row of both blocks, which have the places of others: by `shift`.
+  std::array<BlockFit, 2> fits(const Triplets& A, long shift, long step) const {
+    std::vector<Row> rows(A.n);
+    std::vector<char> counts(A.n, 0);
+    for (long i = 0; i < A.n; i += step) counts[i] = 1;
+    for (std::size_t k = 0; k < A.size; ++k) {
+      const long i = A.row(k), j = A.col(k);
+      if (counts[i]) add(i, j, A.a[k], shift, rows[i]);
+      if (A.half && i != j && counts[j]) add(j, i, A.a[k], shift, rows[j]);
+    }
+    constexpr Real rounding = 1e-9;
+    std::array<BlockFit, 2> fit;
+    for (long i = 0; i < A.n; ++i) {
+      const Row& r = rows[i];
+      if (!(r.size > 0) || r.force.norm() > rounding * r.size) continue;
+      BlockFit& of = fit[i < first_ ? 0 : 1];
+      ++of.translated;
+      of.rotated += r.moment.norm() <= rounding * r.arm;
+    }
+    return fit;
+  }
+  void add(long i, long j, Real a, long shift, Row& row) const {
+    const long p = shift ? elsewhere(i) : i, q = shift ? elsewhere(j) : j;
+    if (component_[p] < 0 || component_[q] < 0) return;
+    const Eigen::Vector3d e = Eigen::Vector3d::Unit(component_[q]), arm = x_[q] - x_[p];
+    row.force += a * e;
+    row.moment += a * (d_ == 2 ? Eigen::Vector3d(0, 0, arm.cross(e)[2]) : arm.cross(e));
+    row.size += std::abs(a);
+    row.arm += std::abs(a) * arm.norm();
+  }
+
+  int d_;
+  long first_;
+  std::vector<int> component_;
+  std::vector<Eigen::Vector3d> x_;
+};
+
+}  // namespace
+
+void refuse_data_without_row(const Scene& scene, const Vector& b, const Scales& s) {
+  constexpr Real absurd = 1e10, overflow = 1e60;
+  for (long i = 0; i < scene.ndof(); ++i) {
+    const Real size = std::abs(b[i]);
+    if (scene.held[i] || !(size > absurd * s.extent * s.stiffness) || size > overflow) continue;
+    const DofInWords dof = in_words(scene, i);
+    std::ostringstream m;
+    m << "b[" << i << "] = " << b[i] << " is Dirichlet data, tgv times a displacement, where A has "
+      << "no Dirichlet row: it lacks the on(..., " << dof.component << "=...) at " << dof.place
+      << " that b has; " << assemble_both;
+    throw IllegalInput(m.str());
+  }
+}
+
+long largest_data(const Scene& scene, const Vector& b, const Vector& u0) {
+  long most = -1;
+  for (long i = 0; i < scene.ndof(); ++i)
+    if (scene.held[i] && b[i] != 0 && (most < 0 || std::abs(u0[i]) > std::abs(u0[most]))) most = i;
+  return most;
+}
+
+bool is_tiny(Real u, const Scales& s) { return u > 0 && u * tgv_ratio < s.extent; }
+
+void refuse_huge_data(const Scene& scene, const Vector& b, const Vector& u0, const Scales& s) {
+  const long i = largest_data(scene, b, u0);
+  if (i >= 0 && is_huge(std::abs(u0[i]), s)) refuse_data(b, u0, i, different_tgv);
+}
+
+void refuse_tiny_data(const Scene& scene, const Vector& b, const Vector& u0, long i,
+                      const Scales& s, const Leftover& left) {
+  constexpr Real bodies = 1e3;
+  if (left.uniform() || left.most > bodies * s.stiffest * s.extent)
+    refuse_data(b, u0, i, different_tgv);
+  if (left.loaded == 0 || left.empty < left.loaded) return;
+  const DofInWords dof = in_words(scene, i);
+  refuse_data(b, u0, i,
+              "b lacks the on(..., " + dof.component + "=...) at " + dof.place +
+                  " that A has: " + assemble_both + ", or set to 0 what b has in Dirichlet rows");
+}
+
+Real check_data(const Scene& scene, const Vector& b, const Vector& u0) {
+  const Scales s = scales_of(scene, b);
+  refuse_data_without_row(scene, b, s);
+  refuse_huge_data(scene, b, u0, s);
+  const long i = largest_data(scene, b, u0);
+  if (i < 0 || scene.at || !is_tiny(std::abs(u0[i]), s)) return 0;
+  Real most = 0;
+  for (const auto& [body, left] : leftovers(scene, b)) {
+    refuse_tiny_data(scene, b, u0, i, s, left);
+    most = std::max(most, left.most);
+  }
+  return most;
+}
+
+void check_one_value(const Scene& scene, const Vector& b, long verb) {
+  const bool refused = scene.system->dirichlet().has_unit_rows();
+  if (!refused && verb == 0) return;
+  const std::vector<LabelledNode>& nodes = scene.labelled();
+  for (int c = 0; c < scene.d; ++c)
+    for (const auto& [value, one] : labels_of_one_value(scene, b, c, nodes)) {
+      if (!one.like_data() || one.share.size() != count_value(scene, b, c, value)) continue;
+      std::ostringstream m;
+      m << "b is " << value << " at each node of a boundary, its ends included, as on(";
+      for (long label : one.labels) m << label << ", ";
+      m << "u" << c + 1 << "=" << value
+        << ") with tgv = -1 makes it, where A has no Dirichlet row; " << assemble_both
+        << "; a load is an integral, int1d or int2d, with less at the ends";
+      if (refused) throw IllegalInput(m.str());
+      line() << "note: " << m.str() << std::endl;
+    }
+}
+
+bool are_exchanged(const std::vector<NodePlace>& places, int d, const DofCount& dofs,
+                   const Triplets& A) {
+  return dofs.first > 0 && 2 * dofs.first == dofs.count && BlockOrder(places, d, dofs).exchanged(A);
+}
+
+void refuse_exchanged_blocks(const Scene& scene, const Triplets& A) {
+  if (scene.dofs.first == 0 || 2 * scene.dofs.first != scene.dofs.count) return;
+  const BlockOrder order(scene.places(), scene.d, scene.dofs);
+  if (order.exchanged(A)) refuse_order(scene.dofs);
+  const Dirichlet held(A, {});
+  Index here = 0, there = 0, all = 0;
+  for (const BoundaryNode& n : scene.pairing->slave_nodes())
+    for (int c = 0; c < scene.d; ++c) {
+      if (n.point.normal[c] == 0) continue;
+      ++all;
+      here += held.holds(n.point.dof[c]);
+      there += held.holds(static_cast<Index>(order.elsewhere(n.point.dof[c])));
+    }
+  if (here < all || there > 0) return;
+  throw IllegalInput(
+      "Dirichlet conditions hold the normal of every slave node, and of none if the blocks come in "
+      "the other order: A = [[A1, 0], [0, A2]] and b = [b1, b2] have those of V1, the space of the "
+      "slave, first; exchange them, or, where they are right, swap slave and master");
+}
+
+Leftover::Leftover() {
+  least.fill(std::numeric_limits<Real>::infinity());
+  largest.fill(-std::numeric_limits<Real>::infinity());
+}
+
+void Leftover::add(const Scene& scene, const Vector& b, const NodePlace& n) {
+  bool held = false, any = false;
+  for (int c = 0; c < scene.d; ++c) {
+    const Index i = n.dof[c];
+    if (!scene.held[i]) continue;
+    held = true;
+    if (b[i] == 0) continue;
+    any = true;
+    most = std::max(most, std::abs(b[i]));
+    least[c] = std::min(least[c], b[i]);
+    largest[c] = std::max(largest[c], b[i]);
+  }
+  loaded += any;
+  empty += held && !any;
+}
+
+bool Leftover::uniform() const {
+  for (int c = 0; c < 3; ++c)
+    if (least[c] < largest[c]) return false;
+  return loaded > 2;
+}
+
+}  // namespace frictioncg

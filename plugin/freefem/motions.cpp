@@ -1,0 +1,125 @@
+#include "motions.h"
+
+#include <iostream>
+
+#include "moving_obstacles.h"
+
+namespace frictioncg {
+
+namespace {
+
+/// The bodies that a contact node is of: one before an obstacle or on a crack, else two.
+std::set<Index> bodies_at(const Scene& scene, Index k, const std::vector<Index>& body) {
+  const LocalSystem& system = *scene.system;
+  std::set<Index> joined;
+  for (Matrix::InnerIterator e(system.basis().W, system.system()->first[k]); e; ++e)
+    if (e.value() != 0) joined.insert(body[e.col()]);
+  return joined;
+}
+
+/// The motion q of an obstacle; extent: the largest distance of its contact points from the pivot.
+RigidMotion motion_of_obstacle(const Scene& scene, Index obstacle, const Vector& q) {
+  const MovingObstacles& moving = *scene.moving;
+  RigidMotion m;
+  m.a.head(scene.d) = q.head(scene.d);
+  m.w.tail(q.size() - scene.d) = q.tail(q.size() - scene.d);
+  m.c = moving.pivot[obstacle];
+  for (std::size_t k = 0; k < scene.nodes.size(); ++k)
+    if (moving.rigid.of_point[k] == obstacle)
+      m.extent = std::max(m.extent, moving.rigid.arm[k].norm());
+  return m;
+}
+
+}  // namespace
+
+bool held_by_contact(const Scene& scene, const std::vector<Index>& nodes,
+                     const std::vector<NodeState>& state, const System& system,
+                     const LargeTurn& turn, const DenseMatrix& V) {
+  std::vector<Index> body(scene.ndof(), -1);
+  for (const NodePlace& n : scene.places())
+    for (int c = 0; c < scene.d; ++c) body[n.dof[c]] = n.body;
+  const Eigen::Vector3d axis = turn.motion.w.normalized();
+  StandAgainst contact(static_cast<Index>(V.cols()));
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    if (state[k] == NodeState::separated) continue;
+    const Index first = system.first[static_cast<Index>(k)];
+    const Index last =
+        state[k] == NodeState::stick ? system.first[static_cast<Index>(k) + 1] : first + 1;
+    for (Index i = first; i < last; ++i) contact.add(V.row(i).transpose());
+    const std::set<Index> joined = bodies_at(scene, nodes[k], body);
+    if (joined.count(turn.body) && (joined.size() >= 2 || scene.on_obstacle(nodes[k])))
+      contact.add_way(axis.cross(scene.contact_point(nodes[k]).x - turn.motion.c));
+  }
+  contact.sum(system);
+  return contact.holds(turn.motion.w.norm());
+}
+
+std::string runaway(const std::vector<NodePlace>& nodes, int d, const Vector& u,
+                    const System& system, const std::function<Vector(const Vector&)>& field_of,
+                    const std::function<bool(const LargeTurn&, const DenseMatrix&)>& held) {
+  const std::vector<LargeTurn> turns = large_turns(nodes, d, u);
+  if (turns.empty()) return "";
+  const DenseMatrix W = floating_motions(system);
+  std::vector<Vector> motions;
+  for (Index k = 0; k < W.cols(); ++k) motions.push_back(field_of(W.col(k)));
+  const auto bodies = by_body(nodes);
+  for (const LargeTurn& turn : turns) {
+    const DenseMatrix by = turning(motions, bodies.at(turn.body), d, turn.motion.w.normalized());
+    if (by.cols() > 0 && !held(turn, DenseMatrix(W * by))) return describe(turn, d);
+  }
+  return "";
+}
+
+std::string runaway(const Scene& scene, const Solution& s, const Vector& u) {
+  if (s.status != Status::converged || u.size() == 0) return "";
+  const Vector field = scene.at ? Vector(u - *scene.at) : u;
+  const Real most = std::sqrt(scene.d) * field.lpNorm<Eigen::Infinity>();
+  if (!(most > small_turn * scene.least_gyration())) return "";
+  const std::vector<NodePlace> places = scene.places();
+  std::vector<Index> nodes(scene.system->nodes());
+  std::iota(nodes.begin(), nodes.end(), 0);
+  const System& system = *scene.system->system();
+  const auto field_of = [&](const Vector& w) { return scene.system->to_global(w); };
+  const auto held = [&](const LargeTurn& turn, const DenseMatrix& V) {
+    return held_by_contact(scene, nodes, s.state, system, turn, V);
+  };
+  return runaway(places, scene.d, field, system, field_of, held);
+}
+
+std::string describe(const Scene& scene, const Vector& motion) {
+  const Vector all = scene.system->to_global(motion), u = all.head(scene.ndof());
+  if (!scene.moving) return describe_motion(scene.places(), scene.d, u);
+  const Index each = rigid_components(scene.d), count = scene.moving->rigid.dofs() / each;
+  std::vector<RigidMotion> of_obstacle;
+  Real most = u.lpNorm<Eigen::Infinity>();
+  const auto way = [](const RigidMotion& m) { return m.a.norm() + m.w.norm() * m.extent; };
+  for (Index o = 0; o < count; ++o) {
+    of_obstacle.push_back(motion_of_obstacle(scene, o, all.segment(scene.ndof() + o * each, each)));
+    most = std::max(most, way(of_obstacle.back()));
+  }
+  std::string text;
+  if (u.lpNorm<Eigen::Infinity>() > at_rest * most)
+    text = describe_motion(scene.places(), scene.d, u);
+  for (Index o = 0; o < count; ++o)
+    if (way(of_obstacle[o]) > at_rest * most)
+      text += (text.empty() ? "" : ", with ") + describe(of_obstacle[o], scene.d) + " of " +
+              name_of(*scene.moving, o);
+  return text;
+}
+
+void report_motions(const Scene& scene, const Solution& solution, const std::string& turned,
+                    long verb) {
+  if (!turned.empty()) line() << turned << std::endl;
+  if (solution.unheld_motion.size() > 0)
+    line() << "nothing holds " << describe(scene, solution.unheld_motion) << std::endl;
+  const Index all = static_cast<Index>(solution.undetermined.cols());
+  if (all == 0) return;
+  const Index named = verb > 2 ? all : std::min<Index>(3, all);
+  line() << "nothing determines ";
+  for (Index k = 0; k < named; ++k)
+    std::cout << (k > 0 ? ", nor " : "") << describe(scene, solution.undetermined.col(k));
+  if (named < all) std::cout << ", nor " << all - named << " more motions, which verb=3 has";
+  std::cout << "; the field has the least of " << (all > 1 ? "them" : "it") << std::endl;
+}
+
+}  // namespace frictioncg

@@ -1,0 +1,60 @@
+#pragma once
+#include "scene.h"
+
+namespace frictioncg {
+
+/// "the obstacle on label 4"; the only one is the obstacle.
+std::string name_of(const MovingObstacles& moving, Index obstacle);
+
+/// One value for each component of each obstacle.
+template <class Array>
+void check_components(Parameter p, const Array& values, const MovingObstacles& moving, int d) {
+  if (static_cast<Index>(values.size()) == moving.rigid.dofs()) return;
+  const Index each = rigid_components(d), count = moving.rigid.dofs() / each;
+  std::ostringstream m;
+  m << name_of(p) << " has " << values.size() << " values; " << count
+    << (count == 1 ? " obstacle takes " : " obstacles take ") << moving.rigid.dofs() << ", "
+    << (d == 2 ? "2 translations and a rotation" : "3 translations and 3 rotations") << " each";
+  throw IllegalInput(m.str());
+}
+
+/// The obstacle of each contact point, by its label.
+void find_obstacles(const Scene& scene, MovingObstacles& moving);
+
+/// The contact points' obstacles and arms, about pivots that are known.
+void set_arms(const Scene& scene, MovingObstacles& moving);
+
+/// The obstacles that the arguments let move; none where they let none.
+std::optional<MovingObstacles> read_obstacles(Stack stack, const Arguments& args,
+                                              const Scene& scene);
+
+/// What a call says of the motions: n_q values each, or none where no obstacle moves.
+struct Motions {
+  Vector load;    ///< of free components the load, of given ones the motion, as b has them
+  Vector before;  ///< of uold
+  Vector guess;   ///< of the answer
+  KN<double>* motion = nullptr;  ///< out: null where it is not asked for
+  KN<double>* force = nullptr;   ///< out, likewise
+  Motions(Stack stack, const Arguments& args);
+  /// Sizes, and values; fills what is not given.
+  void complete(const MovingObstacles& moving, int d);
+
+ private:
+  [[noreturn]] static void refuse(Parameter p, Index k, Real value, const char* why,
+                                  const MovingObstacles& moving, int d);
+  const bool has_load_;
+};
+
+/// make(), whose refusal of a component gets its words.
+void with_components_in_words(const Scene& scene, const std::function<void()>& make);
+
+/// Rotations that the linear laws cannot mean.
+void warn_of_turns(const Scene& scene, const Vector& moved);
+
+/// (of the script, of the obstacles)
+Vector joined(const Vector& of_script, const Vector& of_obstacles);
+
+/// moved: the displacements, and the motions after them.
+void write_motions(const Scene& scene, const Solution& s, const Vector& moved, const Motions& out);
+
+}  // namespace frictioncg

@@ -1,0 +1,287 @@
+#include "node_values.h"
+
+#include "../core/assembly/axisymmetry.h"
+
+namespace frictioncg {
+
+namespace {
+
+/// Refuses a value at a node, which is named.
+void check_value(Parameter p, double x, const BoundaryNode& node, int d) {
+  const bool is_gap = p == p_gap || p == p_obstaclegap;
+  if (std::isfinite(x) && (is_gap || x >= 0)) return;
+  std::ostringstream m;
+  m << name_of(p) << " = " << x << " at " << place(node, d) << "; "
+    << (p == p_mu || p == p_mu2 ? "a friction coefficient is a number >= 0"
+        : is_gap                ? "a gap is a finite length"
+        : p == p_weight         ? "a weight is a number >= 0"
+        : p == p_cohesion       ? "a cohesion is a traction >= 0"
+        : p == p_shearmax       ? "the largest shear is a traction >= 0"
+                                : "a sliding limit is a traction >= 0");
+  throw IllegalInput(m.str());
+}
+
+/// The gap at the contact points of pairs. A given one replaces that of the meshes.
+Vector read_gap_of_pairs(Stack stack, const Arguments& args, const Scene& scene) {
+  if (!args.has(p_gap)) return scene.pairing->gap();
+  return scene.pairing->gap(at_nodes(stack, args, p_gap, scene, scene.pairing->slave_nodes()));
+}
+
+/// The bound on n.w at each contact point: the gap, with what has been moved already. before: that
+/// of the contactproblem, or empty; what the call does not name has it.
+Vector read_gap(Stack stack, const Arguments& args, const Scene& scene, const Vector& before = {}) {
+  const Vector moved = moved_along_normals(scene);
+  if (!scene.pairing) return at_nodes(stack, args, p_gap, scene) + moved;
+  const Index paired = static_cast<Index>(scene.paired()), beside = moved.size() - paired;
+  Vector gap = before;
+  gap.conservativeResize(moved.size());
+  if (args.has(p_gap) || before.size() == 0)
+    gap.head(paired) = read_gap_of_pairs(stack, args, scene) + moved.head(paired);
+  const std::vector<BoundaryNode> on_obstacle(scene.nodes.begin() + paired, scene.nodes.end());
+  if (args.has(p_obstaclegap) || before.size() == 0)
+    gap.tail(beside) =
+        at_nodes(stack, args, p_obstaclegap, scene, on_obstacle) + moved.tail(beside);
+  return gap;
+}
+
+/// The values of a vector, p, at the present point, scaled to length 1; false where it has no
+/// direction.
+bool unit_vector(Stack stack, const Arguments& args, Parameter p, int d, std::array<Real, 3>& n) {
+  double norm = 0;
+  for (int c = 0; c < d; ++c) {
+    n[c] = args.component(stack, p, c);
+    norm = std::hypot(norm, n[c]);
+  }
+  for (int c = 0; c < d; ++c) n[c] /= norm;
+  return norm > 0 && std::isfinite(norm);
+}
+
+/// The normals of the mesh, all of which have to have a direction.
+void keep_normals(const Scene& scene) {
+  for (const BoundaryNode& node : scene.nodes)
+    if (length(as_vector(node.point.normal)) == 0)
+      throw IllegalInput("the outward normals at " + place(node, scene.d) +
+                         " cancel; give normal=[...] explicitly");
+}
+
+/// Refuses laws that exclude one another, and a bound on friction that nothing makes.
+void check_laws(const Arguments& args, const PointLaws& given) {
+  for (Parameter p : {p_mu, p_cohesion, p_shearmax})
+    if (args.has(p) && args.has(p_slidinglimit))
+      throw IllegalInput(std::string(name_of(p)) +
+                         " and slidinglimit are both given; friction takes mu, cohesion and "
+                         "shearmax, min(cohesion + mu p, shearmax), a limit without a pressure p "
+                         "slidinglimit alone");
+  if (args.has(p_shearmax) && !args.has_any(frictions) && given.law != Law::coulomb)
+    throw IllegalInput(
+        "shearmax bounds friction, and there is none; give mu or cohesion with it, or the limit "
+        "itself as slidinglimit");
+}
+
+/// A traction at each contact node, as a force.
+Vector forces_at_nodes(Stack stack, const Arguments& args, Parameter p, const Scene& scene) {
+  Vector force = at_nodes(stack, args, p, scene);
+  for (std::size_t k = 0; k < scene.nodes.size(); ++k) force[k] *= scene.nodes[k].weight;
+  return force;
+}
+
+/// A vertex of a facet as a place where to evaluate expressions.
+BoundaryNode vertex_of(const AdjacentFacet& facet, int v) {
+  BoundaryNode node;
+  node.label = facet.label;
+  node.element = facet.element;
+  node.facet = facet.facet;
+  node.hat = Vec3(v == 1, v == 2, v == 3);
+  const Vec3 n = facet.normal / length(facet.normal);
+  node.point.normal = {n[0], n[1], n[2]};
+  return node;
+}
+
+/// The integral of weight times the shape function of a facet's node, the weight being linear
+/// between the facet's vertices: those of the element but the one that the facet lies opposite.
+double weighted_share(Stack stack, const Arguments& args, const Scene& scene,
+                      const AdjacentFacet& facet) {
+  const Vec3& hat = facet.hat;
+  const double lambda[4] = {1 - hat[0] - hat[1] - hat[2], hat[0], hat[1], hat[2]};
+  double at_node = 0, mean = 0;
+  for (int v = 0; v <= scene.d; ++v) {
+    if (v == facet.facet) continue;
+    BoundaryNode vertex = vertex_of(facet, v);
+    vertex.x = scene.go_to(stack, vertex);
+    const double weight = args.value<double>(stack, p_weight);
+    check_value(p_weight, weight, vertex, scene.d);
+    at_node += lambda[v] * weight;
+    mean += weight / scene.d;
+  }
+  return facet.share * (facet.own * at_node + (1 - facet.own) * mean);
+}
+
+}  // namespace
+
+Vector at_nodes(Stack stack, const Arguments& args, Parameter p, const Scene& scene,
+                const std::vector<BoundaryNode>& nodes) {
+  Vector result = Vector::Zero(static_cast<Index>(nodes.size()));
+  if (!args.has(p)) return result;
+  PointGuard guard(stack);
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    scene.go_to(stack, nodes[k]);
+    result[k] = args.value<double>(stack, p);
+    check_value(p, result[k], nodes[k], scene.d);
+  }
+  return result;
+}
+
+Vector at_nodes(Stack stack, const Arguments& args, Parameter p, const Scene& scene) {
+  return at_nodes(stack, args, p, scene, scene.nodes);
+}
+
+Vector moved_along_normals(const Scene& scene) {
+  Vector moved(scene.nodes.size());
+  for (Index k = 0; k < moved.size(); ++k)
+    moved[k] = dot(scene.nodes[k].moved, as_vector(scene.nodes[k].point.normal));
+  return moved;
+}
+
+bool faces_away(const BoundaryNode& node, const std::array<Real, 3>& n) {
+  return dot(node.mean, as_vector(n)) < -1e-6;
+}
+
+void set_normals(Stack stack, const Arguments& args, Scene& scene) {
+  const Parameter normal = scene.pairing ? p_obstaclenormal : p_normal;
+  scene.given_normals = args.has(normal);
+  if (!scene.given_normals) return keep_normals(scene);
+  PointGuard guard(stack);
+  std::vector<BoundaryNode> facing;
+  for (BoundaryNode& node : scene.nodes) {
+    scene.go_to(stack, node);
+    std::array<Real, 3> n{};
+    if (!unit_vector(stack, args, normal, scene.d, n))
+      throw IllegalInput(std::string(name_of(normal)) + " has no direction at " +
+                         place(node, scene.d) +
+                         "; give the outward normal of the body, of any length > 0");
+    node.point.normal = n;
+    if (node.begun) {
+      scene.go_to(stack, *node.begun);
+      const bool told = unit_vector(stack, args, normal, scene.d, n);
+      node.begun = std::make_shared<BoundaryNode>(*node.begun);
+      node.begun->point.normal = told ? n : node.point.normal;
+    }
+    const BoundaryNode& deciding = node.deciding();
+    const bool away = faces_away(deciding, deciding.point.normal);
+    (away ? scene.averted : facing).push_back(node);
+  }
+  scene.nodes = std::move(facing);
+  merge_equal_normals(scene.nodes);
+}
+
+void refuse_inward(const Scene& scene) {
+  const BoundaryNode& node = scene.averted.front();
+  throw IllegalInput(std::string(scene.pairing ? "obstaclenormal = " : "normal = ") +
+                     coordinates(as_vector(node.point.normal), scene.d) + " at " +
+                     place(node, scene.d) +
+                     " points into the body, whose boundary has the outward normal " +
+                     coordinates(node.mean, scene.d) + "; give the normal that leaves the body");
+}
+
+std::vector<mortar::Vec3> slave_normals(Stack stack, const Arguments& args, const Scene& scene) {
+  std::vector<mortar::Vec3> normals;
+  PointGuard guard(stack);
+  for (const BoundaryNode& node : scene.pairing->slave_nodes()) {
+    scene.go_to(stack, node);
+    std::array<Real, 3> n{};
+    if (!unit_vector(stack, args, p_normal, scene.d, n)) n = {};
+    normals.emplace_back(n[0], n[1], n[2]);
+  }
+  return normals;
+}
+
+void set_orthotropy(Stack stack, const Arguments& args, const Vector& mu, Scene& scene) {
+  if (!args.has(p_mu2)) return;
+  const Vector mu2 = at_nodes(stack, args, p_mu2, scene);
+  PointGuard guard(stack);
+  for (std::size_t k = 0; k < scene.nodes.size(); ++k) {
+    BoundaryNode& node = scene.nodes[k];
+    if ((mu[k] > 0) != (mu2[k] > 0)) {
+      std::ostringstream m;
+      m << "mu = " << mu[k] << " but mu2 = " << mu2[k] << " at " << place(node, scene.d)
+        << "; both coefficients are > 0, or both are 0";
+      throw IllegalInput(m.str());
+    }
+    if (mu[k] == 0) continue;
+    ContactPoint& p = node.point;
+    scene.go_to(stack, node);
+    const bool has_direction = unit_vector(stack, args, p_direction, scene.d, p.direction);
+    const double along_normal = dot(as_vector(p.direction), as_vector(p.normal));
+    if (!has_direction || std::abs(along_normal) > 1 - 1e-10)
+      throw IllegalInput("direction has no part in the contact plane at " + place(node, scene.d) +
+                         "; give a direction, of any length > 0, that is not the normal");
+    p.mu_ratio = mu2[k] / mu[k];
+  }
+}
+
+void refuse_friction_of_none(const char* name, const Arguments& args, const Scene& scene) {
+  if (scene.tangents || !args.has_any(frictions)) return;
+  throw IllegalInput(std::string(name) +
+                     " was made without friction; name mu, cohesion or slidinglimit in "
+                     "contactProblem(...), too");
+}
+
+PointLaws begun_laws(Stack stack, const Arguments& args, PointLaws given) {
+  check_laws(args, given);
+  given.bilateral = args.value(stack, p_bilateral, given.bilateral);
+  if (args.has(p_gap) || args.has(p_obstaclegap)) given.gap.resize(0);
+  given.given_gap = given.given_gap || args.has(p_gap);
+  return given;
+}
+
+PointLaws read_laws(Stack stack, const Arguments& args, const Scene& scene, PointLaws laws,
+                    const Vector& gap) {
+  if (laws.gap.size() != static_cast<Index>(scene.nodes.size()))
+    laws.gap = read_gap(stack, args, scene, gap);
+  if (args.has(p_slidinglimit)) {
+    laws.g = forces_at_nodes(stack, args, p_slidinglimit, scene);
+    for (Vector* v : {&laws.mu, &laws.cohesion, &laws.cap}) v->resize(0);
+    laws.law = Law::tresca;
+  }
+  if (args.has(p_mu) || (args.has(p_cohesion) && laws.law != Law::coulomb)) {
+    laws.mu = at_nodes(stack, args, p_mu, scene);
+    laws.g.resize(0);
+    laws.law = Law::coulomb;
+  }
+  if (args.has(p_cohesion)) laws.cohesion = forces_at_nodes(stack, args, p_cohesion, scene);
+  if (args.has(p_shearmax)) laws.cap = forces_at_nodes(stack, args, p_shearmax, scene);
+  return laws;
+}
+
+void set_weights(Stack stack, const Arguments& args, Scene& scene) {
+  if (!args.has(p_weight)) return;
+  PointGuard guard(stack);
+  for (BoundaryNode& node : scene.nodes) {
+    node.weight = 0;
+    for (const AdjacentFacet& facet : node.facets)
+      node.weight += weighted_share(stack, args, scene, facet);
+  }
+}
+
+std::vector<Real> slave_weights(Stack stack, const Arguments& args, const Scene& scene) {
+  if (!args.has(p_weight)) return {};
+  const Vector w = at_nodes(stack, args, p_weight, scene, scene.pairing->slave_nodes());
+  return {w.data(), w.data() + w.size()};
+}
+
+int unnamed_radius(const Arguments& args, const Scene& scene, const Triplets& A) {
+  if (scene.d == 3 || args.has(p_weight) || scene.nodes.empty()) return -1;
+  if (!scene.pairing && !args.has_any(tractions)) return -1;
+  const int c = radial_component(A, scene.mesh_node);
+  if (c < 0) return -1;
+  Real least = 0, most = 0;
+  for (const BoundaryNode& n : scene.nodes) {
+    const Real r = n.x[c];
+    least = std::min(least, r);
+    most = std::max(most, r);
+  }
+  const Real axis = 1e-10 * (most - least);
+  return least >= -axis || most <= axis ? c : -1;
+}
+
+}  // namespace frictioncg

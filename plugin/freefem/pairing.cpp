@@ -1,0 +1,378 @@
+#include "pairing.h"
+
+#include "../core/assembly/mortar/slip.h"
+#include "../core/assembly/mortar/topology.h"
+#include "../core/assembly/mortar/validation.h"
+#include "../core/linear_algebra.h"
+
+namespace frictioncg {
+
+namespace {
+
+/// The nodes where they would be by another displacement, by all dofs; empty: none.
+std::vector<mortar::Vec3> displaced(const Interface& faces, int d, const Vector& u = {}) {
+  std::vector<mortar::Vec3> Y;
+  for (std::size_t i = 0; i < faces.X.size(); ++i) {
+    Y.push_back(faces.X[i] - faces.moved[i]);
+    for (int c = 0; c < d && u.size() > 0; ++c) Y[i][c] += u[faces.dof[i][c]];
+  }
+  return Y;
+}
+
+}  // namespace
+
+InterfaceBuilder::InterfaceBuilder(const std::vector<mortar::LabelPair>& pairs, bool of_part)
+    : all_{}, of_part_(of_part) {
+  for (const mortar::LabelPair& labels : pairs) {
+    all_.pairs.emplace_back();
+    all_.pairs.back().slave.labels = labels.slave;
+    all_.pairs.back().master.labels = labels.master;
+  }
+}
+
+void InterfaceBuilder::add_slave(const SpacePtr& space, const Boundary& side) {
+  all_.slave = side.nodes;
+  add(*space, side, 0, &mortar::Pair::slave);
+  std::vector<int> element;
+  for (const SharedNode& n : side.nodes) element.push_back(n.facets.front().element);
+  all_.slave_bodies = [space, element] {
+    const std::vector<Index> of_element = space->body_of_element();
+    std::vector<Index> body;
+    for (int k : element) body.push_back(of_element[k]);
+    return body;
+  };
+}
+
+void InterfaceBuilder::add_master(const Space& space, const Boundary& side, Index dof_offset) {
+  add(space, side, dof_offset, &mortar::Pair::master);
+  if (dof_offset > 0) return;
+  count_bodies(space, side);
+  add_vertices_behind(space, side);
+}
+
+void InterfaceBuilder::add(const Space& space, const Boundary& side, Index dof_offset,
+                           mortar::Surface mortar::Pair::*which) {
+  const int d = space.d;
+  all_.is_moved = space.is_moved();
+  std::vector<Index> number;
+  for (const SharedNode& n : side.nodes) number.push_back(node(n, d, dof_offset));
+  for (const BoundaryFacet& f : side.facets) {
+    mortar::Facet facet;
+    facet.label = f.label;
+    facet.outward = f.normal;
+    for (std::size_t k = 0; k < f.node.size(); ++k) facet.node[k] = number[f.node[k]];
+    for (mortar::Pair& pair : all_.pairs) {
+      mortar::Surface& surface = pair.*which;
+      if (!std::count(surface.labels.begin(), surface.labels.end(), f.label)) continue;
+      surface.quadratic = static_cast<int>(f.node.size()) > d;
+      surface.facets.push_back(facet);
+    }
+  }
+}
+
+Index InterfaceBuilder::node(const SharedNode& n, int d, Index dof_offset) {
+  const std::array<Index, 3> dof = shifted(dof_offset, d, n.dof);
+  const auto [entry, is_new] = number_.emplace(dof[0], static_cast<Index>(all_.X.size()));
+  if (is_new) {
+    all_.X.push_back(n.x);
+    all_.moved.push_back(n.moved);
+    all_.dof.push_back(dof);
+  }
+  return entry->second;
+}
+
+void InterfaceBuilder::count_bodies(const Space& space, const Boundary& master) {
+  std::map<long, Index> shared;  // vertex of the mesh -> node
+  for (const SharedNode& n : master.nodes) {
+    const Index i = number_.at(n.dof[0]);
+    const AdjacentFacet& f = n.facets.front();
+    const int corner = corner_at(f.hat, space.d);
+    if (i < static_cast<Index>(all_.slave.size()) && corner >= 0)
+      shared[space.element(f.element)[corner]] = i;
+  }
+  if (shared.empty()) return;
+  std::map<Index, std::vector<std::array<Index, 4>>> around;
+  for (Index k = 0; k < space.elements(); ++k) {
+    const std::array<Index, 4> element = space.element(k);
+    for (int v = 0; v <= space.d; ++v)
+      if (const auto found = shared.find(element[v]); found != shared.end())
+        around[found->second].push_back(element);
+  }
+  for (const auto& [i, elements] : around)
+    all_.body_count[i] = mortar::facet_connected_groups(space.d, elements);
+}
+
+void InterfaceBuilder::add_vertices_behind(const Space& space, const Boundary& master) {
+  const std::vector<Index> body = space.body_of_element();
+  for (mortar::Pair& pair : all_.pairs) {
+    std::set<Index> of_slave;
+    for (const mortar::Facet& f : pair.slave.facets)
+      of_slave.insert(body[all_.slave[f.node[0]].facets.front().element]);
+    std::size_t next = 0;
+    for (const BoundaryFacet& f : master.facets) {
+      if (!std::count(pair.master.labels.begin(), pair.master.labels.end(), f.label)) continue;
+      mortar::Facet& facet = pair.master.facets[next++];
+      if (of_part_ || of_slave.count(body[f.element]))
+        facet.behind = node(space.node_at_vertex(f.element, f.facet), space.d, 0);
+    }
+  }
+}
+
+Index count_of(const std::vector<Index>& body) {
+  return body.empty() ? 0 : *std::max_element(body.begin(), body.end()) + 1;
+}
+
+FreedomOfBodies::FreedomOfBodies(int d, const Extent& extent, std::vector<Index> body, Index bodies)
+    : d_(d), extent_(extent), body_(std::move(body)), bodies_(bodies) {
+  const Index k = generators().count();
+  in_A_ = in_D_ = held_ = DenseMatrix::Zero(k, k * bodies_);
+}
+
+void FreedomOfBodies::add(const Triplets& A, const Dirichlet& dirichlet,
+                          const std::vector<NodePlace>& places,
+                          const std::function<bool(Index)>& own) {
+  const Index k = generators().count();
+  using Rows = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const Rows w = rigid_modes(places, d_, A.n, extent_);
+  Rows Aw = Rows::Zero(A.n, k);
+  std::vector<Index> of(A.n, -1);
+  for (const NodePlace& p : places)
+    for (int c = 0; p.body < bodies_ && c < d_; ++c) of[p.dof[c]] = p.body;
+  Vector D = Vector::Zero(A.n);
+  for (std::size_t e = 0; e < A.size; ++e) {
+    const Index i = A.row(e), j = A.col(e);
+    if (of[i] < 0 || of[i] != of[j] || dirichlet.holds(i) || dirichlet.holds(j)) continue;
+    Aw.row(i) += A.a[e] * w.row(j);
+    if (A.half && i != j) Aw.row(j) += A.a[e] * w.row(i);
+    if (i == j) D[i] += A.a[e];
+  }
+  for (Index i = 0; i < A.n; ++i) {
+    if (of[i] < 0 || (own && !own(i))) continue;
+    const auto add_to = [&](DenseMatrix& sum, const auto& row) {
+      sum.middleCols(k * of[i], k).noalias() += w.row(i).transpose() * row;
+    };
+    if (dirichlet.holds(i)) add_to(held_, w.row(i));
+    add_to(in_A_, Aw.row(i));
+    add_to(in_D_, D[i] * w.row(i));
+  }
+}
+
+void FreedomOfBodies::sum(const SumOverProcesses& over_processes) {
+  for (DenseMatrix* all : {&in_A_, &in_D_, &held_})
+    over_processes(all->data(), static_cast<Index>(all->size()));
+}
+
+mortar::Freedom FreedomOfBodies::freedom() const {
+  mortar::Freedom freedom{generators(), body_, {}};
+  const Index k = freedom.generators.count();
+  for (Index b = 0; b < bodies_; ++b) {
+    const DenseMatrix D = in_D_.middleCols(k * b, k);
+    const DenseMatrix support = D.trace() * held_.middleCols(k * b, k);
+    Index count = 0;
+    const bool any = D.trace() > 0;
+    const Eigenpairs found =
+        any ? eigenpairs(in_A_.middleCols(k * b, k) + support, D + support) : Eigenpairs();
+    while (any && count < k && found.values[count] <= resisted) ++count;
+    freedom.of_body.push_back(any ? DenseMatrix(found.vectors.leftCols(count)) : DenseMatrix(k, 0));
+  }
+  return freedom;
+}
+
+void FacedPart::add(const mortar::ContactNode& m) {
+  gap.push_back(m.gap);
+  distance.push_back(m.distance);
+}
+
+void FacedPart::add(const mortar::Pair& pair, const mortar::Statistics& found, int d,
+                    const std::vector<mortar::Vec3>& X) {
+  pairs.push_back({mortar::labels_of(pair.slave) + " on " + mortar::labels_of(pair.master),
+                   pair.slave.facets.size(), pair.master.facets.size(), found,
+                   found.held > 0 ? mortar::place(d, X[found.first_held]) : ""});
+}
+
+std::vector<BoundaryNode> Pairing::face(const Triplets& A, int d, mortar::Options options,
+                                        const Vector& u_old,
+                                        const std::vector<BoundaryNode>& on_obstacle,
+                                        const std::function<std::vector<NodePlace>()>& places,
+                                        bool again) {
+  std::vector<ContactPoint> obstacle;
+  for (const BoundaryNode& n : on_obstacle) obstacle.push_back(n.point);
+  dirichlet_ = std::make_shared<const Dirichlet>(A, obstacle);
+  bool asked = false;
+  add_bodies(A, d, places, options, asked);
+  const mortar::Nodes nodes = nodes_at(d, u_old, obstacle);
+  const bool stays =
+      again && lasts_ && u_old.size() == 0 && nodes.held == held_ && nodes.taken == taken_;
+  if (!stays) {
+    mortar_ = std::make_shared<const mortar::Mortar>(nodes, between_.pairs, options);
+    lasts_ = !asked && u_old.size() == 0;
+    held_ = nodes.held;
+    taken_ = nodes.taken;
+  }
+  std::vector<BoundaryNode> contact;
+  FacedPart faced;
+  for (const mortar::ContactNode& m : mortar_->nodes()) {
+    contact.push_back(contact_node(m.node, m));
+    faced.add(m);
+  }
+  add_moved(*mortar_, between_.moved, contact);
+  add_slip(*mortar_, contact);
+  for (const mortar::MidEdge& e : mortar_->edges()) add_edge(e, faced);
+  for (std::size_t p = 0; p < between_.pairs.size(); ++p)
+    faced.add(between_.pairs[p], mortar_->statistics(static_cast<Index>(p)), d, between_.X);
+  set(std::move(faced));
+  return contact;
+}
+
+void Pairing::add_moved(const mortar::Mortar& mortar, const std::vector<mortar::Vec3>& U,
+                        std::vector<BoundaryNode>& contact) {
+  for (std::size_t k = 0; k < contact.size(); ++k)
+    for (Matrix::InnerIterator G(mortar.relative(), static_cast<Index>(k)); G; ++G)
+      contact[k].moved += G.value() * U[G.col()];
+}
+
+void Pairing::add_slip(const mortar::Mortar& mortar, std::vector<BoundaryNode>& contact) {
+  for (std::size_t k = 0; k < mortar.slip().size(); ++k) contact[k].slid = mortar.slip()[k];
+}
+
+BoundaryNode Pairing::contact_node(Index i, const mortar::ContactNode& m) const {
+  BoundaryNode node = slave_node(i, m.label);
+  for (int c = 0; c < 3; ++c) node.point.normal[c] = m.normal[c];
+  node.mean = m.normal;
+  node.weight = m.weight;
+  return node;
+}
+
+std::unique_ptr<LocalSystem> Pairing::system(const Triplets& A, int d,
+                                             std::vector<ContactPoint> points,
+                                             const std::vector<Index>& mesh_node,
+                                             const RigidModes& modes, const RigidModes& body_modes,
+                                             const LocalSystem* before) const {
+  const Coupling coupling = mortar::couple(*mortar_, d, between_.dof, *dirichlet_, A.n, taken_);
+  return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, *dirichlet_, coupling,
+                                       modes, body_modes, before);
+}
+
+std::vector<BoundaryNode> Pairing::slave_nodes() const {
+  std::vector<BoundaryNode> nodes;
+  for (std::size_t i = 0; i < between_.slave.size(); ++i)
+    nodes.push_back(slave_node(static_cast<Index>(i), between_.slave[i].facets.front().label));
+  return nodes;
+}
+
+Vector Pairing::gap() const {
+  return Eigen::Map<const Vector>(faced_.gap.data(), static_cast<Index>(faced_.gap.size()));
+}
+
+Vector Pairing::gap(const Vector& given) const {
+  Vector at_nodes = Vector::Zero(static_cast<Index>(between_.X.size()));
+  at_nodes.head(given.size()) = given;
+  return mortar_->weighted(at_nodes);
+}
+
+Real Pairing::distance(std::size_t point) const {
+  return point < faced_.distance.size() ? faced_.distance[point] : 0;
+}
+
+Matrix Pairing::stiffness(Index n, int d) const {
+  std::vector<Eigen::Triplet<Real, Index>> entries;
+  mortar_->stiffness().for_each_symmetric(d, [&](Index i, int a, Index j, int b, Real s) {
+    const Index k = between_.dof[i][a], l = between_.dof[j][b];
+    if (!dirichlet_->holds(k) && !dirichlet_->holds(l)) entries.emplace_back(k, l, s);
+  });
+  Matrix S(n, n);
+  S.setFromTriplets(entries.begin(), entries.end());
+  return S;
+}
+
+mortar::Change Pairing::change(const std::vector<mortar::Vec3>& v, int d) const {
+  return mortar::change(*mortar_, v, mortar::straightened(d, between_.pairs, v));
+}
+
+Vector Pairing::on_free_dofs(const std::vector<mortar::Vec3>& of_node, Index n, int d) const {
+  Vector of_dof = Vector::Zero(n);
+  for (std::size_t i = 0; i < of_node.size(); ++i)
+    for (int c = 0; c < d; ++c)
+      if (const Index k = between_.dof[i][c]; !dirichlet_->holds(k)) of_dof[k] = of_node[i][c];
+  return of_dof;
+}
+
+std::vector<Index> Pairing::body_of_nodes(const std::vector<NodePlace>& places, Index n) const {
+  std::vector<Index> of_dof(n, 0), body;
+  for (const NodePlace& p : places) of_dof[p.dof[0]] = p.body;
+  for (const auto& dof : between_.dof) body.push_back(of_dof[dof[0]]);
+  return body;
+}
+
+std::vector<mortar::Vec3> Pairing::at_nodes(const Vector& force, int d) const {
+  std::vector<mortar::Vec3> of_node(between_.dof.size(), mortar::Vec3::Zero());
+  for (std::size_t i = 0; i < of_node.size(); ++i)
+    for (int c = 0; c < d; ++c) of_node[i][c] = force[between_.dof[i][c]];
+  return of_node;
+}
+
+void Pairing::add_bodies(const Triplets& A, int d,
+                         const std::function<std::vector<NodePlace>()>& places,
+                         mortar::Options& options, bool& asked) const {
+  options.element_groups = [this](Index i) {
+    const auto found = between_.body_count.find(i);
+    return found == between_.body_count.end() ? 1 : found->second;
+  };
+  options.bodies = between_.slave_bodies;
+  options.freedom = [this, &A, d, &places, &asked] {
+    asked = true;
+    const std::vector<NodePlace> all = places();
+    const std::vector<Index> body = body_of_nodes(all, A.n);
+    FreedomOfBodies bodies(d, extent_of(between_.X), body, count_of(body));
+    bodies.add(A, *dirichlet_, all);
+    return bodies.freedom();
+  };
+}
+
+mortar::Nodes Pairing::nodes_at(int d, const Vector& u_old,
+                                const std::vector<ContactPoint>& obstacle) const {
+  mortar::Nodes nodes{d, between_.X, mortar::held_components(d, between_.dof, *dirichlet_),
+                      taken_by(obstacle)};
+  if (between_.is_moved) nodes.reference = displaced(between_, d);
+  if (u_old.size() > 0) nodes.before = displaced(between_, d, u_old);
+  return nodes;
+}
+
+std::vector<char> Pairing::taken_by(const std::vector<ContactPoint>& obstacle) const {
+  std::vector<char> taken;
+  if (obstacle.empty()) return taken;
+  std::set<Index> dofs;
+  for (const ContactPoint& p : obstacle) dofs.insert(p.dof[0]);
+  for (const std::array<Index, 3>& dof : between_.dof) taken.push_back(dofs.count(dof[0]) > 0);
+  return taken;
+}
+
+void Pairing::add_edge(mortar::MidEdge e, FacedPart& faced) const {
+  const auto taken = [this](Index node) { return !taken_.empty() && taken_[node]; };
+  if (taken(e.node) || (taken(e.a) && taken(e.b))) return;
+  if (taken(e.a)) e.a = e.b;
+  if (taken(e.b)) e.b = e.a;
+  faced.edges.push_back(e);
+}
+
+BoundaryNode Pairing::slave_node(Index i, long label) const {
+  const SharedNode& shared = between_.slave[i];
+  const AdjacentFacet* facet = &shared.facets.front();
+  for (const AdjacentFacet& f : shared.facets)
+    if (f.label == label) {
+      facet = &f;
+      break;
+    }
+  BoundaryNode node;
+  node.point.dof = shared.dof;
+  const Vec3 n = facet->normal / length(facet->normal);
+  node.point.normal = {n[0], n[1], n[2]};
+  node.x = shared.x;
+  node.label = facet->label;
+  node.element = facet->element;
+  node.facet = facet->facet;
+  node.hat = facet->hat;
+  return node;
+}
+
+}  // namespace frictioncg

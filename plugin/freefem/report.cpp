@@ -1,0 +1,465 @@
+#include "report.h"
+
+#include <iostream>
+#include <iterator>
+
+#include "../core/assembly/mortar/validation.h"
+#include "node_values.h"
+
+namespace frictioncg {
+
+namespace {
+
+/// Words of enumerators, in their order.
+constexpr const char* status_names[] = {"converged",
+                                        "max_iterations",
+                                        "stagnated",
+                                        "no_equilibrium",
+                                        "not_positive_definite",
+                                        "fixed_point_diverged",
+                                        "regularized",
+                                        "runaway"};
+
+constexpr const char* law_names[] = {"no friction", "given sliding limit", "Coulomb friction"};
+
+constexpr const char* layer_names[] = {
+    "none",
+    "a linear solve",
+    "Newton on the condensed laws",
+    "an interior point on the condensed laws, with Newton after it",
+    "Newton on the condensed laws, with springs that vanish",
+    "the regularized conjugate gradient on the condensed system",
+    "GCX on A",
+    "the regularized conjugate gradient on A",
+    "SORP on A",
+    "Newton on A, preconditioned by multigrid",
+    "Newton on A, by sparse factors",
+    "an interior point on A, by sparse factors, with Newton after it"};
+
+/// What to do about a call that did not converge. Only no_equilibrium and runaway blame the load.
+std::string remedy(const Solution& solution, const Settings& s) {
+  const Status status = solution.status;
+  const Certificate& c = solution.certificate;
+  const bool of_method = status != Status::no_equilibrium && status != Status::runaway;
+  if (smooths_friction(s) && s.step != Step::exact && of_method)
+    return std::string("step=\"") + name_of(s.step, steps) +
+           "\" may be what keeps it from converging; leave step out, or raise nbiter";
+  switch (status) {
+    case Status::converged:
+      break;
+    case Status::max_iterations:
+      if (smooths_friction(s)) return "raise nbiter, or try omega=1.5";
+      return s.nbiter > 0 ? "raise nbiter"
+                          : "no answer was found, which proves nothing: near its limit a load may "
+                            "have none; apply it in increments, give start= a field near the "
+                            "answer, such as that without friction, or raise nbiter";
+    case Status::stagnated:
+      if (c.residual <= 10 * c.attainable) {
+        std::ostringstream m;
+        m << "rounding leaves about " << c.attainable << " of it in any case; raise tol";
+        return m.str();
+      }
+      return takes_newton_steps(s)
+                 ? "no answer was found, which proves nothing: near its limit a load may have "
+                   "none; apply it in increments, or give start= a field near the answer, such as "
+                   "that without friction"
+                 : "the method came to a standstill above tol; raise tol, or name another method";
+    case Status::no_equilibrium:
+      return "contact, friction and supports cannot hold this load";
+    case Status::not_positive_definite:
+      return "A must be positive semi-definite; check its coefficients";
+    case Status::fixed_point_diverged:
+      return condenses(s) ? "mu is large for this scene; apply the load in increments"
+                          : "mu is large for this method; leave method out, or apply the "
+                            "load in increments";
+    case Status::regularized:
+      return "regeps limits the accuracy; lower it, leave it out, or raise tol";
+    case Status::runaway:
+      return "hold the rotation by a support, lower the load, give the exact normal, or move the "
+             "faces of a crack together by movemesh";
+  }
+  return "";
+}
+
+/// Diagonal of the box around the contact nodes.
+Real contact_extent(const Scene& scene) {
+  if (scene.nodes.empty()) return 0;
+  Vec3 least = scene.nodes.front().x, most = least;
+  for (const BoundaryNode& n : scene.nodes) {
+    least = least.cwiseMin(n.x);
+    most = most.cwiseMax(n.x);
+  }
+  return length(most - least);
+}
+
+/// What stands behind a status: a proof, the layer that answered, or nothing to move.
+std::string reason_of(const Solution& solution) {
+  if (solution.status == Status::no_equilibrium) return " by a proof of statics";
+  if (solution.layer != Layer::none) return std::string(" by ") + name_of(solution.layer);
+  return solution.status == Status::converged ? " at rest" : "";
+}
+
+constexpr const char* step_names[step_labels] = {"conjugate",   "restart",  "stick frozen",
+                                                 "contact hit", "release",  "sweep",
+                                                 "Newton",      "expansion"};
+
+constexpr const char* work_names[works] = {
+    "the factorization",
+    "the multigrid hierarchy",
+    "Newton on the condensed laws",
+    "the interior point",
+    "Newton on the condensed laws, with springs that vanish",
+    "the regularized conjugate gradient on the condensed system"};
+
+static_assert(std::size(status_names) == static_cast<int>(Status::runaway) + 1);
+static_assert(std::size(law_names) == static_cast<int>(Law::coulomb) + 1);
+static_assert(std::size(layer_names) == static_cast<int>(Layer::sparse_interior_point) + 1);
+
+/// What a scene can do without.
+void report_left_out(const Arguments& args, const Scene& scene, const Plan& plan) {
+  std::cout << "; left out:";
+  const char* separator = " ";
+  const auto left_out = [&](bool absent, const char* what) {
+    if (!absent) return;
+    std::cout << separator << what;
+    separator = ", ";
+  };
+  left_out(!scene.system->rotated(), "rotation");
+  left_out(!plan.fixed_point, "fixed point");
+  left_out(plan.tangents == 0, "tangential laws");
+  left_out(!plan.regularization, "regularization");
+  left_out(!args.has(p_uold), "previous state");
+  left_out(!args.has(p_history), "history");
+}
+
+/// Mesh nodes with several normals.
+Index nodes_in_corners(const Scene& scene) {
+  Index count = 0;
+  for (Index k = 0; k < scene.system->nodes(); ++k)
+    count += scene.system->node(k).shared && scene.starts_node(k);
+  return count;
+}
+
+/// Contact nodes, each with one normal, on an obstacle.
+Index nodes_on_obstacle(const Scene& scene) {
+  Index count = 0;
+  for (Index k = 0; k < scene.system->nodes(); ++k) count += scene.on_obstacle(k);
+  return count;
+}
+
+/// What faces what, in numbers.
+void report_faces(const mortar::Statistics& s, std::size_t slaves, std::size_t masters) {
+  if (s.facing == 0) {
+    std::cout << "none of " << counted(slaves, "slave facet") << " faces one of "
+              << counted(masters, "master facet") << ": open";
+    return;
+  }
+  std::cout << counted(s.facing, "slave node") << " on " << counted(slaves, "facet") << " face "
+            << counted(masters, "master facet") << ", gap " << s.least_gap << " to "
+            << s.largest_gap << "; " << counted(s.partly_covered, "slave facet")
+            << " partly covered, ";
+  if (s.beyond_steps > 0) std::cout << s.beyond_steps << " left out beyond a step of the master, ";
+  std::cout << counted(s.removed, "node") << " removed";
+}
+
+/// The same of one pair; nodes that carry no law are named by place.
+void report_pair(const FacingPair& pair, bool only) {
+  const mortar::Statistics& s = pair.found;
+  line() << (only ? "two bodies" : pair.labels) << ": ";
+  report_faces(s, pair.slaves, pair.masters);
+  if (s.held > 0)
+    std::cout << ", " << s.held << " of them since Dirichlet conditions hold the normal or a part "
+              << "of it, as at " << pair.held_at << ": their neighbours take their share";
+  std::cout << std::endl;
+}
+
+/// The route, and what was weighed.
+void report_choice(const Plan& plan) {
+  if (plan.route == Route::iterative) return;
+  std::cout << (plan.route != Route::multigrid ? " by a factorization"
+                : std::isfinite(plan.costs.sparse)
+                    ? " by sparse factors, or multigrid where they cost more"
+                    : " by multigrid");
+  if (!std::isfinite(plan.costs.multigrid)) return;
+  const std::streamsize digits = std::cout.precision(1);
+  std::cout << " (weighed: a factorization at about " << plan.costs.condensed << " s, multigrid at "
+            << plan.costs.multigrid << " s";
+  if (std::isfinite(plan.costs.sparse))
+    std::cout << ", sparse factors of slender bodies at " << plan.costs.sparse << " s";
+  std::cout << ")";
+  std::cout.precision(digits);
+}
+
+}  // namespace
+
+std::ostream& line() { return std::cout << " -- " << operator_name << ": "; }
+
+std::string counted(std::size_t count, const char* what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+const char* name_of(Status status) { return status_names[static_cast<int>(status)]; }
+
+const char* name_of(Law law) { return law_names[static_cast<int>(law)]; }
+
+const char* name_of(Layer layer) { return layer_names[static_cast<int>(layer)]; }
+
+void warn_of_displacements(Real most, const char* of_what, Real size) {
+  line() << "warning: displacements of up to " << most << " in a " << of_what << " of size " << size
+         << "; the laws are those of small displacements, and hold on the undeformed geometry"
+         << std::endl;
+}
+
+void warn_of_large_displacements(const Scene& scene, const Vector& u) {
+  const bool one_body = !scene.pairing;  // then the contact is no larger than it
+  if (scene.at) return;                  // the geometry follows
+  if (u.size() == 0 || (one_body && u.cwiseAbs().maxCoeff() <= contact_extent(scene))) return;
+  for (const auto& [number, body] : by_body(scene.places())) {
+    const Real size = 2 * nearest_rigid_motion(body, scene.d, u).extent;
+    const Real most = largest_displacement(body, scene.d, u);
+    if (most > size) return warn_of_displacements(most, "body", size);
+  }
+}
+
+void note_contrast(const System& system) {
+  constexpr Real felt = 1e10;    // from which on a thousandth and more is lost
+  constexpr Real error = 1e-13;  // of the answer, over the contrast, where parts are the largest
+  const Real times = contrast(system);
+  if (times < felt) return;
+  std::ostringstream m;
+  m.precision(1);
+  m << "note: A is " << times
+    << " times as stiff at one node as at another; its rounding may change "
+    << "the answer by " << std::min<Real>(1, error * times) << " of it. 1e6 is as good as rigid";
+  line() << m.str() << std::endl;
+}
+
+void report_leftover(Real most, long verb) {
+  if (verb <= 0 || most == 0) return;
+  line() << "b has up to " << most
+         << " in Dirichlet rows of A, which is no data of tgv = 1e30: taken for what b = A*U + r "
+            "leaves there, and the displacement for 0"
+         << std::endl;
+}
+
+void report_end(const Solution& solution) {
+  line() << name_of(solution.status) << reason_of(solution) << ", residual "
+         << solution.certificate.residual << ", " << counted(solution.iterations, "iteration");
+  if (solution.levels.count > 1)
+    std::cout << " on " << solution.levels.count << " levels of complexity "
+              << solution.levels.complexity;
+  if (solution.passes > 0)
+    std::cout << " in " << solution.passes << (solution.passes == 1 ? " pass" : " passes")
+              << " of the fixed point";
+  if (solution.eps > 0) std::cout << ", regeps " << solution.eps;
+  std::cout << std::endl;
+}
+
+void report_memory(double needed, const Settings& s) {
+  if (s.method != Method::automatic || needed <= s.memory) return;
+  line() << "memory = " << s.memory / 1e9 << " GB, and a factorization takes ";
+  if (std::isfinite(needed))
+    std::cout << "at least " << needed / 1e9
+              << " GB: auto went on without one; raise memory to have it";
+  else
+    std::cout << "more entries than CHOLMOD can index: auto went on without one";
+  std::cout << std::endl;
+}
+
+double storage(const Matrix& A) {
+  return (sizeof(Real) + sizeof(Index)) * double(A.nonZeros()) + sizeof(Index) * (A.rows() + 1.0);
+}
+
+void report_phases(const Scene& scene, const Solution& solution) {
+  const Times& t = solution.times;
+  line() << "CPU seconds: copy " << scene.copy_seconds << ", order " << t.order << ", factor "
+         << t.factor << ", condense " << t.condense << ", contact " << t.contact
+         << ", back-substitution " << t.back_substitution << ", certificate " << t.certificate
+         << std::endl;
+  if (solution.levels.count > 0)
+    line() << "multigrid hierarchy: " << solution.levels.bytes / 1e6 << " MB, "
+           << solution.levels.bytes / storage(scene.system->system()->entries())
+           << " times the storage of A" << std::endl;
+  if (solution.steps.total() > 0) {
+    line() << "steps:";
+    for (int k = 0; k < step_labels; ++k)
+      if (solution.steps.count[k] > 0)
+        std::cout << " " << solution.steps.count[k] << " " << step_names[k];
+    std::cout << std::endl;
+  }
+  Index count[4] = {0, 0, 0, 0};
+  for (NodeState s : solution.state) ++count[static_cast<Index>(s)];
+  const Certificate& c = solution.certificate;
+  line() << count[1] << " nodes separated, " << count[2] << " in slip, " << count[3]
+         << " in stick; residual of equilibrium " << c.equilibrium << ", of contact " << c.normal
+         << ", of friction " << c.friction << std::endl;
+}
+
+[[noreturn]] void refuse_unconverged(const Solution& solution, const Settings& s,
+                                     const std::string& motion) {
+  const bool turned = solution.status == Status::runaway;
+  std::ostringstream m;
+  m << "not converged (" << name_of(solution.status) << ") after "
+    << counted(solution.iterations, "iteration") << ": residual " << solution.certificate.residual
+    << ", tol " << s.tol << "; ";
+  if (turned) m << motion << "; ";
+  m << remedy(solution, s);
+  if (!turned && !motion.empty()) m << ", which nothing holds against " << motion;
+  m << "; pass status=... to get the field all the same";
+  throw IllegalInput(m.str());
+}
+
+Progress::Progress(const ContactProblem& problem, long verb, bool keep_history)
+    : problem_(problem), verb_(verb), keep_history_(keep_history) {}
+
+void Progress::iterate(Index iteration, StepLabel label, const Vector& x) {
+  const double now = cpu_seconds();
+  // certify is a matter of all processes
+  const bool speaks = problem_.system->largest(is_time_to_speak()) > 0;
+  if (keep_history_ || speaks) {
+    const double residual = certify(problem_, x).residual;
+    if (keep_history_) rows_.push_back({now - start_, double(iteration), residual, double(label)});
+    if (verb_ > 0 && speaks) say(iteration, label, residual);
+  }
+  start_ += cpu_seconds() - now;
+}
+
+void Progress::step(Work work, Real residual) {
+  const int count = ++steps_[static_cast<int>(work)];
+  if (!listens()) return;
+  speak() << "step " << count << " of " << work_names[static_cast<int>(work)] << ", residual "
+          << residual << ", " << since(begun_) << " s" << std::endl;
+}
+
+void Progress::begin(Work work, double seconds) {
+  if (verb_ < 1 || seconds < interval()) return;
+  speak() << work_names[static_cast<int>(work)] << " of " << problem_.dofs()
+          << " dofs begins: about " << std::round(seconds) << " s without a word" << std::endl;
+}
+
+double Progress::since(Clock::time_point t) {
+  return std::chrono::duration<double>(Clock::now() - t).count();
+}
+
+bool Progress::is_time_to_speak() const {
+  return verb_ > 0 && ((first_ && verb_ > 1) || since(spoken_) >= interval());
+}
+
+std::ostream& Progress::speak() {
+  spoken_ = Clock::now();
+  return std::cout << " -- " << operator_name << ": ";
+}
+
+void Progress::say(Index iteration, StepLabel label, double residual) {
+  first_ = false;
+  speak() << "iteration " << iteration << " (" << step_names[static_cast<int>(label)]
+          << "), certificate " << residual << ", " << since(begun_) << " s" << std::endl;
+}
+
+void warn_of_averages(const Scene& scene) {
+  if (scene.given_normals) return;
+  for (const BoundaryNode& n : scene.nodes) {
+    if (!n.averaged) continue;
+    line() << "warning: the normals at " << place(n, scene.d)
+           << " cannot all be obeyed; their mean stands for them" << std::endl;
+    return;
+  }
+}
+
+void report_averted(const Scene& scene) {
+  const std::size_t count = scene.averted.size();
+  if (count == 0) return;
+  line() << count << (count == 1 ? " node faces" : " nodes face")
+         << " away from the normal given, as at " << place(scene.averted.front(), scene.d)
+         << ", and cannot touch: left out" << std::endl;
+}
+
+void warn_of_passed(Stack stack, const Arguments& args, const Scene& scene) {
+  std::vector<BoundaryNode> facing;
+  for (const BoundaryNode& node : scene.averted)
+    if (node.begun && !faces_away(node, node.point.normal)) facing.push_back(node);
+  Vector gap;
+  try {
+    gap = at_nodes(stack, args, scene.pairing ? p_obstaclegap : p_gap, scene, facing);
+  } catch (const IllegalInput&) {
+    return;  // no law asks for it
+  }
+  Index worst = 0;
+  if (gap.size() == 0 || gap.minCoeff(&worst) >= 0) return;
+  line() << "warning: " << place(facing[worst], scene.d)
+         << " faced away from the obstacle where the increment began, was left out, and lies "
+         << -gap[worst] << " inside it; take smaller increments" << std::endl;
+}
+
+Real largest_friction(const ContactProblem& problem) {
+  const Vector& mu = problem.increment.mu;
+  return problem.increment.law == Law::coulomb && mu.size() > 0 ? mu.maxCoeff() : 0;
+}
+
+void report_large_friction(Real mu) {
+  constexpr Real small = 1;
+  if (mu > small)
+    line() << "mu = " << mu << " is above " << small
+           << ": such laws may have several answers, of which one is given" << std::endl;
+}
+
+void report_pairs(const Scene& scene, long verb) {
+  if (!scene.pairing) return;
+  const std::vector<FacingPair>& pairs = scene.pairing->pairs();
+  const std::size_t count = pairs.size();
+  if (count == 1 || verb > 2) {
+    for (const FacingPair& pair : pairs) report_pair(pair, count == 1);
+    return;
+  }
+  mortar::Statistics all = pairs.front().found;
+  std::size_t slaves = 0, masters = 0;
+  all.facing = all.removed = all.partly_covered = all.beyond_steps = 0;
+  all.least_gap = std::numeric_limits<Real>::infinity();
+  all.largest_gap = -all.least_gap;
+  for (const FacingPair& pair : pairs) {
+    const mortar::Statistics& s = pair.found;
+    slaves += pair.slaves;
+    masters += pair.masters;
+    all.facing += s.facing;
+    all.removed += s.removed;
+    all.partly_covered += s.partly_covered;
+    all.beyond_steps += s.beyond_steps;
+    if (s.facing == 0) continue;
+    all.least_gap = std::min(all.least_gap, s.least_gap);
+    all.largest_gap = std::max(all.largest_gap, s.largest_gap);
+  }
+  line() << count << " pairs: ";
+  report_faces(all, slaves, masters);
+  std::cout << "; verb=3 has each" << std::endl;
+}
+
+void note_weight(const Scene& scene) {
+  if (scene.unnamed_radius < 0) return;
+  const char* const r = scene.unnamed_radius == 0 ? "x" : "y";
+  line() << "note: A looks axisymmetric, with the radius " << r << ", and no weight is named; "
+         << "give weight=" << r << std::endl;
+}
+
+void report_plan(const Arguments& args, const Scene& scene, const ContactProblem& problem,
+                 const Settings& s, long verb) {
+  report_pairs(scene, verb);
+  const Plan plan = make_plan(problem, s);
+  line() << scene.d << "D, " << plan.dofs << " dofs, " << counted(plan.nodes, "contact node");
+  if (scene.beside_pairs > 0) std::cout << ", " << nodes_on_obstacle(scene) << " on the obstacle";
+  std::cout << ", " << name_of(plan.law);
+  if (problem.increment.bilateral) std::cout << ", bilateral";
+  if (scene.system->rotated() && !scene.pairing) std::cout << ", frames rotated";
+  if (const Index corners = nodes_in_corners(scene))
+    std::cout << ", " << corners << (corners == 1 ? " node" : " nodes") << " in a corner";
+  if (plan.nodes == 0)
+    std::cout << (scene.nodes.empty() ? "; nothing faces the slave"
+                                      : "; Dirichlet conditions hold every normal displacement")
+              << ": a plain linear solve";
+  std::cout << "; " << name_of(s.method, methods);
+  if (s.method == Method::automatic) report_choice(plan);
+  if (plan.regularization) std::cout << ", " << name_of(s.reg, regularizations);
+  report_left_out(args, scene, plan);
+  std::cout << "; version " << version << std::endl;
+}
+
+}  // namespace frictioncg

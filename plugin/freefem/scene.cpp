@@ -1,0 +1,337 @@
+#include "scene.h"
+
+#include "../core/assembly/triplets.h"
+#include "../core/clock.h"
+
+namespace frictioncg {
+
+namespace {
+
+/// Which dofs Dirichlet conditions hold: their rows of the change of basis have prescribed
+/// displacements alone.
+std::vector<char> held_dofs(const Basis& basis) {
+  std::vector<char> held(basis.T.rows(), 1);
+  for (Index i = 0; i < basis.T.rows(); ++i)
+    for (Matrix::InnerIterator e(basis.T, i); e; ++e)
+      if (e.col() < basis.local_dofs() && e.value() != 0) held[i] = 0;
+  return held;
+}
+
+/// How to evaluate expressions at the nodes of a space, and where they are.
+void observe(const SpacePtr& Vh, Scene& scene) {
+  scene.d = Vh->d;
+  scene.mesh_node = Vh->mesh_nodes();
+  scene.go_to = [Vh](Stack stack, const BoundaryNode& node) { return Vh->go_to(stack, node); };
+  scene.places = once([Vh] { return Vh->places(); });
+  scene.labelled = once([Vh] { return Vh->labelled(); });
+}
+
+/// The contact points of the labels, in one process.
+std::vector<BoundaryNode> obstacle_points(const Space& Vh, const SpaceInWords& words,
+                                          const std::vector<long>& labels) {
+  if (labels.empty()) return {};
+  Boundary boundary = Vh.boundary(labels, words), begun;
+  if (Vh.begun()) {
+    begun = Vh.begun()->boundary(labels, words);
+    decide_by(begun, boundary);
+  }
+  std::vector<BoundaryNode> points = contact_points(Vh.d, boundary, boundary.nodes.size());
+  if (Vh.begun()) remember(contact_points(Vh.d, begun, begun.nodes.size()), points);
+  follow_motions(Vh, points);
+  return points;
+}
+
+constexpr const char* pair_inside =
+    "contact of two bodies needs two faces there, and meshes that were merged, as + does with near "
+    "vertices, have none: use one space per mesh, or join them apart and move them back with "
+    "movemesh, in 3D with cleanmesh=false";
+
+/// A facet has one partner: a body, or the obstacle.
+void refuse_second_role(const std::vector<long>& obstacle, const std::vector<long>& side,
+                        const char* role) {
+  for (long label : obstacle)
+    if (std::count(side.begin(), side.end(), label))
+      throw IllegalInput("label " + std::to_string(label) + " is " + role +
+                         " and on the obstacle; a boundary touches one of them: give its parts "
+                         "labels of their own");
+}
+
+/// Which labels of an obstacle are on which of two meshes.
+std::array<std::vector<long>, 2> by_mesh(const Space& V1, const Space& V2,
+                                         const std::vector<long>& obstacle) {
+  std::array<std::vector<long>, 2> labels;
+  if (obstacle.empty()) return labels;
+  const std::set<long> first = V1.labels(), second = V2.labels();
+  for (long label : obstacle) {
+    const bool in_first = first.count(label) > 0, in_second = second.count(label) > 0;
+    if (in_first == in_second)
+      throw IllegalInput(
+          "obstacle has the label " + std::to_string(label) +
+          (in_first ? ", which is on the mesh of V1 and on that of V2; give one of them another "
+                      "label, by change(Th, label=...)"
+                    : ", which is neither on the mesh of V1 nor on that of V2"));
+    labels[in_first ? 0 : 1].push_back(label);
+  }
+  return labels;
+}
+
+/// The contact points of an obstacle beside two bodies in spaces of their own.
+std::vector<BoundaryNode> obstacle_points(const Space& V1, const Space& V2,
+                                          const PairLabels& labels,
+                                          const std::vector<long>& obstacle) {
+  const auto [first, second] = by_mesh(V1, V2, obstacle);
+  refuse_second_role(first, labels.slave, "slave");
+  refuse_second_role(second, labels.master, "master");
+  std::vector<BoundaryNode> points =
+      obstacle_points(V1, {"V1", "the mesh of V1", obstacle_inside}, first);
+  for (BoundaryNode& p : obstacle_points(V2, {"V2", "the mesh of V2", obstacle_inside}, second)) {
+    p.point.dof = shifted(V1.dofs(), V1.d, p.point.dof);
+    p.space = 1;
+    if (p.begun) p.begun->space = 1;
+    points.push_back(std::move(p));
+  }
+  return points;
+}
+
+/// make(stage), which can be made at another one, too.
+template <class Make>
+std::shared_ptr<Scene> scene_at(const Stage& stage, const Make& make) {
+  std::shared_ptr<Scene> scene = make(stage);
+  scene->at = stage.at;
+  scene->moved_to = [make](const Stage& other) { return scene_at(other, make); };
+  return scene;
+}
+
+}  // namespace
+
+std::shared_ptr<Scene> Scene::posed_anew() const {
+  auto scene = std::make_shared<Scene>();
+  static_cast<Geometry&>(*scene) = *this;
+  return scene;
+}
+
+void Scene::face(const Triplets& A, const mortar::Options& options, const Vector& u_old,
+                 bool again) {
+  const double start = cpu_seconds();
+  const std::vector<BoundaryNode> of_obstacle = std::move(nodes);
+  nodes = pairing->face(A, d, options, u_old, of_obstacle, places, again);
+  nodes.insert(nodes.end(), of_obstacle.begin(), of_obstacle.end());
+  beside_pairs = of_obstacle.size();
+  copy_seconds = cpu_seconds() - start;
+}
+
+void Scene::assemble(const Triplets& A) {
+  const double start = cpu_seconds();
+  make_system(A, nullptr);
+  solver = std::make_unique<Solver>(system->system());
+  copy_seconds += cpu_seconds() - start;
+}
+
+void Scene::assemble_after(Scene& before, const Triplets& A, bool alone) {
+  const double start = cpu_seconds();
+  make_system(A, before.system.get());
+  if (alone) {
+    before.solver->renew(system->system());
+    solver = std::move(before.solver);
+  } else {
+    solver = std::make_unique<Solver>(system->system());
+  }
+  copy_seconds += cpu_seconds() - start;
+}
+
+void Scene::make_system(const Triplets& A, const LocalSystem* before) {
+  std::vector<ContactPoint> points;
+  for (const BoundaryNode& n : nodes) points.push_back(n.point);
+  const Index n = static_cast<Index>(ndof());
+  const auto modes = [places = places, d = d, n] { return rigid_modes(places(), d, n); };
+  const auto each = [places = places, d = d, n] { return body_modes(places(), d, n); };
+  system = placed([&] {
+    if (pairing) return pairing->system(A, d, std::move(points), mesh_node, modes, each, before);
+    if (moving)
+      return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, moving->rigid, modes,
+                                           each, before);
+    return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, modes, before);
+  });
+  held = held_dofs(system->basis());
+}
+
+Vector Scene::slip_from(const Vector& u_old) const {
+  if (u_old.size() == 0) return {};
+  Vector w = system->to_local(u_old);
+  const std::vector<Index>& first = system->system()->first;
+  for (Index k = 0; k < system->nodes(); ++k)
+    for (Index i = first[k] + 1; i < first[k + 1]; ++i) {
+      const BoundaryNode& node = contact_point(k);
+      for (int c = 0; c < d; ++c)
+        if (node.slid[c] != 0) w[i] -= system->basis().W.coeff(i, node.point.dof[c]) * node.slid[c];
+    }
+  return w;
+}
+
+LocalIncrement Scene::increment(const LocalLoad& load, const PointLaws& laws) const {
+  return placed([&] { return system->increment(load, laws); });
+}
+
+void follow_motions(const Space& Vh, std::vector<BoundaryNode>& points) {
+  if (!any_curved(points)) return;
+  const std::vector<Index> of_element = Vh.body_of_element();
+  std::vector<Index> body;
+  for (const BoundaryNode& p : points) body.push_back(of_element[p.element]);
+  follow_motions(Vh.d, body, *std::max_element(body.begin(), body.end()) + 1, Vh.begun() != nullptr,
+                 points);
+}
+
+DofCount dofs_of(const Space& V1, const Space* V2) {
+  return {V1.dofs() + (V2 ? V2->dofs() : 0), V2 ? V1.dofs() : 0};
+}
+
+std::shared_ptr<Scene> obstacle_scene(const SpacePtr& Vh, std::vector<BoundaryNode> points) {
+  auto scene = std::make_shared<Scene>();
+  scene->dofs = dofs_of(*Vh);
+  scene->nodes = std::move(points);
+  observe(Vh, *scene);
+  return scene;
+}
+
+std::shared_ptr<Scene> pair_scene(const SpacePtr& Vh, const PairLabels& labels,
+                                  const std::vector<long>& obstacle) {
+  auto scene = std::make_shared<Scene>();
+  scene->dofs = dofs_of(*Vh);
+  refuse_second_role(obstacle, labels.slave, "slave");
+  refuse_second_role(obstacle, labels.master, "master");
+  scene->nodes = obstacle_points(*Vh, before_obstacle, obstacle);
+  const SpaceInWords words{"Vh", "the mesh", pair_inside};
+  InterfaceBuilder faces(labels.pairs, labels.of_part);
+  faces.add_slave(Vh, Vh->boundary(labels.slave, words));
+  faces.add_master(*Vh, Vh->boundary(labels.master, words), 0);
+  scene->pairing.emplace(faces.take());
+  observe(Vh, *scene);
+  return scene;
+}
+
+std::shared_ptr<Scene> pair_scene(const SpacePtr& V1, const SpacePtr& V2, const PairLabels& labels,
+                                  const std::vector<long>& obstacle) {
+  auto scene = std::make_shared<Scene>();
+  const Index offset = V1->dofs();
+  scene->dofs = dofs_of(*V1, V2.get());
+  scene->nodes = obstacle_points(*V1, *V2, labels, obstacle);
+  InterfaceBuilder faces(labels.pairs, labels.of_part);
+  faces.add_slave(V1, V1->boundary(labels.slave, {"V1", "the mesh of V1", pair_inside}));
+  faces.add_master(*V2, V2->boundary(labels.master, {"V2", "the mesh of V2", pair_inside}), offset);
+  scene->pairing.emplace(faces.take());
+  observe(V1, *scene);
+  for (Index node : V2->mesh_nodes()) scene->mesh_node.push_back(V1->nodes() + node);
+  scene->go_to = [V1, V2](Stack stack, const BoundaryNode& node) {
+    return (node.space == 0 ? V1 : V2)->go_to(stack, node);
+  };
+  scene->places = once([of_first = scene->places, V2, offset, d = scene->d] {
+    std::vector<NodePlace> places = of_first();
+    Index bodies = 0;
+    for (const NodePlace& n : places) bodies = std::max(bodies, n.body + 1);
+    for (NodePlace n : V2->places()) {
+      n.body += bodies;
+      n.dof = shifted(offset, d, n.dof);
+      places.push_back(n);
+    }
+    return places;
+  });
+  scene->labelled = once([of_first = scene->labelled, V2, offset, d = scene->d] {
+    std::vector<LabelledNode> all = of_first();
+    for (LabelledNode n : V2->labelled()) {
+      n.space = 1;
+      n.dof = shifted(offset, d, n.dof);
+      all.push_back(n);
+    }
+    return all;
+  });
+  return scene;
+}
+
+void check_stage(const Stage& stage, const DofCount& dofs) {
+  if (stage.at) check_vector(*stage.at, "at", dofs);
+  if (stage.begun) check_vector(*stage.begun, "uold", dofs);
+}
+
+std::shared_ptr<Scene> scene_of(const Site& site, Stack stack, const std::vector<long>& obstacle,
+                                const Stage& stage) {
+  if (site.is_on_part(stack))
+    throw IllegalInput(
+        "Vh lies on one process's part of a distributed mesh, and its matrix would be taken for "
+        "the whole problem; load frictionCG-mpi, and give domain=C, which createMat(Th, C, Pk) "
+        "makes");
+  const std::vector<long> slave = site.labels(stack), master = site.masters(stack);
+  const SpacePtr V1 = site.space(stack);  // last: what an expression does may make it anew
+  const SpacePtr V2 = site.in_two_spaces() ? site.space(stack, 1) : nullptr;
+  const DofCount dofs = dofs_of(*V1, V2.get());
+  if (!site.two_bodies())
+    return scene_at(stage, [=](const Stage& U) {
+      check_stage(U, dofs);
+      const SpacePtr Vh = V1->at(U);
+      return obstacle_scene(Vh, obstacle_points(*Vh, before_obstacle, slave));
+    });
+  return scene_at(stage, [=, pair = PairLabels(slave, master)](const Stage& U) {
+    check_stage(U, dofs);
+    return V2 ? pair_scene(V1->at(U), V2->at(U, V1->dofs()), pair, obstacle)
+              : pair_scene(V1->at(U), pair, obstacle);
+  });
+}
+
+DenseMatrix MovingObstacles::free_motions(const RigidGenerators& generators) const {
+  const Index each = generators.count();
+  DenseMatrix motions(each, 0);
+  for (Index q = 0; q < rigid.dofs(); ++q) {
+    if (!rigid.free[q]) continue;
+    motions.conservativeResize(each, motions.cols() + 1);
+    motions.rightCols(1) = generators.about(pivot[q / each], q % each);
+  }
+  return motions;
+}
+
+void follow_free_motions(Scene& scene, const std::vector<NodePlace>& places, const Extent& extent,
+                         Index bodies, bool has_begun,
+                         const std::function<void(FreedomOfBodies&)>& add,
+                         const SumOverProcesses& sum) {
+  std::vector<Index> body_at(scene.ndof(), 0), body;
+  for (const NodePlace& n : places) body_at[n.dof[0]] = n.body;
+  for (const BoundaryNode& p : scene.nodes) body.push_back(body_at[p.point.dof[0]]);
+  FreedomOfBodies freedom_of(scene.d, extent, body, bodies);
+  add(freedom_of);
+  const mortar::Freedom freedom = freedom_of.freedom();
+  const RigidGenerators& generators = freedom.generators;
+  const DenseMatrix of_obstacles =
+      scene.moving ? scene.moving->free_motions(generators) : DenseMatrix(generators.count(), 0);
+  follow_by_body(scene.d, body, bodies, has_begun, scene.nodes,
+                 [&](Index b, std::vector<PointNormal>& points, DecidedCount decided) {
+                   const DenseMatrix& own = freedom.of_body[b];
+                   DenseMatrix relative(own.rows(), own.cols() + of_obstacles.cols());
+                   relative << own, of_obstacles;
+                   return follow_free_motions(scene.d, generators, relative, points, decided, sum);
+                 });
+}
+
+Stiffened::Stiffened(const Triplets& A, Matrix S)
+    : view_(A), i_(A.i, A.i + A.size), j_(A.j, A.j + A.size), a_(A.a, A.a + A.size), S_(S) {
+  for (Index r = 0; r < S_.rows(); ++r)
+    for (Matrix::InnerIterator e(S_, r); e; ++e) {
+      if (A.half && e.col() > r) continue;
+      i_.push_back(r + A.base);
+      j_.push_back(e.col() + A.base);
+      a_.push_back(-e.value());
+    }
+}
+
+Triplets Stiffened::view(std::size_t size) const {
+  Triplets t = view_;
+  t.size = size;
+  t.i = i_.data();
+  t.j = j_.data();
+  t.a = a_.data();
+  return t;
+}
+
+PairLabels::PairLabels(std::vector<long> slave_, std::vector<long> master_)
+    : slave(std::move(slave_)),
+      master(std::move(master_)),
+      pairs(mortar::label_pairs(slave, master)) {}
+
+}  // namespace frictioncg
