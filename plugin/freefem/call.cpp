@@ -274,10 +274,9 @@ Solution newton_step(Solution s, const Vector& u0, const Settings& settings, con
 
 }  // namespace
 
-void accept_rounding(Solution& s) {
+void accept_rounding(Solution& s, Real contrast) {
   const Certificate& c = s.certificate;
-  if (s.status == Status::stagnated && c.residual <= 10 * c.attainable)
-    s.status = Status::converged;
+  if (contrast < felt_contrast && c.residual <= 10 * c.attainable) s.status = Status::converged;
 }
 
 Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws) {
@@ -303,7 +302,8 @@ Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws)
                                                           : Vector(vectors.u_init - vectors.u_old));
   Solution solution = scene.solver->solve(now.increment, call.settings, x0,
                                           call.verb > 0 || out.history ? &progress : nullptr);
-  if (scene.at) accept_rounding(solution);
+  if (scene.at && solution.status == Status::stagnated)
+    accept_rounding(solution, contrast(*scene.system->system()));
   if (solution.status != Status::converged && scene.stiffened) {
     report_plain(call.verb);
     scene.assemble_plain();
@@ -316,16 +316,16 @@ Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws)
                field = moved.head(scene.ndof());
   const std::string turned = runaway(scene, solution, field);
   if (!turned.empty()) solution.status = Status::runaway;
+  const std::string blamed = turned.empty() ? blamed_motion(scene, solution) : turned;
   if (call.verb > 0) {
     report_memory(scene.solver->memory_needed(), call.settings);
     report_end(solution);
-    report_motions(scene, solution, turned, call.verb);
+    report_blamed(solution.status, blamed);
+    report_undetermined(scene, solution, call.verb);
   }
   if (call.verb > 2) report_phases(scene, solution);
   if (solution.status != Status::converged && !out.status)
-    refuse_unconverged(
-        solution, call.settings,
-        solution.unheld_motion.size() > 0 ? describe(scene, solution.unheld_motion) : turned);
+    refuse_unconverged(solution, call.settings, blamed);
   write_outputs(scene, solution, laws, progress, out);
   if (scene.moving) write_motions(scene, solution, moved, call.motions);
   if (call.verb > 0) warn_of_large_displacements(scene, field);

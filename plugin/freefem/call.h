@@ -60,8 +60,9 @@ LocalIncrement increment(const Call& call, const Vectors& vectors, const Scene& 
                          PointLaws laws);
 
 /// With `at` the load of a step is what the last one has left: nothing, where bodies have parted,
-/// of which rounding is all that can be asked.
-void accept_rounding(Solution& s);
+/// of which rounding is all that can be asked of a call that has stagnated. With a large contrast
+/// of A, as of a node of which next to nothing faces the master, rounding may be anything.
+void accept_rounding(Solution& s, Real contrast);
 
 /// The field of one increment, on a posed scene.
 Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws);

@@ -107,11 +107,13 @@ std::string describe(const Scene& scene, const Vector& motion) {
   return text;
 }
 
-void report_motions(const Scene& scene, const Solution& solution, const std::string& turned,
-                    long verb) {
-  if (!turned.empty()) line() << turned << std::endl;
-  if (solution.unheld_motion.size() > 0)
-    line() << "nothing holds " << describe(scene, solution.unheld_motion) << std::endl;
+std::string blamed_motion(const Scene& scene, const Solution& solution) {
+  const Vector& motion =
+      solution.status == Status::not_positive_definite ? solution.negative : solution.unheld_motion;
+  return motion.size() > 0 ? describe(scene, motion) : "";
+}
+
+void report_undetermined(const Scene& scene, const Solution& solution, long verb) {
   const Index all = static_cast<Index>(solution.undetermined.cols());
   if (all == 0) return;
   const Index named = verb > 2 ? all : std::min<Index>(3, all);

@@ -25,9 +25,10 @@ std::string runaway(const Scene& scene, const Solution& s, const Vector& u);
 /// A motion of the local dofs in words: of the bodies, and of the obstacles that move.
 std::string describe(const Scene& scene, const Vector& motion);
 
-/// The motions that a call leaves open: one that nothing holds, some that nothing determines, or a
-/// body that has turned too far.
-void report_motions(const Scene& scene, const Solution& solution, const std::string& turned,
-                    long verb);
+/// In words, the motion that nothing holds, or that costs negative energy; or empty.
+std::string blamed_motion(const Scene& scene, const Solution& solution);
+
+/// The motions that nothing determines.
+void report_undetermined(const Scene& scene, const Solution& solution, long verb);
 
 }  // namespace frictioncg

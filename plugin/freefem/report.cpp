@@ -81,6 +81,8 @@ std::string remedy(const Solution& solution, const Settings& s) {
   return "";
 }
 
+constexpr const char* negative_energy = "A has negative energy, p'Ap < 0, for p = ";
+
 /// Diagonal of the box around the contact nodes.
 Real contact_extent(const Scene& scene) {
   if (scene.nodes.empty()) return 0;
@@ -222,10 +224,9 @@ void warn_of_large_displacements(const Scene& scene, const Vector& u) {
 }
 
 void note_contrast(const System& system) {
-  constexpr Real felt = 1e10;    // from which on a thousandth and more is lost
   constexpr Real error = 1e-13;  // of the answer, over the contrast, where parts are the largest
   const Real times = contrast(system);
-  if (times < felt) return;
+  if (times < felt_contrast) return;
   std::ostringstream m;
   m.precision(1);
   m << "note: A is " << times
@@ -295,16 +296,27 @@ void report_phases(const Scene& scene, const Solution& solution) {
          << ", of friction " << c.friction << std::endl;
 }
 
+void report_blamed(Status status, const std::string& motion) {
+  if (motion.empty()) return;
+  const char* of_motion = status == Status::runaway                 ? ""
+                          : status == Status::not_positive_definite ? negative_energy
+                                                                    : "nothing holds ";
+  line() << of_motion << motion << std::endl;
+}
+
 [[noreturn]] void refuse_unconverged(const Solution& solution, const Settings& s,
                                      const std::string& motion) {
   const bool turned = solution.status == Status::runaway;
+  const bool indefinite = solution.status == Status::not_positive_definite;
   std::ostringstream m;
   m << "not converged (" << name_of(solution.status) << ") after "
     << counted(solution.iterations, "iteration") << ": residual " << solution.certificate.residual
     << ", tol " << s.tol << "; ";
   if (turned) m << motion << "; ";
   m << remedy(solution, s);
-  if (!turned && !motion.empty()) m << ", which nothing holds against " << motion;
+  if (!turned && !motion.empty())
+    m << (indefinite ? std::string("; ") + negative_energy : ", which nothing holds against ")
+      << motion;
   m << "; pass status=... to get the field all the same";
   throw IllegalInput(m.str());
 }

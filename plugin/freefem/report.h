@@ -22,6 +22,9 @@ void warn_of_displacements(Real most, const char* of_what, Real size);
 /// undeformed geometry, and what balances such a load there hardly holds it.
 void warn_of_large_displacements(const Scene& scene, const Vector& u);
 
+/// The contrast of A from which on a thousandth of the answer and more is lost to rounding.
+constexpr Real felt_contrast = 1e10;
+
 /// A note where the rounding of A is felt, which the certificate does not see: rigid motions of a
 /// stiff part cost the energy that its entries are rounded to, beside what a soft part resists.
 void note_contrast(const System& system);
@@ -41,8 +44,11 @@ double storage(const Matrix& A);
 /// Phases and counters, for verb 3.
 void report_phases(const Scene& scene, const Solution& solution);
 
-/// The error of a call that did not converge and whose script does not ask for the status; motion:
-/// in words, what nothing holds, or what has turned too far.
+/// The motion, in words, that a call blames which has not converged: what nothing holds, what has
+/// turned too far, or what costs negative energy; or empty.
+void report_blamed(Status status, const std::string& motion);
+
+/// The error of such a call whose script does not ask for the status.
 [[noreturn]] void refuse_unconverged(const Solution& solution, const Settings& s,
                                      const std::string& motion);
 

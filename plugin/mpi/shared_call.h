@@ -185,7 +185,8 @@ inline Vector solve_together(Stack stack, const Call& call, SharedScene& shared,
   Progress progress(problem, verb, out.history);
   Solution solution = solve_together(shared, problem, call, start_of(call, shared),
                                      out.history || speaks ? &progress : nullptr);
-  if (shared.scene->at) accept_rounding(solution);
+  if (shared.scene->at && solution.status == Status::stagnated)
+    accept_rounding(solution, domain.largest(contrast(*shared.A)));
   if (solution.status != Status::converged && shared.stiffened) {
     assemble_plain(shared, verb);
     return solve_together(stack, call, shared, laws);
@@ -197,11 +198,11 @@ inline Vector solve_together(Stack stack, const Call& call, SharedScene& shared,
   const std::string turned = runaway(shared, solution, from_geometry(shared, field));
   if (!turned.empty()) solution.status = local.status = Status::runaway;
   if (verb > 0) report_end(solution);
-  std::string unheld = report_motions(shared, solution, verb);
-  if (!turned.empty()) unheld = turned;
-  if (verb > 0 && !turned.empty()) line() << turned << std::endl;
+  const std::string blamed = turned.empty() ? blamed_motion(shared, solution) : turned;
+  if (verb > 0) report_blamed(solution.status, blamed);
+  report_undetermined(shared, solution, verb);
   if (solution.status != Status::converged && !out.status)
-    refuse_unconverged(solution, call.settings, unheld);
+    refuse_unconverged(solution, call.settings, blamed);
   write_together(shared, local, laws, progress, out);
   const long n = shared.scene->ndof();
   if (speaks) warn_of_large_displacements(shared, field, verb);

@@ -114,19 +114,20 @@ inline std::string runaway(SharedScene& shared, const Solution& own, const Vecto
   return runaway(sample.nodes(), d, sample.of(field), *shared.A, field_in_sample, held);
 }
 
-/// The motions that a call leaves open; the first of them that nothing holds, or empty. Collective.
-inline std::string report_motions(const SharedScene& shared, const Solution& solution, long verb) {
-  std::string unheld;
-  if (shared.domain->largest(Real(solution.unheld_motion.size())) > 0) {
-    unheld = describe(shared, solution.unheld_motion);
-    if (verb > 0) line() << "nothing holds " << unheld << std::endl;
-  }
+/// In words, the motion that nothing holds, or that costs negative energy; or empty.   Collective.
+inline std::string blamed_motion(const SharedScene& shared, const Solution& solution) {
+  const Vector& motion =
+      solution.status == Status::not_positive_definite ? solution.negative : solution.unheld_motion;
+  return shared.domain->largest(Real(motion.size())) > 0 ? describe(shared, motion) : "";
+}
+
+/// The motions that nothing determines.   Collective.
+inline void report_undetermined(const SharedScene& shared, const Solution& solution, long verb) {
   for (Index k = 0; k < solution.undetermined.cols(); ++k) {
     const std::string motion = describe(shared, solution.undetermined.col(k));
     if (verb > 0)
       line() << "nothing determines " << motion << "; the field has the least of it" << std::endl;
   }
-  return unheld;
 }
 
 }  // namespace frictioncg
