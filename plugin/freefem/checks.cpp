@@ -100,6 +100,60 @@ std::size_t count_value(const Scene& scene, const Vector& b, int c, Real value) 
   });
 }
 
+/// The dofs of a component on a boundary that is held, and those of them where it ends at a free
+/// one that has a load.
+struct HeldDofs {
+  std::set<Index> all, ends;
+  /// Loads at some of the ends, and 0 at all others.
+  bool are_ends(const std::vector<Index>& loaded) const {
+    return all.size() > 2 + ends.size() &&
+           std::all_of(loaded.begin(), loaded.end(), [&](Index i) { return ends.count(i) > 0; });
+  }
+};
+
+/// By space and label, where all nodes are held in a component.
+std::map<std::pair<int, long>, HeldDofs> held_labels(const Scene& scene, const Vector& b, int c) {
+  std::map<std::pair<int, long>, HeldDofs> held;
+  std::map<std::pair<int, long>, int> loads;  // of free labels: nodes with one over those without
+  for (const LabelledNode& n : scene.labelled()) {
+    held[{n.space, n.label}].all.insert(n.dof[c]);
+    if (!scene.held[n.dof[c]]) loads[{n.space, n.label}] += b[n.dof[c]] != 0 ? 1 : -1;
+  }
+  std::set<Index> of_free;
+  for (const auto& [label, more] : loads) {
+    if (more > 0) of_free.merge(held.at(label).all);
+    held.erase(label);
+  }
+  std::map<Index, int> count;
+  for (const auto& [label, dofs] : held)
+    for (Index i : dofs.all) ++count[i];
+  for (auto& [label, dofs] : held)
+    for (Index i : dofs.all)
+      if (count[i] == 1 && of_free.count(i)) dofs.ends.insert(i);
+  return held;
+}
+
+/// Whether b is what one load per content makes of most of the dofs, whose unit loads differ: data
+/// of on() are functions of the place alone.
+bool are_load(const std::set<Index>& dofs, const Vector& b, const Vector& unit) {
+  constexpr Real rounding = 1e-9, differ = 1.5;
+  const auto less = [&](Index i, Index j) { return std::abs(unit[i]) < std::abs(unit[j]); };
+  const Index largest = *std::max_element(dofs.begin(), dofs.end(), less);
+  const Real most = std::abs(unit[largest]), load = b[largest] / unit[largest];
+  if (!(most > 0) || load == 0) return false;
+  int alike = 0, others = 0;  // of those of which the load makes something, as of P2 it does not
+  Real least = most;
+  for (Index i : dofs) {
+    if (std::abs(b[i] - load * unit[i]) > rounding * std::abs(load) * most) {
+      ++others;
+      continue;
+    }
+    alike += unit[i] != 0;
+    least = std::min(least, std::abs(unit[i]));
+  }
+  return alike > 2 && alike > others && differ * least < most;
+}
+
 /// What a block of A is to the nodes of a space: rows that translations leave without a force, and
 /// those of them that rotations leave without a force, too: all, but with the places of another
 /// mesh.
@@ -242,6 +296,27 @@ void check_one_value(const Scene& scene, const Vector& b, long verb) {
         << "; a load is an integral, int1d or int2d, with less at the ends";
       if (refused) throw IllegalInput(m.str());
       line() << "note: " << m.str() << std::endl;
+    }
+}
+
+void refuse_load_for_data(const Scene& scene, const Vector& b) {
+  if (scene.at || !scene.system->dirichlet().has_unit_rows()) return;
+  bool any = false;
+  for (long i = 0; i < scene.ndof(); ++i) any = any || (scene.held[i] && b[i] != 0);
+  if (!any) return;
+  Vector unit;
+  for (int c = 0; c < scene.d; ++c)
+    for (const auto& [label, dofs] : held_labels(scene, b, c)) {
+      std::vector<Index> loaded;
+      std::copy_if(dofs.all.begin(), dofs.all.end(), std::back_inserter(loaded),
+                   [&](Index i) { return b[i] != 0; });
+      if (loaded.empty()) continue;
+      if (unit.size() == 0) unit = scene.unit_load(scene.held);
+      if (!dofs.are_ends(loaded) && !are_load(dofs.all, b, unit)) continue;
+      std::ostringstream why;
+      why << "b has there what a load leaves, and lacks the on(" << label.second << ", u" << c + 1
+          << "=...) that A has: " << assemble_both << ", or set to 0 what b has in Dirichlet rows";
+      refuse_data(b, b, loaded.front(), why.str());
     }
 }
 

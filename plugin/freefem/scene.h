@@ -55,7 +55,8 @@ struct Geometry {
   std::function<Vec3(Stack, const BoundaryNode&)> go_to;
   /// Where the nodal values of a displacement are.
   std::function<std::vector<NodePlace>()> places;
-  std::function<const std::vector<LabelledNode>&()> labelled;  ///< facet by facet
+  std::function<const std::vector<LabelledNode>&()> labelled;    ///< facet by facet
+  std::function<Vector(const std::vector<char>& of)> unit_load;  ///< of Space, per dof
   std::optional<Pairing> pairing;         ///< of two bodies; none where there is an obstacle alone
   mortar::Options facing;                 ///< of the two bodies, as the script has chosen them
   std::optional<MovingObstacles> moving;  ///< none where all obstacles stand still

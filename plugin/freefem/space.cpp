@@ -65,6 +65,8 @@ struct Dimension<Fem2D::FESpace> {
   static double share(std::size_t nodes, bool corner) {
     return nodes == 2 ? 1. / 2 : (corner ? 1. / 6 : 2. / 3);
   }
+  /// integrals of the functions of P1 or P2 over an element, up to a factor
+  static double integral(bool quadratic, bool corner) { return quadratic && corner ? 0 : 1; }
   /// The mean, by a trace, of what is linear: so much of it is the value at the trace's node, the
   /// rest the mean over the edge.
   static double own(std::size_t nodes) { return nodes == 2 ? 1. / 3 : 1; }
@@ -115,6 +117,7 @@ struct Dimension<Fem2D::FESpace3> {
   static double share(std::size_t nodes, bool corner) {
     return nodes == 3 ? 1. / 3 : (corner ? 0 : 1. / 3);
   }
+  static double integral(bool quadratic, bool corner) { return !quadratic ? 1 : corner ? -1 : 4; }
   static double own(std::size_t nodes) { return nodes == 3 ? 1. / 4 : 2. / 5; }
   static constexpr const char* known_counts = "the 3 of P1 and the 6 of P2";
   static void interpolate(const Element& K, Interpolation& ip) {
@@ -230,6 +233,7 @@ class SpaceOn final : public Space {
   SharedNode node_at_vertex(Index element, int vertex) const override;
   std::vector<NodePlace> places() const override;
   std::vector<LabelledNode> labelled() const override;
+  Vector unit_load(const std::vector<char>& of) const override;
   Vec3 go_to(Stack stack, const BoundaryNode& node) const override {
     const auto& there = static_cast<const SpaceOn&>(node.is_begun ? *begun() : *this);
     const Vec3 x = as_vector(there.place(node.element, as_R3(node.hat))) + node.aside;
@@ -381,6 +385,25 @@ std::vector<LabelledNode> SpaceOn<FESpaceType>::labelled() const {
           {D::label(mesh(), ib), n.dof, measure * D::share(nodes.node.size(), n.corner), 0});
   }
   return all;
+}
+
+template <class FESpaceType>
+Vector SpaceOn<FESpaceType>::unit_load(const std::vector<char>& of) const {
+  Vector load = Vector::Zero(dofs());
+  Interpolation ip;
+  for (int k = 0; k < elements(); ++k) {
+    const typename D::Element K(space()[k]);
+    bool wanted = false;
+    for (int i = 0; i < K.NbDoF() && !wanted; ++i) wanted = of[K(i)];
+    if (!wanted) continue;
+    D::interpolate(K, ip);
+    const auto at_corner = [&](int p) { return corner_at(as_vector(ip.hat[p]), D::d) >= 0; };
+    const bool quadratic = !std::all_of(ip.point.begin(), ip.point.end(), at_corner);
+    const Real content = std::abs(D::content(vertices_of(k)));
+    for (std::size_t e = 0; e < ip.dof.size(); ++e)
+      load[K(ip.dof[e])] += content * D::integral(quadratic, at_corner(ip.point[e]));
+  }
+  return load;
 }
 
 /// Collects the nodes of the contact boundary facet by facet.

@@ -48,6 +48,9 @@ class Space {
   /// The nodes that carry values of every component of the displacement.
   virtual std::vector<NodePlace> places() const = 0;
   virtual std::vector<LabelledNode> labelled() const = 0;  ///< facet by facet, by all its labels
+  /// What a load of 1 per content makes of each dof, up to a common factor: the integral of its
+  /// function. of: per dof, which ones are wanted.
+  virtual Vector unit_load(const std::vector<char>& of) const = 0;
   /// Makes a node the point at which expressions are evaluated: where it has been moved to, and in
   /// its element, by which functions on the mesh are read. Returns the place.
   virtual Vec3 go_to(Stack stack, const BoundaryNode& node) const = 0;

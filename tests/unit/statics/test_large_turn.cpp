@@ -3,7 +3,7 @@
 
 #include "core/solver.h"
 #include "core/statics/nearest_motion.h"
-#include "random_scene.h"
+#include "../random_scene.h"
 
 using namespace frictioncg;
 using namespace frictioncg::test;
