@@ -11,8 +11,8 @@ namespace frictioncg {
 struct Costs {
   double condensed = 0;
   double multigrid = 0;  ///< infinite where the system does not tell nodes and rigid modes
-  double path = 0;  ///< central path, on A or on the contact dofs; infinite where not slender
-  double sparse = 0;  ///< the same on A; infinite where that is no better than another
+  double path = 0;       ///< central path, on A or on the contact dofs; infinite where not slender
+  double sparse = 0;     ///< the same on A; infinite where that is no better than another
 };
 
 Costs estimate_costs(const System& system);
