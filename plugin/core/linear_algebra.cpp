@@ -1,11 +1,8 @@
 #include "linear_algebra.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <Eigen/SVD>
-
-#include "factorization.h"
 
 namespace frictioncg {
 
@@ -19,16 +16,6 @@ DenseMatrix least_squares(const DenseRef& A, const DenseRef& B, Real threshold, 
 
 DenseMatrix solve(const DenseRef& A, const DenseRef& B) {
   return Eigen::FullPivLU<DenseMatrix>(A).solve(B);
-}
-
-Eigenpairs eigenpairs(const DenseRef& A) {
-  const Eigen::SelfAdjointEigenSolver<DenseMatrix> found(A);
-  return {found.eigenvalues(), found.eigenvectors()};
-}
-
-Eigenpairs eigenpairs(const DenseRef& A, const DenseRef& M) {
-  const Eigen::GeneralizedSelfAdjointEigenSolver<DenseMatrix> found(A, M);
-  return {found.eigenvalues(), found.eigenvectors()};
 }
 
 DenseMatrix triangle(const DenseRef& A) {
@@ -50,14 +37,5 @@ DenseMatrix null_space(const DenseRef& A, Real tolerance) {
                                                                      Eigen::ComputeFullV);
   return svd.matrixV().rightCols(A.cols() - (svd.singularValues().array() > tolerance).count());
 }
-
-Cholesky::Cholesky(DenseMatrix& M) : llt_(M) {}
-Real Cholesky::rcond() const { return llt_.rcond(); }
-Vector Cholesky::solve(const Vector& b) const { return llt_.solve(b); }
-DenseMatrix Cholesky::solve(const DenseMatrix& B) const { return llt_.solve(B); }
-
-LU::LU(DenseMatrix& M) : lu_(M) {}
-Real LU::rcond() const { return lu_.rcond(); }
-Vector LU::solve(const Vector& b) const { return lu_.solve(b); }
 
 }  // namespace frictioncg
