@@ -34,13 +34,16 @@ Surfaces bulges(int d, bool quadratic, Real lower, Real cubic = 0, int n = 6) {
   return s;
 }
 
-/// Forces of a mortar on its contact nodes: pressed along the normals, and rubbed; none at the rim.
-std::vector<Vec3> multipliers(const Surfaces& s, const Mortar& mortar, Real mu = 0.5) {
+constexpr Real within = 0.3;  ///< reach of what is pressed: none at the rim
+
+/// Forces of a mortar on its contact nodes: pressed along the normals, and rubbed.
+std::vector<Vec3> multipliers(const Surfaces& s, const Mortar& mortar, Real mu = 0.5,
+                              Real reach = within) {
   std::vector<Vec3> y;
   for (const ContactNode& at : mortar.nodes()) {
     const Real k = at.node;
     Vec3 rub(0.6 * std::sin(k), 0.4 * std::cos(3 * k), s.nodes.dimension == 3 ? 0.2 : 0);
-    const Real pressed = s.nodes.X[at.node].norm() < 0.3 ? 1 : 0;
+    const Real pressed = s.nodes.X[at.node].norm() < reach ? 1 : 0;
     y.push_back(pressed * (-(1 + 0.5 * std::sin(2 * k)) * at.normal +
                            mu * (rub - rub.dot(at.normal) * at.normal)));
   }
@@ -67,9 +70,9 @@ NodeBlocks stiffness(Surfaces s, const std::vector<Vec3>& f) {
 
 /// How far the stiffness is off along motions of the nodes, from central differences: each node
 /// goes its own way, or all bend as one where that is `even`.
-Real error(const Surfaces& s, bool even = false) {
+Real error(const Surfaces& s, bool even = false, Real reach = within) {
   const Mortar mortar = s.mortar();
-  const std::vector<Vec3> y = multipliers(s, mortar);
+  const std::vector<Vec3> y = multipliers(s, mortar, 0.5, reach);
   const NodeBlocks blocks = stiffness(s, force(mortar, y, mortar.nodes()));
   const Real h = 1e-6;
   Real worst = 0;
@@ -97,10 +100,10 @@ Real error(const Surfaces& s, bool even = false) {
 }
 
 /// How far the slopes of gaps are off along such a motion, and how large the largest is.
-Real error_of_gaps(const Surfaces& s, bool even = false) {
+Real error_of_gaps(const Surfaces& s, bool even = false, Real reach = within) {
   const Mortar mortar = s.mortar();
   Surfaces loaded = s;
-  loaded.options.force = force(mortar, multipliers(s, mortar), mortar.nodes());
+  loaded.options.force = force(mortar, multipliers(s, mortar, 0.5, reach), mortar.nodes());
   const Real h = 1e-6;
   Surfaces up = s, down = s;
   std::vector<Vec3> along(s.nodes.X.size(), Vec3::Zero());
@@ -149,6 +152,18 @@ TEST(GeometricStiffness, KnowsThatNormalsTurnIn2DExactly) {
       s.options.smooth = smooth;
       EXPECT_LT(error(s), 1e-7) << "2D P" << 1 + quadratic;
     }
+}
+
+TEST(GeometricStiffness, KnowsThatNormalsTurnAtTheEndsOfALineExactly) {
+  for (bool quadratic : {false, true})
+    for (bool smooth : {false, true})
+      for (int n : {2, 3, 6}) {
+        Surfaces s = bulges(2, quadratic, -0.3, 0.1, n);
+        s.options.smooth = smooth;
+        EXPECT_LT(error(s, false, 1), 1e-7) << "P" << 1 + quadratic << ", " << n << " facets";
+        EXPECT_LT(error_of_gaps(s, false, 1), 1e-7)
+            << "P" << 1 + quadratic << ", " << n << " facets";
+      }
 }
 
 TEST(GeometricStiffness, KnowsThatNormalsTurnIn3DToFirstOrder) {

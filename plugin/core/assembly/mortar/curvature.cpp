@@ -44,7 +44,12 @@ Vec3 arc(const Vec3& n_a, const Vec3& n_b, const Vec3& e) {
 }  // namespace
 
 CurvedOffset::CurvedOffset(const Side& side, const std::vector<Vec3>& X)
-    : side_(side), X_(X), smooth_(side, X, smooth_joints(side)), edge_(side.facets()), d_(side.d) {
+    : side_(side),
+      X_(X),
+      smooth_joints_(smooth_joints(side)),
+      smooth_(side, X, smooth_joints_),
+      edge_(side.facets()),
+      d_(side.d) {
   for (Index f = 0; f < side.facets(); ++f)
     for (int k = 0; k < edges_of_facet(d_); ++k) {
       const auto [p, q] = edge_ends(d_, k);
@@ -100,6 +105,7 @@ const Turns& CurvedOffset::turns(Index fan) const {
   if (is_new) {
     TurningNormal normal(smooth_.node(fan), smooth_.normal(fan), X_);
     for (Index f : smooth_.facets(fan)) normal.add(side_, f);
+    normal.end(side_, smooth_joints_);
     at->second = normal.turns();
   }
   return at->second;

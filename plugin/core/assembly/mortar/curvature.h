@@ -32,6 +32,7 @@ class CurvedOffset {
 
   const Side& side_;
   const std::vector<Vec3>& X_;
+  std::vector<char> smooth_joints_;
   SmoothSide smooth_;
   mutable std::map<Index, Turns> turns_;   ///< by fan, once it is asked for
   std::vector<std::array<Vec3, 3>> edge_;  ///< per facet: q (n_a + n_b) / (1 + n_a.n_b) [length]

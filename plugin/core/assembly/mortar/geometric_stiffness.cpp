@@ -4,6 +4,7 @@
 #include <set>
 
 #include "assembly/mortar/moments.h"
+#include "assembly/mortar/smooth_side.h"
 #include "assembly/mortar/turning_normal.h"
 #include "linear_algebra.h"
 
@@ -15,6 +16,8 @@ namespace {
 ///
 ///   P_l += w_l b.q_l,   w_l = |P_l|,   q_l = T (X_l - mean),   T = 1 - n n',
 ///   M b = T arm,   M = sum_l w_l q_l q_l',   arm = sum_c G_c (X_c - X_i)
+///
+/// with the part of b that changes no weight by more than most_change.
 class Row {
  public:
   /// choice: of the row as it is
@@ -49,7 +52,9 @@ class Row {
   std::set<Index> near_;  ///< nodes that the row depends on
   std::map<Index, Place> at_;
   std::map<Index, Vec3> gap_;
-  Real sum_ = 0;  ///< of w
+  Real sum_ = 0;     ///< of w
+  Real part_ = 1;    ///< of b, which most_change leaves
+  Index most_ = -1;  ///< whose weight would change most, where that is less than 1
   Vec3 arm_ = Vec3::Zero(), mean_ = Vec3::Zero(), b_ = Vec3::Zero();
   Mat3 T_, inverse_;  ///< of M
 };
@@ -98,12 +103,12 @@ void Row::place_master(const std::map<Index, Sloped>& theirs, Index rank) {
 void Row::balance(const std::map<Index, Sloped>& theirs, Index rank) {
   place_master(theirs, rank);
   b_ = inverse_ * arm_;
-  Real largest = 0;
-  for (const auto& [l, p] : at_) largest = std::max(largest, std::abs(b_.dot(p.q)));
-  if (largest > most_change) inverse_ *= most_change / largest;
-  b_ = inverse_ * arm_;
+  Real largest = most_change;
+  for (const auto& [l, p] : at_)
+    if (const Real change = std::abs(b_.dot(p.q)); change > largest) largest = change, most_ = l;
+  part_ = most_change / largest;
   for (Index j : near_) balance_slopes(theirs, j);
-  for (const auto& [l, p] : at_) G_[l].value -= p.w * b_.dot(p.q);
+  for (const auto& [l, p] : at_) G_[l].value -= part_ * p.w * b_.dot(p.q);
 }
 
 void Row::set_gap(const SlopedRow& row) {
@@ -142,26 +147,37 @@ void Row::balance_slopes(const std::map<Index, Sloped>& theirs, Index j) {
     const Eigen::RowVector3d dw = p.sign * theirs.at(l).by(j).transpose();
     rest -= p.q.dot(b_) * (p.q * dw + p.w * dq[l]) + p.w * p.q * (b_.transpose() * dq[l]);
   }
-  const Mat3 db = inverse_ * rest;
+  Mat3 db = inverse_ * rest;
+  if (part_ < 1) {
+    const Vec3& q = at_[most_].q;
+    const Eigen::RowVector3d change = q.transpose() * db + b_.transpose() * dq[most_];
+    db -= b_ * change / b_.dot(q);
+  }
   for (const auto& [l, p] : at_)
-    G_[l].at(j) -= p.sign * b_.dot(p.q) * theirs.at(l).by(j) +
-                   p.w * (db.transpose() * p.q + dq[l].transpose() * b_);
+    G_[l].at(j) -= part_ * (p.sign * b_.dot(p.q) * theirs.at(l).by(j) +
+                            p.w * (db.transpose() * p.q + dq[l].transpose() * b_));
 }
 
 /// The turns of the normals of contact nodes, by node; none of those that have the master's.
 std::map<Index, Turns> turns_of(const Arrangement& of, const std::vector<ContactNode>& contact) {
-  std::map<Index, TurningNormal> at;
+  std::vector<std::map<Index, TurningNormal>> at(of.slaves.size());  // by the pair of the law
   for (const ContactNode& c : contact)
     if (!of.ownership->common.of_master[c.node])
-      at.emplace(c.node, TurningNormal(c.node, c.normal, of.nodes.X));
-  for (const Side& side : of.slaves)
+      at[c.pair].emplace(c.node, TurningNormal(c.node, c.normal, of.nodes.X));
+  std::map<Index, Turns> turns;
+  for (std::size_t p = 0; p < at.size(); ++p) {
+    const Side& side = of.slaves[p];
+    const std::vector<char> goes_on = joints_that_go_on(side);
     for (Index f = 0; f < side.facets(); ++f)
       for (int v = 0; v < side.d; ++v) {
-        const auto found = at.find(side.facet(f).node[v]);
-        if (found != at.end()) found->second.add(side, f);
+        const auto found = at[p].find(side.facet(f).node[v]);
+        if (found != at[p].end()) found->second.add(side, f);
       }
-  std::map<Index, Turns> turns;
-  for (const auto& [i, normal] : at) turns[i] = normal.turns();
+    for (auto& [i, normal] : at[p]) {
+      normal.end(side, goes_on);
+      turns[i] = normal.turns();
+    }
+  }
   return turns;
 }
 

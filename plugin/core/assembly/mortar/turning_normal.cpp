@@ -28,6 +28,7 @@ void TurningNormal::add(const Side& side, Index f) {
   const int v = static_cast<int>(std::find(node.begin(), node.begin() + side.d, i_) - node.begin());
   const Index j = node[(v + 1) % side.d], k = node[(v + 2) % side.d];
   const Vec3 e = X_[j] - X_[i_];
+  ++facets_, facet_ = f, beside_ = j;
   if (side.d == 2) return add(e, Vec3::UnitZ(), j, side.planes[f].normal);
   add(e, (X_[k] - X_[i_]) / (X_[k] - X_[i_]).squaredNorm(), j, side.planes[f].normal);
   const Mat3 by = sign_ * cross(e / e.squaredNorm()) * slope_of_inverse(X_[k] - X_[i_]);
@@ -35,10 +36,22 @@ void TurningNormal::add(const Side& side, Index f) {
   slope(i_) -= by;
 }
 
-/// e/|e|^2 x other, of the sign of n_f
-void TurningNormal::add(const Vec3& e, const Vec3& other, Index j, const Vec3& n_f) {
+void TurningNormal::end(const Side& side, const std::vector<char>& goes_on) {
+  if (side.d == 3 || facets_ != 1) return;
+  for (std::size_t k = 0; k < side.joints.size(); ++k) {
+    const auto [f, g] = side.joints[k].facet;
+    if (!goes_on[k] || side.joints[k].vertex[0] != beside_ || (f != facet_ && g != facet_))
+      continue;
+    const auto& node = side.facet(f == facet_ ? g : f).node;
+    const Index farther = node[0] == beside_ ? node[1] : node[0];
+    add(X_[farther] - X_[i_], Vec3::UnitZ(), farther, side.planes[facet_].normal, -1);
+  }
+}
+
+/// factor e/|e|^2 x other, whose sign without the factor is that of n_f
+void TurningNormal::add(const Vec3& e, const Vec3& other, Index j, const Vec3& n_f, Real factor) {
   const Vec3 term = (e / e.squaredNorm()).cross(other);
-  sign_ = term.dot(n_f) < 0 ? -1 : 1;
+  sign_ = term.dot(n_f) < 0 ? -factor : factor;
   sum_ += sign_ * term;
   const Mat3 by = -sign_ * cross(other) * slope_of_inverse(e);
   slope(j) += by;
