@@ -57,16 +57,19 @@ TEST(MortarNormals, OnCirclesAndCylindersTheyAreExactWhateverTheFacetsAndAtRims)
     }
 }
 
-TEST(MortarNormals, ABodyThatMayTurnAsFarAsItsMeshTellsTurnsWithoutGap) {
-  // vertices moved off the cylinder by a thousandth of its radius: no normal resists the rotation
-  std::mt19937 random(5);
-  std::uniform_real_distribution<Real> by(-1e-3, 1e-3);
-  const auto rough = [&](const Vec3& x) {
+/// Places off the cylinder by up to a thousandth of its radius.
+auto near_cylinder() {
+  return [random = std::mt19937(5)](const Vec3& x) mutable {
     Vec3 p = on_cylinder(x);
-    const Real r = 1 + by(random);
+    const Real r = 1 + std::uniform_real_distribution<Real>(-1e-3, 1e-3)(random);
     p[0] *= r, p[2] *= r;
     return p;
   };
+}
+
+TEST(MortarNormals, ABodyThatMayTurnAsFarAsItsMeshTellsTurnsWithoutGap) {
+  // no normal resists the rotation, though vertices do not tell it
+  auto rough = near_cylinder();
   const Surfaces s = uneven_pair(3, false, rough);
   const Mortar mortar = s.mortar();
   Eigen::MatrixXd work(mortar.nodes().size(), 6);  // of the normals in rigid motions
@@ -82,14 +85,7 @@ TEST(MortarNormals, ABodyThatMayTurnAsFarAsItsMeshTellsTurnsWithoutGap) {
 
 TEST(MortarNormals, ABodyThatSupportsLeaveToTurnTurnsAboutTheirAxis) {
   // the axis that rough vertices tell is tilted, and the supports resist what that adds
-  std::mt19937 random(5);
-  std::uniform_real_distribution<Real> by(-1e-3, 1e-3);
-  const auto rough = [&](const Vec3& x) {
-    Vec3 p = on_cylinder(x);
-    const Real r = 1 + by(random);
-    p[0] *= r, p[2] *= r;
-    return p;
-  };
+  auto rough = near_cylinder();
   for (bool slave_turns : {true, false}) {
     Surfaces s = uneven_pair(3, false, rough);
     const auto wedge = [&] {
