@@ -2,6 +2,7 @@
 #include "boundary.h"
 #include "../core/statics/nearest_motion.h"
 
+class E_F0;           // FreeFEM's
 using Stack = void*;  // FreeFEM's
 
 namespace frictioncg {
@@ -76,7 +77,7 @@ using SpacePtr = std::shared_ptr<const Space>;
 
 /// The space that an expression of the script stands for, on its mesh: made anew where the mesh has
 /// changed.
-SpacePtr space_of(Stack stack, int d, class E_F0* expression, const char* name);
+SpacePtr space_of(Stack stack, int d, E_F0* expression, const char* name);
 
 /// The vertex at a place of the reference simplex, or -1.
 int corner_at(const Vec3& hat, int d);

@@ -1,7 +1,9 @@
 #pragma once
 // Functions of a script on the contact problem that the operator would solve.
-#include "../../plugin/freefem/call.h"
 #include "../../plugin/freefem/freefem.h"
+
+#include "../../plugin/core/clock.h"
+#include "../../plugin/freefem/call.h"
 #include "../../plugin/freefem/operators.h"
 
 namespace frictioncg {
@@ -28,7 +30,7 @@ class OnScene : public E_F0mps {
   using Result = typename Body::Result;
   /// next: the first of the extra arguments
   OnScene(const basicAC_F0& args, std::shared_ptr<const Site> site, int next)
-      : arguments_(args, site->dimension(), site->two_bodies()),
+      : arguments_(args, site->d, site->two_bodies()),
         A_(to<Matrice_Creuse<double>*>(args[0])),
         b_(to<KN_<double>>(args[1])),
         site_(std::move(site)) {
@@ -59,10 +61,8 @@ class OnScene : public E_F0mps {
   std::vector<Expression> extra_;
 };
 
-using MakeSite = std::function<std::shared_ptr<const Site>(const basicAC_F0& args, int first)>;
-
 template <class Body, class... Extra>
-void add_on_site(const std::vector<aType>& site, const MakeSite& make) {
+void add_on_site(const std::vector<aType>& site, const MakeSite<Site>& make) {
   std::vector<aType> types = SolveOnce::before_site();
   const int first = static_cast<int>(types.size());
   types.insert(types.end(), site.begin(), site.end());
@@ -76,8 +76,7 @@ void add_on_site(const std::vector<aType>& site, const MakeSite& make) {
 
 template <class Body, class... Extra>
 void add_on_scene() {
-  for_each_site<SiteOf<v_fes>>(add_on_site<Body, Extra...>);
-  for_each_site<SiteOf<v_fes3>>(add_on_site<Body, Extra...>);
+  for_each_site<Site>(add_on_site<Body, Extra...>);
 }
 
 }  // namespace frictioncg
