@@ -85,7 +85,7 @@ setup: ## install what is missing from Debian's packages
 	    apt-get install -y -qq --no-install-recommends $$missing >/dev/null || { echo "cannot install:$$missing"; exit 1; }; \
 	fi
 
-# The plugin calls what it defines, and not what FreeFEM has under the same name: see freefem/memory.h.
+# The plugin calls what it defines, and not what FreeFEM has under the same name: see freefem/load.h.
 OWN_NEW   := -Wl,-Bsymbolic-functions
 
 # The compiler writes what each object includes beside it, so that a header rebuilds what reads it.

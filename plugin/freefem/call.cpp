@@ -245,7 +245,7 @@ LocalIncrement increment(const Call& call, const Vectors& vectors, const Scene& 
   LocalIncrement now = scene.increment(load, laws);
   report_leftover(check_data(scene, call.b, now.u0), call.verb);
   check_one_value(scene, call.b, call.verb);
-  refuse_load_for_data(scene, call.b);
+  check_load_for_data(scene, call.b, call.verb);
   return now;
 }
 

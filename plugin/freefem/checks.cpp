@@ -299,7 +299,7 @@ void check_one_value(const Scene& scene, const Vector& b, long verb) {
     }
 }
 
-void refuse_load_for_data(const Scene& scene, const Vector& b) {
+void check_load_for_data(const Scene& scene, const Vector& b, long verb) {
   if (scene.at || !scene.system->dirichlet().has_unit_rows()) return;
   bool any = false;
   for (long i = 0; i < scene.ndof(); ++i) any = any || (scene.held[i] && b[i] != 0);
@@ -311,12 +311,16 @@ void refuse_load_for_data(const Scene& scene, const Vector& b) {
       std::copy_if(dofs.all.begin(), dofs.all.end(), std::back_inserter(loaded),
                    [&](Index i) { return b[i] != 0; });
       if (loaded.empty()) continue;
-      if (unit.size() == 0) unit = scene.unit_load(scene.held);
-      if (!dofs.are_ends(loaded) && !are_load(dofs.all, b, unit)) continue;
       std::ostringstream why;
       why << "b has there what a load leaves, and lacks the on(" << label.second << ", u" << c + 1
           << "=...) that A has: " << assemble_both << ", or set to 0 what b has in Dirichlet rows";
-      refuse_data(b, b, loaded.front(), why.str());
+      if (unit.size() == 0) unit = scene.unit_load(scene.held);
+      if (are_load(dofs.all, b, unit)) refuse_data(b, b, loaded.front(), why.str());
+      if (verb > 0 && dofs.are_ends(loaded))
+        line() << "note: b[" << loaded.front() << "] = " << b[loaded.front()]
+               << " prescribes a displacement at an end of label " << label.second
+               << ", where a load ends too, and 0 elsewhere: if it is none, " << why.str()
+               << std::endl;
     }
 }
 

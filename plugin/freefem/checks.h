@@ -53,9 +53,10 @@ Real check_data(const Scene& scene, const Vector& b, const Vector& u0);
 void check_one_value(const Scene& scene, const Vector& b, long verb);
 
 /// Refuses b of a load where A has rows of tgv = -1, which would take it for displacements: on a
-/// boundary that A holds, what a constant load per content makes of all its nodes, or what the
-/// tractions of its free neighbours leave at its ends, and 0 elsewhere.
-void refuse_load_for_data(const Scene& scene, const Vector& b);
+/// boundary that A holds, what a constant load per content makes of its nodes. Where it is what the
+/// tractions of free neighbours leave at its ends, and 0 elsewhere, a script may mean it, and is
+/// told.
+void check_load_for_data(const Scene& scene, const Vector& b, long verb);
 
 /// Whether the blocks of A are those of two spaces, of as many dofs each, in the other order.
 bool are_exchanged(const std::vector<NodePlace>& places, int d, const DofCount& dofs,

@@ -398,7 +398,9 @@ Vector SpaceOn<FESpaceType>::unit_load(const std::vector<char>& of) const {
     if (!wanted) continue;
     D::interpolate(K, ip);
     const auto at_corner = [&](int p) { return corner_at(as_vector(ip.hat[p]), D::d) >= 0; };
-    const bool quadratic = !std::all_of(ip.point.begin(), ip.point.end(), at_corner);
+    const bool quadratic = std::any_of(ip.hat.begin(), ip.hat.end(), [](const R3& hat) {
+      return hat.x + hat.y + hat.z == 0.5;  // in the middle of an edge, which no bubble is
+    });
     const Real content = std::abs(D::content(vertices_of(k)));
     for (std::size_t e = 0; e < ip.dof.size(); ++e)
       load[K(ip.dof[e])] += content * D::integral(quadratic, at_corner(ip.point[e]));
