@@ -135,8 +135,9 @@ std::map<std::pair<int, long>, HeldDofs> held_labels(const Scene& scene, const V
 
 /// Whether b is what one load per content makes of most of the dofs, whose unit loads differ: data
 /// of on() are functions of the place alone.
-bool are_load(const std::set<Index>& dofs, const Vector& b, const Vector& unit) {
-  constexpr Real rounding = 1e-9, differ = 1.5;
+bool are_load(const HeldDofs& held, const Vector& b, const Vector& unit) {
+  constexpr Real rounding = 1e-9, differ = 1.4;
+  const std::set<Index>& dofs = held.all;
   const auto less = [&](Index i, Index j) { return std::abs(unit[i]) < std::abs(unit[j]); };
   const Index largest = *std::max_element(dofs.begin(), dofs.end(), less);
   const Real most = std::abs(unit[largest]), load = b[largest] / unit[largest];
@@ -145,6 +146,7 @@ bool are_load(const std::set<Index>& dofs, const Vector& b, const Vector& unit) 
   Real least = most;
   for (Index i : dofs) {
     if (std::abs(b[i] - load * unit[i]) > rounding * std::abs(load) * most) {
+      if (unit[i] == 0 && held.ends.count(i) == 0) return false;  // of a vertex of P2 it is 0
       ++others;
       continue;
     }
@@ -315,7 +317,7 @@ void check_load_for_data(const Scene& scene, const Vector& b, long verb) {
       why << "b has there what a load leaves, and lacks the on(" << label.second << ", u" << c + 1
           << "=...) that A has: " << assemble_both << ", or set to 0 what b has in Dirichlet rows";
       if (unit.size() == 0) unit = scene.unit_load(scene.held);
-      if (are_load(dofs.all, b, unit)) refuse_data(b, b, loaded.front(), why.str());
+      if (are_load(dofs, b, unit)) refuse_data(b, b, loaded.front(), why.str());
       if (verb > 0 && dofs.are_ends(loaded))
         line() << "note: b[" << loaded.front() << "] = " << b[loaded.front()]
                << " prescribes a displacement at an end of label " << label.second
