@@ -21,7 +21,7 @@ struct AdjacentFacet {
   Vec3 normal = Vec3::Zero();  ///< outward, of the measure of the facet [length^(d-1)]
   double share = 0;            ///< integral of the node's shape function over the facet
   std::size_t place = 0;       ///< among the facets of the boundary
-  double own = 0;              ///< Dimension::own
+  double own = 0;              ///< Dimension::own of space.cpp
   Vec3 deciding =
       Vec3::Zero();  ///< the normal by which facets are one obstacle to a node, or several
 };

@@ -19,6 +19,62 @@ bool same_points(const std::vector<BoundaryNode>& one, const std::vector<Boundar
       [](const BoundaryNode& p, const BoundaryNode& q) { return p.point.dof == q.point.dof; });
 }
 
+/// Finds the contact nodes of two bodies, beside those on an obstacle. A shows what Dirichlet
+/// conditions hold of them.
+void face_bodies(Stack stack, const Arguments& args, const Expression A, Scene& scene) {
+  mortar::Options& options = scene.facing;
+  options.maxgap = args.value(stack, p_maxgap, options.maxgap);
+  options.smooth = args.value(stack, p_smooth, options.smooth);
+  if (args.has(p_normal)) options.normals = slave_normals(stack, args, scene);
+  if (args.has(p_weight)) options.weight = slave_weights(stack, args, scene);
+  const Triplets matrix = matrix_of(stack, A, scene.dofs);
+  refuse_exchanged_blocks(scene, matrix);
+  if (args.has(p_forceold)) {
+    const Vector force = args.vector(stack, p_forceold);
+    check_vector(force, name_of(p_forceold), scene.dofs);
+    options.force = scene.pairing->at_nodes(force, scene.d);
+  }
+  Vector u_old;  // where the increment of a geometry that moves began
+  if (scene.at && args.has(p_uold)) {
+    u_old = args.vector(stack, p_uold);
+    check_vector(u_old, "uold", scene.dofs);
+  }
+  constexpr Parameter chosen[] = {p_maxgap, p_smooth, p_normal, p_weight};
+  scene.face(matrix, options, u_old, !args.has_any(chosen));
+}
+
+/// The points on an obstacle with the weights and normals of the call.
+void read_obstacle_points(Stack stack, const Arguments& args, bool lasts, Scene& scene) {
+  set_weights(stack, args, scene);
+  scene.given_weight = args.has(p_weight);
+  if (lasts) scene.on_mesh = scene.nodes;
+  set_normals(stack, args, scene);
+}
+
+/// The geometry of C at the displacement of the call, which names anew what C was given at places.
+std::shared_ptr<Scene> moved(Stack stack, const Arguments& args, const Scene& before) {
+  const std::shared_ptr<Scene> scene = before.moved_to(read_stage(stack, args));
+  const auto require = [&](Parameter p, bool given) {
+    if (given && !args.has(p))
+      throw IllegalInput(std::string("at moves the nodes of C, and ") + name_of(p) +
+                         ", which C was made with, is not given; give both");
+  };
+  require(scene->pairing ? p_obstaclenormal : p_normal, before.given_normals);
+  require(p_normal, !before.facing.normals.empty());
+  require(p_weight, before.given_weight);
+  scene->tangents = before.tangents;
+  scene->unnamed_radius = before.unnamed_radius;
+  scene->facing = before.facing;
+  scene->facing.force.clear();  // forceold belongs to the call that names it
+  read_obstacle_points(stack, args, true, *scene);
+  scene->moving = before.moving;
+  if (scene->moving) {
+    find_obstacles(*scene, *scene->moving);
+    set_arms(*scene, *scene->moving);
+  }
+  return scene;
+}
+
 /// The points on an obstacle with the normals and weights of the call, or as they were.
 void place_obstacle(Stack stack, const Arguments& args, Scene& scene) {
   const Parameter normal = scene.pairing ? p_obstaclenormal : p_normal;
@@ -124,28 +180,6 @@ Call::Call(Stack stack, const Arguments& arguments, const Expression load)
       u_init(args.vector(stack, args.start())),
       motions(stack, args) {}
 
-void face_bodies(Stack stack, const Arguments& args, const Expression A, Scene& scene) {
-  mortar::Options& options = scene.facing;
-  options.maxgap = args.value(stack, p_maxgap, options.maxgap);
-  options.smooth = args.value(stack, p_smooth, options.smooth);
-  if (args.has(p_normal)) options.normals = slave_normals(stack, args, scene);
-  if (args.has(p_weight)) options.weight = slave_weights(stack, args, scene);
-  const Triplets matrix = matrix_of(stack, A, scene.dofs);
-  refuse_exchanged_blocks(scene, matrix);
-  if (args.has(p_forceold)) {
-    const Vector force = args.vector(stack, p_forceold);
-    check_vector(force, name_of(p_forceold), scene.dofs);
-    options.force = scene.pairing->at_nodes(force, scene.d);
-  }
-  Vector u_old;  // where the increment of a geometry that moves began
-  if (scene.at && args.has(p_uold)) {
-    u_old = args.vector(stack, p_uold);
-    check_vector(u_old, "uold", scene.dofs);
-  }
-  constexpr Parameter chosen[] = {p_maxgap, p_smooth, p_normal, p_weight};
-  scene.face(matrix, options, u_old, !args.has_any(chosen));
-}
-
 void report_plain(long verb) {
   if (verb > 1)
     line() << "A less the stiffness of forceold has no answer here, as where it is indefinite: A "
@@ -185,13 +219,6 @@ Stage read_stage(Stack stack, const Arguments& args) {
     return args.has(p) ? std::make_shared<const Vector>(args.vector(stack, p)) : nullptr;
   };
   return {read(p_at), read(p_uold)};
-}
-
-void read_obstacle_points(Stack stack, const Arguments& args, bool lasts, Scene& scene) {
-  set_weights(stack, args, scene);
-  scene.given_weight = args.has(p_weight);
-  if (lasts) scene.on_mesh = scene.nodes;
-  set_normals(stack, args, scene);
 }
 
 std::shared_ptr<Scene> read_scene(Stack stack, const Arguments& args, const Expression A,
@@ -251,8 +278,8 @@ LocalIncrement increment(const Call& call, const Vectors& vectors, const Scene& 
 
 namespace {
 
-/// The same in one process. b, u_old: by all dofs; u0: where the increment of s starts. A gap that
-/// is given stays as it is.
+/// newton_step of call.h in one process. b, u_old: by all dofs; u0: where the increment of s
+/// starts. A gap that is given stays as it is.
 Solution newton_step(Solution s, const Vector& u0, const Settings& settings, const Scene& scene,
                      const Vector& b, const Vector& u_old, const PointLaws& laws) {
   if (scene.system->nodes() == 0) return s;
@@ -367,29 +394,6 @@ Solution newton_step(Solution s, const AtNodes& U,
     last = change;
   }
   return s;
-}
-
-std::shared_ptr<Scene> moved(Stack stack, const Arguments& args, const Scene& before) {
-  const std::shared_ptr<Scene> scene = before.moved_to(read_stage(stack, args));
-  const auto require = [&](Parameter p, bool given) {
-    if (given && !args.has(p))
-      throw IllegalInput(std::string("at moves the nodes of C, and ") + name_of(p) +
-                         ", which C was made with, is not given; give both");
-  };
-  require(scene->pairing ? p_obstaclenormal : p_normal, before.given_normals);
-  require(p_normal, !before.facing.normals.empty());
-  require(p_weight, before.given_weight);
-  scene->tangents = before.tangents;
-  scene->unnamed_radius = before.unnamed_radius;
-  scene->facing = before.facing;
-  scene->facing.force.clear();  // forceold belongs to the call that names it
-  read_obstacle_points(stack, args, true, *scene);
-  scene->moving = before.moving;
-  if (scene->moving) {
-    find_obstacles(*scene, *scene->moving);
-    set_arms(*scene, *scene->moving);
-  }
-  return scene;
 }
 
 PosedProblem renewed(Stack stack, const Arguments& args, const Expression A, const PosedProblem& C,

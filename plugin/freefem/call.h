@@ -16,10 +16,6 @@ struct Call {
   Call(Stack stack, const Arguments& arguments, const Expression load);
 };
 
-/// Finds the contact nodes of two bodies, beside those on an obstacle. A shows what Dirichlet
-/// conditions hold of them.
-void face_bodies(Stack stack, const Arguments& args, const Expression A, Scene& scene);
-
 /// A may be definite where it is not less the stiffness of contact forces.
 void report_plain(long verb);
 
@@ -34,9 +30,6 @@ PointLaws read_point_laws(Stack stack, const Arguments& args, bool everywhere, S
 
 /// Where the geometry of a call is; null where it is that of the mesh.
 Stage read_stage(Stack stack, const Arguments& args);
-
-/// The points on an obstacle with the weights and normals of the call.
-void read_obstacle_points(Stack stack, const Arguments& args, bool lasts, Scene& scene);
 
 /// Reads the problem: geometry, laws, and the matrix in local frames. lasts: for further calls,
 /// which may name other laws, and other matrices.
@@ -99,9 +92,6 @@ struct PosedProblem {
   PointLaws laws;  ///< as given to contactProblem(...); a call's own hold for that call
   std::shared_ptr<SharedScene> shared = {};  ///< of several processes, in place of the scene
 };
-
-/// The geometry of C at the displacement of the call, which names anew what C was given at places.
-std::shared_ptr<Scene> moved(Stack stack, const Arguments& args, const Scene& before);
 
 /// C with the script's matrix as it is now, and with what the call names of its geometry. alone:
 /// nobody else has the scene of C, which then gives its solver away. laws: those of the call.

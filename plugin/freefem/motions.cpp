@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "moving_obstacles.h"
+#include "report.h"
 
 namespace frictioncg {
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "report.h"
+#include "scene.h"
 
 namespace frictioncg {
 

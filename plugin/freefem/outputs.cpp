@@ -1,6 +1,7 @@
 #include "outputs.h"
 
 #include "node_values.h"
+#include "report.h"
 
 namespace frictioncg {
 

@@ -1,7 +1,9 @@
 #pragma once
-#include "report.h"
+#include "scene.h"
 
 namespace frictioncg {
+
+class Progress;
 
 /// The named outputs that a script asked for; null where it did not.
 struct Outputs {

@@ -36,6 +36,16 @@ constexpr const char* layer_names[] = {
     "Newton on A, by sparse factors",
     "an interior point on A, by sparse factors, with Newton after it"};
 
+/// "1 iteration", "2 iterations".
+std::string counted(std::size_t count, const char* what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+/// The memory of a matrix in its present format [bytes].
+double storage(const Matrix& A) {
+  return (sizeof(Real) + sizeof(Index)) * double(A.nonZeros()) + sizeof(Index) * (A.rows() + 1.0);
+}
+
 /// What to do about a call that did not converge. Only no_equilibrium and runaway blame the load.
 std::string remedy(const Solution& solution, const Settings& s) {
   const Status status = solution.status;
@@ -196,10 +206,6 @@ void report_choice(const Plan& plan) {
 
 std::ostream& line() { return std::cout << " -- " << operator_name << ": "; }
 
-std::string counted(std::size_t count, const char* what) {
-  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
-}
-
 const char* name_of(Status status) { return status_names[static_cast<int>(status)]; }
 
 const char* name_of(Law law) { return law_names[static_cast<int>(law)]; }
@@ -265,10 +271,6 @@ void report_memory(double needed, const Settings& s) {
   else
     std::cout << "more entries than CHOLMOD can index: auto went on without one";
   std::cout << std::endl;
-}
-
-double storage(const Matrix& A) {
-  return (sizeof(Real) + sizeof(Index)) * double(A.nonZeros()) + sizeof(Index) * (A.rows() + 1.0);
 }
 
 void report_phases(const Scene& scene, const Solution& solution) {

@@ -11,8 +11,6 @@ namespace frictioncg {
 /// One line of the report.
 std::ostream& line();
 
-/// "1 iteration", "2 iterations".
-std::string counted(std::size_t count, const char* what);
 const char* name_of(Status status);
 const char* name_of(Law law);
 const char* name_of(Layer layer);
@@ -37,9 +35,6 @@ void report_end(const Solution& solution);
 
 /// Why a call by method auto has no factor: no factor of its scene fits in memory.
 void report_memory(double needed, const Settings& s);
-
-/// The memory of a matrix in its present format [bytes].
-double storage(const Matrix& A);
 
 /// Phases and counters, for verb 3.
 void report_phases(const Scene& scene, const Solution& solution);

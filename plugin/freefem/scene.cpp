@@ -17,6 +17,16 @@ std::vector<char> held_dofs(const Basis& basis) {
   return held;
 }
 
+/// make(), by whichever copy is called first, for all of them.
+template <class Make>
+auto once(Make make) {
+  const auto made = std::make_shared<std::optional<decltype(make())>>();
+  return [make = std::move(make), made]() -> const decltype(make())& {
+    if (!*made) *made = make();
+    return **made;
+  };
+}
+
 /// How to evaluate expressions at the nodes of a space, and where they are.
 void observe(const SpacePtr& Vh, Scene& scene) {
   scene.d = Vh->d;

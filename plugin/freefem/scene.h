@@ -139,16 +139,6 @@ inline bool has_curved_obstacle(const Scene& scene) {
   return !scene.given_normals && any_curved(scene.nodes);
 }
 
-/// make(), by whichever copy is called first, for all of them.
-template <class Make>
-auto once(Make make) {
-  const auto made = std::make_shared<std::optional<decltype(make())>>();
-  return [make = std::move(make), made]() -> const decltype(make())& {
-    if (!*made) *made = make();
-    return **made;
-  };
-}
-
 /// Normals that motions of a body leave tangential, as far as the mesh can tell, do so exactly.
 void follow_motions(const Space& Vh, std::vector<BoundaryNode>& points);
 

@@ -4,7 +4,6 @@
 #include <charconv>
 
 #include "../freefem/call.h"
-#include "../freefem/freefem.h"
 #include "contact_domain.h"
 
 namespace frictioncg {

@@ -3,7 +3,6 @@
 
 #include <new>
 
-#include "../freefem/freefem.h"
 #include "domain.h"
 
 namespace frictioncg {
