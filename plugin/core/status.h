@@ -16,4 +16,19 @@ enum class Status {
   runaway = 7
 };
 
+/// In words, in their order.
+constexpr const char* status_names[] = {"converged",
+                                        "max_iterations",
+                                        "stagnated",
+                                        "no_equilibrium",
+                                        "not_positive_definite",
+                                        "fixed_point_diverged",
+                                        "regularized",
+                                        "runaway"};
+
+static_assert(sizeof(status_names) / sizeof(*status_names) ==
+              static_cast<int>(Status::runaway) + 1);
+
+constexpr const char* name_of(Status status) { return status_names[static_cast<int>(status)]; }
+
 }  // namespace frictioncg

@@ -37,6 +37,13 @@ DofInWords in_words(const Scene& scene, long dof) {
 
 constexpr const char* assemble_both = "assemble A and b by one varf, as in a(Vh, Vh) and a(0, Vh)";
 
+/// Of b, where Dirichlet rows of A have no data.
+std::string lacks_data(const std::string& labels, const std::string& component,
+                       const std::string& where = "") {
+  return "lacks the on(" + labels + ", " + component + "=...)" + where +
+         " that A has: " + assemble_both + ", or set to 0 what b has in Dirichlet rows";
+}
+
 /// The nodes of this process by body.
 std::map<Index, Leftover> leftovers(const Scene& scene, const Vector& b) {
   std::map<Index, Leftover> bodies;
@@ -156,6 +163,10 @@ bool are_load(const HeldDofs& held, const Vector& b, const Vector& unit) {
   return alike > 2 && alike > others && differ * least < most;
 }
 
+bool has_equal_blocks(const DofCount& dofs) {
+  return dofs.first > 0 && 2 * dofs.first == dofs.count;
+}
+
 /// What a block of A is to the nodes of a space: rows that translations leave without a force, and
 /// those of them that rotations leave without a force, too: all, but with the places of another
 /// mesh.
@@ -264,9 +275,7 @@ void refuse_tiny_data(const Scene& scene, const Vector& b, const Vector& u0, lon
     refuse_data(b, u0, i, different_tgv);
   if (left.loaded == 0 || left.empty < left.loaded) return;
   const DofInWords dof = in_words(scene, i);
-  refuse_data(b, u0, i,
-              "b lacks the on(..., " + dof.component + "=...) at " + dof.place +
-                  " that A has: " + assemble_both + ", or set to 0 what b has in Dirichlet rows");
+  refuse_data(b, u0, i, "b " + lacks_data("...", dof.component, " at " + dof.place));
 }
 
 Real check_data(const Scene& scene, const Vector& b, const Vector& u0) {
@@ -306,33 +315,29 @@ void check_load_for_data(const Scene& scene, const Vector& b, long verb) {
   bool any = false;
   for (long i = 0; i < scene.ndof(); ++i) any = any || (scene.held[i] && b[i] != 0);
   if (!any) return;
-  Vector unit;
   for (int c = 0; c < scene.d; ++c)
     for (const auto& [label, dofs] : held_labels(scene, b, c)) {
       std::vector<Index> loaded;
       std::copy_if(dofs.all.begin(), dofs.all.end(), std::back_inserter(loaded),
                    [&](Index i) { return b[i] != 0; });
       if (loaded.empty()) continue;
-      std::ostringstream why;
-      why << "b has there what a load leaves, and lacks the on(" << label.second << ", u" << c + 1
-          << "=...) that A has: " << assemble_both << ", or set to 0 what b has in Dirichlet rows";
-      if (unit.size() == 0) unit = scene.unit_load(scene.held);
-      if (are_load(dofs, b, unit)) refuse_data(b, b, loaded.front(), why.str());
+      const std::string why = "b has there what a load leaves, and " +
+                              lacks_data(std::to_string(label.second), "u" + std::to_string(c + 1));
+      if (are_load(dofs, b, scene.unit_load())) refuse_data(b, b, loaded.front(), why);
       if (verb > 0 && dofs.are_ends(loaded))
         line() << "note: b[" << loaded.front() << "] = " << b[loaded.front()]
                << " prescribes a displacement at an end of label " << label.second
-               << ", where a load ends too, and 0 elsewhere: if it is none, " << why.str()
-               << std::endl;
+               << ", where a load ends too, and 0 elsewhere: if it is none, " << why << std::endl;
     }
 }
 
-bool are_exchanged(const std::vector<NodePlace>& places, int d, const DofCount& dofs,
-                   const Triplets& A) {
-  return dofs.first > 0 && 2 * dofs.first == dofs.count && BlockOrder(places, d, dofs).exchanged(A);
+bool are_exchanged(const Scene& scene, const Triplets& A) {
+  return has_equal_blocks(scene.dofs) &&
+         BlockOrder(scene.places(), scene.d, scene.dofs).exchanged(A);
 }
 
 void refuse_exchanged_blocks(const Scene& scene, const Triplets& A) {
-  if (scene.dofs.first == 0 || 2 * scene.dofs.first != scene.dofs.count) return;
+  if (!has_equal_blocks(scene.dofs)) return;
   const BlockOrder order(scene.places(), scene.d, scene.dofs);
   if (order.exchanged(A)) refuse_order(scene.dofs);
   const Dirichlet held(A, {});
@@ -352,8 +357,8 @@ void refuse_exchanged_blocks(const Scene& scene, const Triplets& A) {
 }
 
 Leftover::Leftover() {
-  least.fill(std::numeric_limits<Real>::infinity());
-  largest.fill(-std::numeric_limits<Real>::infinity());
+  least.fill(infinity);
+  largest.fill(-infinity);
 }
 
 void Leftover::add(const Scene& scene, const Vector& b, const NodePlace& n) {

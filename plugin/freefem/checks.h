@@ -59,8 +59,7 @@ void check_one_value(const Scene& scene, const Vector& b, long verb);
 void check_load_for_data(const Scene& scene, const Vector& b, long verb);
 
 /// Whether the blocks of A are those of two spaces, of as many dofs each, in the other order.
-bool are_exchanged(const std::vector<NodePlace>& places, int d, const DofCount& dofs,
-                   const Triplets& A);
+bool are_exchanged(const Scene& scene, const Triplets& A);
 
 /// Refuses the blocks of two spaces of as many dofs that come in the other order: where the
 /// stiffness belongs to the other mesh, or, of meshes that differ by a translation, where supports

@@ -109,8 +109,7 @@ std::string describe(const Scene& scene, const Vector& motion) {
 }
 
 std::string blamed_motion(const Scene& scene, const Solution& solution) {
-  const Vector& motion =
-      solution.status == Status::not_positive_definite ? solution.negative : solution.unheld_motion;
+  const Vector& motion = motion_to_blame(solution);
   return motion.size() > 0 ? describe(scene, motion) : "";
 }
 

@@ -11,15 +11,6 @@ namespace frictioncg {
 namespace {
 
 /// Words of enumerators, in their order.
-constexpr const char* status_names[] = {"converged",
-                                        "max_iterations",
-                                        "stagnated",
-                                        "no_equilibrium",
-                                        "not_positive_definite",
-                                        "fixed_point_diverged",
-                                        "regularized",
-                                        "runaway"};
-
 constexpr const char* law_names[] = {"no friction", "given sliding limit", "Coulomb friction"};
 
 constexpr const char* layer_names[] = {
@@ -123,7 +114,6 @@ constexpr const char* work_names[works] = {
     "Newton on the condensed laws, with springs that vanish",
     "the regularized conjugate gradient on the condensed system"};
 
-static_assert(std::size(status_names) == static_cast<int>(Status::runaway) + 1);
 static_assert(std::size(law_names) == static_cast<int>(Law::coulomb) + 1);
 static_assert(std::size(layer_names) == static_cast<int>(Layer::sparse_interior_point) + 1);
 
@@ -205,8 +195,6 @@ void report_choice(const Plan& plan) {
 }  // namespace
 
 std::ostream& line() { return std::cout << " -- " << operator_name << ": "; }
-
-const char* name_of(Status status) { return status_names[static_cast<int>(status)]; }
 
 const char* name_of(Law law) { return law_names[static_cast<int>(law)]; }
 
@@ -428,7 +416,7 @@ void report_pairs(const Scene& scene, long verb) {
   mortar::Statistics all = pairs.front().found;
   std::size_t slaves = 0, masters = 0;
   all.facing = all.removed = all.partly_covered = all.beyond_steps = 0;
-  all.least_gap = std::numeric_limits<Real>::infinity();
+  all.least_gap = infinity;
   all.largest_gap = -all.least_gap;
   for (const FacingPair& pair : pairs) {
     const mortar::Statistics& s = pair.found;

@@ -11,7 +11,6 @@ namespace frictioncg {
 /// One line of the report.
 std::ostream& line();
 
-const char* name_of(Status status);
 const char* name_of(Law law);
 const char* name_of(Layer layer);
 void warn_of_displacements(Real most, const char* of_what, Real size);
@@ -38,6 +37,12 @@ void report_memory(double needed, const Settings& s);
 
 /// Phases and counters, for verb 3.
 void report_phases(const Scene& scene, const Solution& solution);
+
+/// The motion that nothing holds, or that costs negative energy; or empty.
+inline const Vector& motion_to_blame(const Solution& solution) {
+  return solution.status == Status::not_positive_definite ? solution.negative
+                                                          : solution.unheld_motion;
+}
 
 /// The motion, in words, that a call blames which has not converged: what nothing holds, what has
 /// turned too far, or what costs negative energy; or empty.

@@ -34,7 +34,7 @@ void observe(const SpacePtr& Vh, Scene& scene) {
   scene.go_to = [Vh](Stack stack, const BoundaryNode& node) { return Vh->go_to(stack, node); };
   scene.places = once([Vh] { return Vh->places(); });
   scene.labelled = once([Vh] { return Vh->labelled(); });
-  scene.unit_load = [Vh](const std::vector<char>& of) { return Vh->unit_load(of); };
+  scene.unit_load_of = [Vh](const std::vector<char>& of) { return Vh->unit_load(of); };
 }
 
 /// The contact points of the labels, in one process.
@@ -255,7 +255,7 @@ std::shared_ptr<Scene> pair_scene(const SpacePtr& V1, const SpacePtr& V2, const 
     }
     return all;
   });
-  scene->unit_load = [V1, V2](const std::vector<char>& of) {
+  scene->unit_load_of = [V1, V2](const std::vector<char>& of) {
     const auto second = of.begin() + V1->dofs();
     Vector load(of.size());
     load << V1->unit_load({of.begin(), second}), V2->unit_load({second, of.end()});

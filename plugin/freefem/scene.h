@@ -55,8 +55,8 @@ struct Geometry {
   std::function<Vec3(Stack, const BoundaryNode&)> go_to;
   /// Where the nodal values of a displacement are.
   std::function<std::vector<NodePlace>()> places;
-  std::function<const std::vector<LabelledNode>&()> labelled;    ///< facet by facet
-  std::function<Vector(const std::vector<char>& of)> unit_load;  ///< of Space, per dof
+  std::function<const std::vector<LabelledNode>&()> labelled;       ///< facet by facet
+  std::function<Vector(const std::vector<char>& of)> unit_load_of;  ///< of Space, per dof
   std::optional<Pairing> pairing;         ///< of two bodies; none where there is an obstacle alone
   mortar::Options facing;                 ///< of the two bodies, as the script has chosen them
   std::optional<MovingObstacles> moving;  ///< none where all obstacles stand still
@@ -83,6 +83,11 @@ struct Scene : Geometry {
   std::unique_ptr<Stiffened> stiffened;
   double copy_seconds = 0;
   std::vector<char> held;  ///< per dof: by a Dirichlet condition
+  /// Of the dofs held; found when it is first asked for.
+  const Vector& unit_load() const {
+    if (unit_load_.size() == 0) unit_load_ = unit_load_of(held);
+    return unit_load_;
+  }
   long ndof() const { return dofs.count; }
   const BoundaryNode& contact_point(Index k) const { return nodes[system->node(k).point]; }
   /// Of the contact points, those of pairs come first.
@@ -114,6 +119,7 @@ struct Scene : Geometry {
   LocalIncrement increment(const LocalLoad& load, const PointLaws& laws) const;
 
  private:
+  mutable Vector unit_load_;
   void make_system(const Triplets& A, const LocalSystem* before);
   /// make(), whose refusals of a contact point get the place of its node.
   template <class Make>

@@ -76,7 +76,7 @@ class PartMatrix {
     std::unique_ptr<Dirichlet> own;
     part.agree([&] {
       given_ = matrix_of(stack, A, scene.dofs);
-      if (are_exchanged(scene.places(), scene.d, scene.dofs, given_)) refuse_order(scene.dofs);
+      if (are_exchanged(scene, given_)) refuse_order(scene.dofs);
       own = std::make_unique<Dirichlet>(given_, std::vector<ContactPoint>{});
     });
     patch_ = std::make_unique<PatchedMatrix>(part, given_, *own);

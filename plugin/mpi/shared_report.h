@@ -116,8 +116,7 @@ inline std::string runaway(SharedScene& shared, const Solution& own, const Vecto
 
 /// In words, the motion that nothing holds, or that costs negative energy; or empty.   Collective.
 inline std::string blamed_motion(const SharedScene& shared, const Solution& solution) {
-  const Vector& motion =
-      solution.status == Status::not_positive_definite ? solution.negative : solution.unheld_motion;
+  const Vector& motion = motion_to_blame(solution);
   return shared.domain->largest(Real(motion.size())) > 0 ? describe(shared, motion) : "";
 }
 

@@ -49,15 +49,6 @@ Result judge(const Recipe& recipe, const Settings& settings) {
 const char* const layer_name[] = {"none",        "linear", "newton", "interior_point", "proximal",
                                   "fixed_point", "gcx",    "gc",     "sorp",           "multigrid"};
 
-const char* const status_name[] = {"converged",
-                                   "max_iterations",
-                                   "stagnated",
-                                   "no_equilibrium",
-                                   "not_positive_definite",
-                                   "fixed_point_diverged",
-                                   "regularized",
-                                   "runaway"};
-
 /// How many of the scenes end how; fails for each one that is converged and wrong, or has an answer
 /// and is not converged.
 /// patience: a bound on the iterations, larger than the default, for scenes that have an answer.
@@ -77,10 +68,10 @@ void run_scenes(
     if (result.status == Status::converged) ++layers[result.layer];
     const auto wrong = [&](const Recipe& q) { return !(judge(q, settings).worst <= accuracy); };
     if (verbose && result.status != Status::converged && result.status != Status::no_equilibrium)
-      std::cout << "  " << status_name[int(result.status)] << ": " << recipe << std::endl;
+      std::cout << "  " << name_of(result.status) << ": " << recipe << std::endl;
     if (result.status != Status::converged && recipe.has_solution())
-      ADD_FAILURE() << title << ": " << status_name[int(result.status)]
-                    << " where there is an answer\n  " << recipe;
+      ADD_FAILURE() << title << ": " << name_of(result.status) << " where there is an answer\n  "
+                    << recipe;
     if (result.worst <= accuracy) continue;
     const Recipe small = shrink(recipe, wrong);
     const std::string file = "random_scene_" + std::to_string(recipe.seed) + ".txt";
@@ -90,7 +81,7 @@ void run_scenes(
                   << ", written to " << file;
   }
   std::cout << title << ": " << count << " scenes from seed " << seed << ":";
-  for (const auto& [status, n] : ends) std::cout << " " << status_name[int(status)] << " " << n;
+  for (const auto& [status, n] : ends) std::cout << " " << name_of(status) << " " << n;
   if (verbose) {
     std::cout << "; converged by";
     for (const auto& [layer, n] : layers) std::cout << " " << layer_name[int(layer)] << " " << n;

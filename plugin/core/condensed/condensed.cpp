@@ -42,7 +42,7 @@ struct CondensedSolver::Run {
   Vector x, r;        ///< n, F - Ax; the next pass solves for what r leaves
   Vector x_C;         ///< contact_dofs, of x
   Solution s;         ///< the best so far
-  Real best = std::numeric_limits<Real>::infinity();
+  Real best = infinity;
   bool undetermined = false;  ///< s.x is the least of several
   bool asked = false;         ///< whether the load can be held
   DenseMatrix rigid = {};     ///< n x k, found where it was asked for
@@ -109,7 +109,7 @@ void CondensedSolver::start_over(Run& run) {
   run.x.setZero();
   run.x_C.setZero();
   run.r = run.problem.increment.F;
-  run.best = std::numeric_limits<Real>::infinity();
+  run.best = infinity;
   run.s.layer = Layer::none;
 }
 

@@ -58,7 +58,7 @@ void SemismoothNewton::start_from(const Vector& x, const Vector& r) {
 
 SemismoothNewton::Outcome SemismoothNewton::solve(Index max_steps) {
   std::set<std::size_t> seen{fingerprint()};
-  Real best = std::numeric_limits<Real>::infinity(), first = best;
+  Real best = infinity, first = best;
   int stalled = 0;  // steps on the same branches without progress; 2D: the next one is the same
   for (steps_ = 0; steps_ < max_steps;) {
     ++steps_;

@@ -92,7 +92,7 @@ void ActiveSet::start(Vector& x, const Vector& g, Tangents tangents, bool stick_
 }
 
 Real ActiveSet::step_to_gap(const Vector& x, const Vector& v) const {
-  Real rho = std::numeric_limits<Real>::infinity();
+  Real rho = infinity;
   for (Index i = 0; i < problem_.nodes(); ++i) {
     const Index N = system_.first[i];
     if (!contact_[i] && v[N] > 0) rho = std::min(rho, (problem_.increment.gap[i] - x[N]) / v[N]);

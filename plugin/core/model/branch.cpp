@@ -41,7 +41,7 @@ void Branch::choose_touch(const NodeLaw& law, Real closing, const Eigen::Ref<con
   if (c * x.tail(t).norm() < little) return;
   touching = closed = true;
   capped = false;
-  choose_friction(r.tail(t) + c * x.tail(t), shear, c, std::numeric_limits<Real>::infinity());
+  choose_friction(r.tail(t) + c * x.tail(t), shear, c, infinity);
 }
 
 Branch branch_at(const NodeLaw& law, Real closing, const Eigen::Ref<const Vector>& x,

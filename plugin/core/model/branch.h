@@ -46,8 +46,7 @@ using Branches = std::vector<Branch>;  ///< m
 /// The branch that a node is on at (x, r), both its normal, then its tangents. closing as in
 /// NodeLaw; c, most as above.
 Branch branch_at(const NodeLaw& law, Real closing, const Eigen::Ref<const Vector>& x,
-                 const Eigen::Ref<const Vector>& r, Real c,
-                 Real most = std::numeric_limits<Real>::infinity());
+                 const Eigen::Ref<const Vector>& r, Real c, Real most = infinity);
 
 /// Where every node that can close is closed, and every one of them with friction in stick.
 Branches all_stick(const Increment& increment);

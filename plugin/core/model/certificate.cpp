@@ -39,7 +39,7 @@ Real contact_force_norm(const ContactProblem& problem, const Vector& x, const Ve
 
 /// The force, in norm_D, that would close the nearest gap.
 Real nearest_gap(const ContactProblem& problem, const Vector& x) {
-  Real nearest = std::numeric_limits<Real>::infinity();
+  Real nearest = infinity;
   for (Index i = 0; i < problem.nodes(); ++i)
     nearest = std::min(nearest, std::abs(problem.closing(i, x)) /
                                     std::sqrt(problem.system->weight[problem.system->first[i]]));

@@ -16,9 +16,9 @@ using Tangent = Eigen::Matrix<Real, Eigen::Dynamic, 1, 0, 2, 1>;
 /// else the laws of nodes that are about to open would have no answer. A given limit is a c that
 /// open nodes keep.
 struct NodeLaw {
-  Real mu = 0;                                       ///< [1]
-  Real c = 0;                                        ///< cohesion, or given limit [force]
-  Real cap = std::numeric_limits<Real>::infinity();  ///< [force]
+  Real mu = 0;          ///< [1]
+  Real c = 0;           ///< cohesion, or given limit [force]
+  Real cap = infinity;  ///< [force]
   bool bilateral = false;
   bool given = false;  ///< c is a given limit, which acts on open nodes, too
 

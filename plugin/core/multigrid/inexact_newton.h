@@ -43,8 +43,6 @@ class InexactNewton {
   const StepCounts& steps() const { return steps_; }
 
  private:
-  static constexpr Real infinity = std::numeric_limits<Real>::infinity();
-
   void move_onto_faces();
   bool solve_faces();
   bool costs_too_much(Real from, Index cycles) const;

@@ -12,7 +12,7 @@ namespace frictioncg {
 /// violate the laws by more than so many times the load.
 struct Allowance {
   double cost = std::numeric_limits<double>::infinity();
-  Real violation = std::numeric_limits<Real>::infinity();
+  Real violation = infinity;
 };
 
 /// The scalable route: the hierarchy of A, kept for further loads, gaps and laws; then inexact

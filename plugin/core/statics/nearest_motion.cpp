@@ -170,7 +170,7 @@ std::vector<LargeTurn> large_turns(const std::vector<NodePlace>& nodes, int d, c
 }
 
 Real least_gyration(const std::vector<NodePlace>& nodes, int d) {
-  Real least = std::numeric_limits<Real>::infinity();
+  Real least = infinity;
   for (const auto& [number, body] : by_body(nodes)) {
     const Eigen::Matrix3d inertia = inertia_of(body, extent_of(body).mean);
     const Real about_axis = d == 2 ? inertia(2, 2) : eigenpairs(inertia).values[0];

@@ -35,8 +35,8 @@ struct Freedom {
 };
 
 struct Options {
-  Real maxgap = std::numeric_limits<Real>::infinity();  ///< partners are no further apart [length]
-  bool smooth = true;  ///< the gap is that of the curved surfaces through the vertices
+  Real maxgap = infinity;  ///< partners are no further apart [length]
+  bool smooth = true;      ///< the gap is that of the curved surfaces through the vertices
   /// Outward from the slave, of any length > 0, at its nodes, which come first; empty: the mesh's.
   std::vector<Vec3> normals;
   /// Of the integrals, >= 0, at the slave's nodes, which come first; linear on a facet; empty: 1.

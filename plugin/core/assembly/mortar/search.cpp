@@ -104,7 +104,7 @@ void FacetTree::find(const Column& column, std::vector<Index>& found) const {
 }
 
 Real FacetTree::nearest(const Vec3& x) const {
-  Real best = std::numeric_limits<Real>::infinity();
+  Real best = infinity;
   std::vector<Index> stack;
   if (!nodes_.empty()) stack.push_back(0);
   while (!stack.empty()) {

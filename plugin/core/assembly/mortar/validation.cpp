@@ -135,7 +135,7 @@ bool may_carry_later(const Arrangement& of, const Side& slave) {
                                        const Cover& cover, const Options& options) {
   const std::string nothing = "nothing on the master (" + labels_of(master.surface) +
                               ") faces the slave (" + labels_of(slave.surface) + ")";
-  Real nearest = std::numeric_limits<Real>::infinity();
+  Real nearest = infinity;
   if (cover.nearest < nearest)
     refuse(nothing, " within maxgap = ", options.maxgap, "; the nearest opposite facet is ",
            cover.nearest, " away");
