@@ -53,12 +53,14 @@ bool may_be_damped(KSP smoother) {
 }
 
 /// Of a smoother's correction of A; of Gauss-Seidel's on one process it is 1. By the Lanczos
-/// numbers of a few conjugate gradients.   Collective.
+/// numbers of a few conjugate gradients, which an indefinite A ends: PETSc's answer is then of memory
+/// that nothing has filled, another on each process.   Collective.
 Real largest_eigenvalue(KSP smoother, Mat A) {
   constexpr PetscInt few = 10;
   KSPHandle cg;
   VecHandle x, b;
   Real largest, least;
+  KSPConvergedReason reason;
   check(KSPCreate(communicator_of(A), cg.fill()));
   PC correction;
   set_iteration(cg.get(), A, KSPCG, few);
@@ -69,6 +71,8 @@ Real largest_eigenvalue(KSP smoother, Mat A) {
   check(VecSetRandom(x.get(), nullptr));
   check(MatMult(A, x.get(), b.get()));  // in the range of A, which may be singular
   check(KSPSolve(cg.get(), b.get(), x.get()));
+  check(KSPGetConvergedReason(cg.get(), &reason));
+  if (reason < 0) return overshoot;
   check(KSPComputeExtremeSingularValues(cg.get(), &largest, &least));
   return std::isfinite(largest) ? largest : overshoot;
 }

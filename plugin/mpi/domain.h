@@ -40,6 +40,7 @@ class Domain {
   int size() const { return size_; }
   Index dofs() const { return static_cast<Index>(owned_.size()); }
   bool owns(Index dof) const { return owned_[dof] != 0; }
+  const char* owned() const { return owned_.data(); }  ///< dofs()
 
   /// `width` numbers for each shared dof go from its owner to all others.
   using Pack = std::function<void(Index dof, Real* values)>;

@@ -83,7 +83,8 @@ inline void add_ghost_points(const Domain& domain, Scene& scene) {
 class PatchedMatrix {
  public:
   /// Collective. own: what this process's own matrix holds.
-  PatchedMatrix(const Domain& domain, const Triplets& A, const Dirichlet& own) {
+  PatchedMatrix(const Domain& domain, const Triplets& A, const Dirichlet& own)
+      : owned_(domain.owned()) {
     Vector held(A.n);
     for (Index i = 0; i < A.n; ++i) held[i] = own.holds(i);
     domain.update(held);
@@ -98,10 +99,11 @@ class PatchedMatrix {
     }
     held_ = held;
   }
-  /// A being that of the constructor.
+  /// A being that of the constructor, whose domain stays: the rows of owned dofs are whole.
   Triplets triplets(const Triplets& A) const {
     Triplets patched = A;
     if (!values_.empty()) patched.a = values_.data();
+    patched.whole = owned_;
     return patched;
   }
   /// b, with the data of ghosts that their owners' b has. Collective.
@@ -117,6 +119,7 @@ class PatchedMatrix {
 
  private:
   static constexpr Real huge = 1e20;  ///< over the row: what the core takes for a Dirichlet row
+  const char* owned_;                 ///< n
   std::vector<Real> values_;          ///< empty where A serves as it is
   Vector diagonal_, held_;            ///< n
 };
