@@ -387,11 +387,14 @@ Solution newton_step(Solution s, const AtNodes& U,
     if (next.status != Status::converged) break;
     const Vector now = stacked(trace(next));
     const Real change = (now - u).lpNorm<Eigen::Infinity>();
-    if (change > std::min(far, last)) break;
     next.iterations += s.iterations;
-    s = std::move(next);
+    if (change <= std::min(far, last)) {
+      s = std::move(next);
+      last = change;
+    } else {
+      s.iterations = next.iterations;  // what it tells serves the next ones
+    }
     u = anderson.next(u, now);
-    last = change;
   }
   return s;
 }
