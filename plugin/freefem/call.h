@@ -72,8 +72,9 @@ using AtNodes = std::vector<mortar::Vec3>;
 ///
 /// which is added pass by pass, with the v that the passes before lead to: other loads and other
 /// gaps for the factors at hand. The answer is certified on the laws of its pass; where u = U they
-/// are those of the geometry at u. A pass that does not contract is not taken; those after it, which
-/// know of it, may: under a corner that digs in friction turns one motion by more than itself.
+/// are those of the geometry at u. A pass that does not contract is not taken; those after it,
+/// which know of it, may: under a corner that digs in friction turns one motion by more than
+/// itself.
 ///
 /// N and R ask for v at the nodes of the faces alone, and so does all that is decided here: several
 /// processes, which have the faces whole, decide alike.
