@@ -17,7 +17,7 @@ enum class Status {
 };
 
 /// In words, in their order.
-constexpr const char* status_names[] = {"converged",
+inline constexpr const char* status_names[] = {"converged",
                                         "max_iterations",
                                         "stagnated",
                                         "no_equilibrium",

@@ -369,6 +369,7 @@ Solution newton_step(Solution s, const AtNodes& U,
   constexpr int passes = 5;
   constexpr Real precise = 1e-3;      // over the step: the next one is what it is squared
   constexpr Real negligible = 1e-10;  // over the displacement
+  constexpr Real reach = 10;          // of a pass, over the step: slopes at U say nothing there
   constexpr Real contraction = 0.6;   // over the step: beyond, slopes at U say too little
   const auto stacked = [](const AtNodes& u) {
     return Vector(Eigen::Map<const Vector>(u.front().data(), 3 * static_cast<Index>(u.size())));
@@ -377,17 +378,21 @@ Solution newton_step(Solution s, const AtNodes& U,
   Vector u = stacked(trace(s));
   Real last = (u - at).lpNorm<Eigen::Infinity>();
   const Real enough = std::max(precise * last, negligible * u.lpNorm<Eigen::Infinity>());
-  const Real far = contraction * last;
+  const Real far = contraction * last, longest = reach * last;
   Anderson anderson;
   u = anderson.next(at, u);
   AtNodes v(U.size());
   for (int k = 0; k < passes && last > enough; ++k) {
+    if (!((u - at).lpNorm<Eigen::Infinity>() <= longest)) break;
     Eigen::Map<Vector>(v.front().data(), u.size()) = u - at;
     Solution next = pass(v, s.x);
-    if (next.status != Status::converged) break;
+    next.iterations += s.iterations;
+    if (next.status != Status::converged) {
+      s.iterations = next.iterations;
+      break;
+    }
     const Vector now = stacked(trace(next));
     const Real change = (now - u).lpNorm<Eigen::Infinity>();
-    next.iterations += s.iterations;
     if (change <= std::min(far, last)) {
       s = std::move(next);
       last = change;

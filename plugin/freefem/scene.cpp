@@ -164,6 +164,7 @@ void Scene::make_system(const Triplets& A, const LocalSystem* before) {
     return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, modes, before);
   });
   held = held_dofs(system->basis());
+  unit_load_.resize(0);
 }
 
 Vector Scene::slip_from(const Vector& u_old) const {

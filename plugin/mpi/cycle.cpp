@@ -53,8 +53,9 @@ bool may_be_damped(KSP smoother) {
 }
 
 /// Of a smoother's correction of A; of Gauss-Seidel's on one process it is 1. By the Lanczos
-/// numbers of a few conjugate gradients, which an indefinite A ends: PETSc's answer is then of memory
-/// that nothing has filled, another on each process.   Collective.
+/// numbers of a few conjugate gradients. Where these end before, as an indefinite A and an exact
+/// answer have it, PETSc's numbers are of memory that nothing has filled, others on each process:
+/// then nothing is damped.   Collective.
 Real largest_eigenvalue(KSP smoother, Mat A) {
   constexpr PetscInt few = 10;
   KSPHandle cg;
@@ -66,13 +67,14 @@ Real largest_eigenvalue(KSP smoother, Mat A) {
   set_iteration(cg.get(), A, KSPCG, few);
   check(KSPGetPC(smoother, &correction));
   check(KSPSetPC(cg.get(), correction));
+  check(KSPSetConvergenceTest(cg.get(), KSPConvergedSkip, nullptr, nullptr));
   check(KSPSetComputeSingularValues(cg.get(), PETSC_TRUE));
   check(MatCreateVecs(A, x.fill(), b.fill()));
   check(VecSetRandom(x.get(), nullptr));
   check(MatMult(A, x.get(), b.get()));  // in the range of A, which may be singular
   check(KSPSolve(cg.get(), b.get(), x.get()));
   check(KSPGetConvergedReason(cg.get(), &reason));
-  if (reason < 0) return overshoot;
+  if (reason != KSP_CONVERGED_ITS) return overshoot;
   check(KSPComputeExtremeSingularValues(cg.get(), &largest, &least));
   return std::isfinite(largest) ? largest : overshoot;
 }

@@ -99,11 +99,11 @@ class PatchedMatrix {
     }
     held_ = held;
   }
-  /// A being that of the constructor, whose domain stays: the rows of owned dofs are whole.
+  /// A being that of the constructor, whose domain stays.
   Triplets triplets(const Triplets& A) const {
     Triplets patched = A;
     if (!values_.empty()) patched.a = values_.data();
-    patched.whole = owned_;
+    patched.owned = owned_;
     return patched;
   }
   /// b, with the data of ghosts that their owners' b has. Collective.

@@ -69,7 +69,7 @@ Dirichlet::Dirichlet(const Triplets& A, const std::vector<ContactPoint>& points)
     const bool uncoupled = others == 0 && !spring;
     if (!huge && !unit && !uncoupled) continue;
     number_[i] = size();
-    const bool without = rows.unit(i) && (uncoupled || A.half) && A.is_whole(i);
+    const bool without = rows.unit(i) && (uncoupled || A.half) && A.is_owned(i);
     held_.push_back({i, rows.diagonal[i], without, false});
     unit_rows_ |= unit && !A.half;
   }

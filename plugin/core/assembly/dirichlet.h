@@ -46,7 +46,7 @@ class Dirichlet {
   struct Held {
     Index dof;
     Real diagonal;
-    bool uncoupled;  ///< its row is whole, and its couplings are not in the matrix
+    bool uncoupled;  ///< its couplings are not in the matrix, and no other process judges
     bool lost;       ///< uncoupled, and free dofs beside it show that there were some
   };
   void find_lost(const Triplets& A);

@@ -17,6 +17,10 @@ struct Triplets {
 
   Index row(std::size_t k) const { return i[k] - base; }
   Index col(std::size_t k) const { return j[k] - base; }
+  /// n, or null: of one process's part, the rows that no other one judges.
+  const char* owned = nullptr;
+
+  bool is_owned(Index row) const { return !owned || owned[row] != 0; }
   bool is_whole(Index row) const { return !whole || whole[row] != 0; }
 };
 
