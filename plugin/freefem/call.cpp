@@ -386,18 +386,14 @@ Solution newton_step(Solution s, const AtNodes& U,
     if (!((u - at).lpNorm<Eigen::Infinity>() <= longest)) break;
     Eigen::Map<Vector>(v.front().data(), u.size()) = u - at;
     Solution next = pass(v, s.x);
-    next.iterations += s.iterations;
-    if (next.status != Status::converged) {
-      s.iterations = next.iterations;
-      break;
-    }
+    s.iterations += next.iterations;
+    if (next.status != Status::converged) break;
     const Vector now = stacked(trace(next));
     const Real change = (now - u).lpNorm<Eigen::Infinity>();
-    if (change <= std::min(far, last)) {
+    if (change <= std::min(far, last)) {  // what others tell serves the next ones
+      next.iterations = s.iterations;
       s = std::move(next);
       last = change;
-    } else {
-      s.iterations = next.iterations;  // what it tells serves the next ones
     }
     u = anderson.next(u, now);
   }

@@ -163,17 +163,19 @@ void FreedomOfBodies::sum(const SumOverProcesses& over_processes) {
 }
 
 mortar::Freedom FreedomOfBodies::freedom() const {
-  mortar::Freedom freedom{generators(), body_, {}};
+  mortar::Freedom freedom{generators(), body_, {}, {}};
   const Index k = freedom.generators.count();
   for (Index b = 0; b < bodies_; ++b) {
     const DenseMatrix D = in_D_.middleCols(k * b, k);
     const DenseMatrix support = D.trace() * held_.middleCols(k * b, k);
+    const DenseMatrix stiffness = in_A_.middleCols(k * b, k) + support;
     Index count = 0;
     const bool any = D.trace() > 0;
-    const Eigenpairs found =
-        any ? eigenpairs(in_A_.middleCols(k * b, k) + support, D + support) : Eigenpairs();
+    const Eigenpairs found = any ? eigenpairs(stiffness, D + support) : Eigenpairs();
     while (any && count < k && found.values[count] <= resisted) ++count;
     freedom.of_body.push_back(any ? DenseMatrix(found.vectors.leftCols(count)) : DenseMatrix(k, 0));
+    freedom.stiffness.push_back(any ? DenseMatrix(stiffness + resisted * D)
+                                    : DenseMatrix(rigid * DenseMatrix::Identity(k, k)));
   }
   return freedom;
 }

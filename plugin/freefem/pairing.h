@@ -63,6 +63,7 @@ class FreedomOfBodies {
  private:
   /// <Aw,w>/<Dw,w> up to which a motion counts as free: a support is stiffer than rounding.
   static constexpr Real resisted = 1e-10;
+  static constexpr Real rigid = 1e30;  ///< the stiffness of a body of which all is held
   /// Those of rigid_modes.
   RigidGenerators generators() const { return {d_, extent_.mean, extent_.radius}; }
 

@@ -72,6 +72,7 @@ DenseMatrix tangential_motions(const RigidGenerators& generators, const DenseMat
                                const std::vector<PointNormal>& points, Real allowed,
                                DecidedCount decided, const SumOverProcesses& sum) {
   const Index k = static_cast<Index>(V.cols());
+  if (k == 0) return V;
   DenseMatrix both = DenseMatrix::Zero(k, 2 * k + 1);  // Q, M and the weight
   for (const PointNormal& p : points) {
     const DenseMatrix w = generators.at(p.x) * V;

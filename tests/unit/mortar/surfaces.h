@@ -70,4 +70,15 @@ inline std::function<Vec3(const Vec3&)> lifted(int d, Real z, Real from = 0, Rea
   };
 }
 
+/// Bodies that may move by the columns of of_body, of generators, and are held otherwise.
+inline void set_free(const std::vector<DenseMatrix>& of_body, Freedom& freedom) {
+  freedom.of_body = of_body;
+  freedom.stiffness.clear();
+  for (const DenseMatrix& V : of_body) {
+    const DenseMatrix all = DenseMatrix::Identity(V.rows(), V.rows()),
+                      Q = V.cols() == 0 ? V : orthonormal(V);
+    freedom.stiffness.push_back((1 + 1e-10) * all - Q * Q.transpose());
+  }
+}
+
 }  // namespace frictioncg::mortar::test

@@ -339,9 +339,9 @@ Surfaces before_wheel(int d, const std::function<Vec3(const Vec3&)>& slave, int 
   s.pairs[0].master = s.sheet(8, -1, wheel, 1);
   s.options.freedom = [=, all = s.nodes.X.size()] {
     const Index k = d == 2 ? 3 : 6;
-    Freedom freedom{RigidGenerators(d, Vec3::Unit(d - 1), 1), std::vector<Index>(all, 1), {}};
+    Freedom freedom{RigidGenerators(d, Vec3::Unit(d - 1), 1), std::vector<Index>(all, 1), {}, {}};
     std::fill_n(freedom.body.begin(), held, 0);
-    freedom.of_body = {DenseMatrix(k, 0), DenseMatrix::Identity(k, k).col(d == 2 ? 2 : 4)};
+    set_free({DenseMatrix(k, 0), DenseMatrix::Identity(k, k).col(d == 2 ? 2 : 4)}, freedom);
     return freedom;
   };
   return s;
@@ -351,24 +351,15 @@ Surfaces before_wheel(int d, const std::function<Vec3(const Vec3&)>& slave, int 
 
 TEST(MortarIncrement, TheSideWhoseNormalsCountStaysTheOne) {
   for (int d : {2, 3}) {
-    const auto inclined = [d](Real angle) {  // against the way that the supports leave the slave
-      Surfaces s = before_wheel(
-          d,
-          [=](const Vec3& x) {
-            Vec3 y = lifted(d, -1e-3, -1, 1)(x);
-            y[d - 1] -= angle * y[0];
-            return y;
-          },
-          4, arc(d, 1, 0, -1, 1));
-      s.options.freedom = [wheel = s.options.freedom] {
-        Freedom freedom = wheel();
-        freedom.of_body[0] = DenseMatrix::Identity(freedom.of_body[0].rows(), 1);
-        return freedom;
-      };
-      return s;
+    const auto oval = [d](Real by) {  // on which no turn slips
+      return before_wheel(d, lifted(d, -1e-3, -1, 1), 4, [=, round = arc(d, 1, 0, -1, 1)](Vec3 x) {
+        x = round(x);
+        x[0] *= 1 + by;
+        return x;
+      });
     };
-    const Real at = jump(inclined, 4e-7, 1e-5, change_of_normals);
-    expect_continuous([&](Real t) { return inclined(at + t); }, hold_facing);
+    const Real at = jump(oval, 1e-4, 0.2, change_of_normals);
+    expect_continuous([&](Real t) { return oval(at + t); }, hold_facing);
   }
 }
 
@@ -524,6 +515,7 @@ TEST(MortarIncrement, ANodeThatHasPassedToAnotherBodySeesThatAsByItself) {
       Freedom freedom = wheel();
       freedom.body.resize(all, 2);
       freedom.of_body.push_back(freedom.of_body[0]);
+      freedom.stiffness.push_back(freedom.stiffness[0]);
       return freedom;
     };
     Surfaces passed = s;

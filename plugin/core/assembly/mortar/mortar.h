@@ -27,11 +27,12 @@ struct Nodes {
   std::vector<Vec3> before = {};
 };
 
-/// The rigid motions of bodies that nothing but contact resists.
+/// How bodies may move as a whole.
 struct Freedom {
   RigidGenerators generators;
-  std::vector<Index> body;           ///< of each node
-  std::vector<DenseMatrix> of_body;  ///< as columns of generators
+  std::vector<Index> body;             ///< of each node
+  std::vector<DenseMatrix> of_body;    ///< what nothing but contact resists, as columns of generators
+  std::vector<DenseMatrix> stiffness;  ///< of A and supports, between generators [force/length]
 };
 
 struct Options {

@@ -227,14 +227,45 @@ DenseMatrix slipping(const Freedom& freedom, const DenseMatrix& relative,
                             std::max(allowed / total, of_flats), decided);
 }
 
-/// Whether more of the motions slip along the master's normals.
-bool master_counts(const Freedom& freedom, const Group& group, const DenseMatrix& of_own,
-                   const DenseMatrix& of_other) {
+/// By how much more A has to resist one motion for another to count as the softer one. What the side
+/// that counts does not see is wrong by the contact's pressure over A's stiffness.
+constexpr Real clearly_stiffer = 100;
+
+/// Of a relative motion of two bodies, each of which does its part of it: K (K + L)^-1 L.
+DenseMatrix in_series(const DenseMatrix& K, const DenseMatrix& L) {
+  return K * (K + L).ldlt().solve(L);
+}
+
+/// Whether, motion by motion from the softest on, A resists the first ones clearly less.
+bool is_softer(const DenseMatrix& stiffness, const DenseMatrix& first, const DenseMatrix& second) {
+  const auto sorted = [&](const DenseMatrix& motions) {
+    return motions.cols() == 0
+               ? Vector()
+               : eigenpairs(motions.transpose() * DenseMatrix(stiffness * motions)).values;
+  };
+  const Vector a = sorted(first), b = sorted(second);
+  for (Index i = 0; i < a.size(); ++i) {
+    if (i == b.size() || clearly_stiffer * a[i] < b[i]) return true;
+    if (clearly_stiffer * b[i] < a[i]) return false;
+  }
+  return false;
+}
+
+/// free: relative motions that A leaves free. The more of them slip the better; the mesh tells the
+/// others up to errors alone, which A may resist.
+bool master_counts(const Freedom& freedom, const Group& group, const DenseMatrix& free,
+                   const DenseMatrix& stiffness) {
+  const Index k = freedom.generators.count();
+  const std::vector<PointNormal> own = group.own();
+  const DenseMatrix all = DenseMatrix::Identity(k, k), of_own = slipping(freedom, all, own),
+                    of_other = slipping(freedom, all, group.other);
+  if (slipping(freedom, of_other, own).cols() == of_other.cols()) return false;  // alike
+  const auto more = slipping(freedom, free, group.other).cols() - slipping(freedom, free, own).cols();
+  if (more != 0) return more > 0;
   const bool other_first = std::any_of(group.nodes.begin(), group.nodes.end(),
                                        [](const auto& n) { return n.second.other_first; });
-  const Index more = static_cast<Index>(of_other.cols() - of_own.cols());
-  if (of_other.cols() == 0 || more < 0 || (more == 0 && !other_first)) return false;
-  return slipping(freedom, of_other, group.own()).cols() < of_other.cols();  // other motions
+  return other_first ? !is_softer(stiffness, of_own, of_other)
+                     : is_softer(stiffness, of_other, of_own);
 }
 
 /// The motions of A that the slave's normals let slip, they let slip to rounding.
@@ -246,15 +277,18 @@ void keep_slaves(int d, const Freedom& freedom, const Group& group, const DenseM
   for (const auto& [i, here] : group.nodes) normal[i] = points[k++].normal;
 }
 
-void take_masters(int d, const Freedom& freedom, const Group& group, const DenseMatrix& of_other,
-                  std::vector<Vec3>& normal, std::vector<char>& of_master) {
+/// motions: that they let slip, and those of them that A leaves free.
+void take_masters(int d, const Freedom& freedom, const Group& group, const DenseMatrix& motions,
+                  const DenseMatrix& free, std::vector<Vec3>& normal,
+                  std::vector<char>& of_master) {
   std::vector<PointNormal> taken;
   for (const auto& [i, here] : group.nodes) {
     const Vec3 theirs = here.of_master();
     const bool far = here.other_turn > 0 && !(theirs.dot(here.own) > steep);
     taken.push_back({here.x, far ? here.own : theirs, here.measure(), here.other_turn});
   }
-  make_tangential(d, freedom.generators, of_other, taken, to_masters);
+  make_tangential(d, freedom.generators, motions, taken, to_masters);
+  make_tangential(d, freedom.generators, free, taken, to_masters);
   std::size_t k = 0;
   for (const auto& [i, here] : group.nodes) {
     normal[i] = taken[k++].normal;
@@ -284,26 +318,30 @@ CommonNormals choose_common_normals(const Nodes& nodes, const std::vector<Side>&
       const auto [slave, master] = bodies;
       if (slave == master) continue;
       const DenseMatrix &V = freedom->of_body[slave], &W = freedom->of_body[master];
-      DenseMatrix relative(freedom->generators.count(), V.cols() + W.cols());
+      const Index k = freedom->generators.count();
+      DenseMatrix relative(k, V.cols() + W.cols());
       relative << V, W;
-      if (relative.cols() == 0) continue;
       const std::array<Index, 3> key{static_cast<Index>(p), slave, master};
       CommonNormals::Choice& choice = common.choice[key];
       const bool decided = begun && begun->choice.count(key) > 0;
       if (decided) choice = begun->choice.at(key);
-      const auto slip = [&](const std::vector<PointNormal>& points, bool counts) {
-        if (decided && !counts) return DenseMatrix();
-        return slipping(*freedom, relative, points,
-                        decided ? DecidedCount(choice.motions) : DecidedCount());
-      };
-      const DenseMatrix of_own = slip(group.own(), !choice.master),
-                        of_other = slip(group.other, choice.master);
-      if (!decided) choice.master = master_counts(*freedom, group, of_own, of_other);
-      choice.motions = static_cast<Index>((choice.master ? of_other : of_own).cols());
-      if (choice.master)
-        take_masters(nodes.dimension, *freedom, group, of_other, normal, common.of_master);
       else
-        keep_slaves(nodes.dimension, *freedom, group, of_own, normal);
+        choice.master =
+            master_counts(*freedom, group, relative,
+                          in_series(freedom->stiffness[slave], freedom->stiffness[master]));
+      const auto slip = [&](const DenseMatrix& of, Index& count) {
+        const DenseMatrix motions =
+            slipping(*freedom, of, choice.master ? group.other : group.own(),
+                     decided ? DecidedCount(count) : DecidedCount());
+        count = static_cast<Index>(motions.cols());
+        return motions;
+      };
+      const DenseMatrix motions = slip(DenseMatrix::Identity(k, k), choice.motions),
+                        free = slip(relative, choice.free);
+      if (choice.master)
+        take_masters(nodes.dimension, *freedom, group, motions, free, normal, common.of_master);
+      else
+        keep_slaves(nodes.dimension, *freedom, group, free, normal);
     }
   }
   return common;

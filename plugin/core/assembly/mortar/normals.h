@@ -35,7 +35,9 @@ struct PairShapes {
 struct CommonNormals {
   struct Choice {
     bool master = false;
-    Index motions = 0;  ///< that the normals of the side that counts let slip
+    /// How many motions the normals of the side that counts let slip: in all, and of those that A
+    /// leaves free.
+    Index motions = 0, free = 0;
   };
   std::vector<char> of_master;                    ///< per node
   std::map<std::array<Index, 3>, Choice> choice;  ///< by pair, and by the bodies of both sides
@@ -49,11 +51,11 @@ struct CommonNormals {
 /// turning of the disc (w = a/R). One choice, b = 0 or 1/R, leaves one of them free, any other
 /// neither.
 ///
-/// The slave's normals stay, unless A leaves free motions that those of the master let slip and the
-/// slave's do not: then the side counts that lets more of them slip, and of two alike the flat one.
-/// So the verdict on a load does not depend on which side is slave. A shaft in a bore, with
-/// clearance, is alike: along the bore it does not leave its place for ever but climbs, and the
-/// shaft's own normals see that; so of a bore and what is in it the latter counts.
+/// The normals are those of the side whose motions A resists less, clearly, and otherwise those of
+/// the flat: what slides along it moves further than what turns on it. So the answer does not depend
+/// on which side is slave. A shaft in a bore, with clearance, is alike: along the bore it does not
+/// leave its place for ever but climbs, and the shaft's own normals see that; so of a bore and what
+/// is in it the latter counts.
 ///
 /// normal: of the slave's own surface, per node, replaced where the master's count; owns: as in
 /// slave_normals; begun: where the increment began, which has decided; null: it is decided here.
