@@ -69,6 +69,7 @@ class SurfaceNormals {
       : d_(d), nodes_(boundary.nodes), facets_(boundary.facets), fan_at_(facets_.size()) {
     Faceted surface;
     surface.d = d;
+    surface.is_moved = boundary.is_moved;
     for (const SharedNode& n : nodes_) surface.X.push_back(n.x);
     for (const BoundaryFacet& f : facets_) {
       Faceted::Facet& facet = surface.facets.emplace_back();

@@ -47,6 +47,7 @@ struct BoundaryFacet {
 struct Boundary {
   std::vector<SharedNode> nodes;
   std::vector<BoundaryFacet> facets;
+  bool is_moved = false;  ///< by `at`
 };
 
 /// A contact point as FreeFEM sees it: one normal of a node, where to evaluate expressions, and its

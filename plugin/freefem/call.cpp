@@ -27,8 +27,6 @@ void face_bodies(Stack stack, const Arguments& args, const Expression A, Scene& 
   options.smooth = args.value(stack, p_smooth, options.smooth);
   if (args.has(p_normal)) options.normals = slave_normals(stack, args, scene);
   if (args.has(p_weight)) options.weight = slave_weights(stack, args, scene);
-  const Triplets matrix = matrix_of(stack, A, scene.dofs);
-  refuse_exchanged_blocks(scene, matrix);
   if (args.has(p_forceold)) {
     const Vector force = args.vector(stack, p_forceold);
     check_vector(force, name_of(p_forceold), scene.dofs);
@@ -39,6 +37,8 @@ void face_bodies(Stack stack, const Arguments& args, const Expression A, Scene& 
     u_old = args.vector(stack, p_uold);
     check_vector(u_old, "uold", scene.dofs);
   }
+  const Triplets matrix = matrix_of(stack, A, scene.dofs);  // once no expression may change A
+  refuse_exchanged_blocks(scene, matrix);
   constexpr Parameter chosen[] = {p_maxgap, p_smooth, p_normal, p_weight};
   scene.face(matrix, options, u_old, !args.has_any(chosen));
 }

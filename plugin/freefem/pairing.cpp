@@ -19,6 +19,14 @@ std::vector<mortar::Vec3> displaced(const Interface& faces, int d, const Vector&
   return Y;
 }
 
+std::map<long, std::set<std::size_t>> pairs_of_labels(const std::vector<mortar::Pair>& pairs,
+                                                      mortar::Surface mortar::Pair::*which) {
+  std::map<long, std::set<std::size_t>> of_label;
+  for (std::size_t p = 0; p < pairs.size(); ++p)
+    for (long label : (pairs[p].*which).labels) of_label[label].insert(p);
+  return of_label;
+}
+
 }  // namespace
 
 InterfaceBuilder::InterfaceBuilder(const std::vector<mortar::LabelPair>& pairs, bool of_part)
@@ -54,6 +62,7 @@ void InterfaceBuilder::add(const Space& space, const Boundary& side, Index dof_o
                            mortar::Surface mortar::Pair::*which) {
   const int d = space.d;
   all_.is_moved = space.is_moved();
+  std::map<long, std::set<std::size_t>> of_label = pairs_of_labels(all_.pairs, which);
   std::vector<Index> number;
   for (const SharedNode& n : side.nodes) number.push_back(node(n, d, dof_offset));
   for (const BoundaryFacet& f : side.facets) {
@@ -61,9 +70,8 @@ void InterfaceBuilder::add(const Space& space, const Boundary& side, Index dof_o
     facet.label = f.label;
     facet.outward = f.normal;
     for (std::size_t k = 0; k < f.node.size(); ++k) facet.node[k] = number[f.node[k]];
-    for (mortar::Pair& pair : all_.pairs) {
-      mortar::Surface& surface = pair.*which;
-      if (!std::count(surface.labels.begin(), surface.labels.end(), f.label)) continue;
+    for (std::size_t p : of_label[f.label]) {
+      mortar::Surface& surface = all_.pairs[p].*which;
       surface.quadratic = static_cast<int>(f.node.size()) > d;
       surface.facets.push_back(facet);
     }
@@ -104,18 +112,21 @@ void InterfaceBuilder::count_bodies(const Space& space, const Boundary& master) 
 
 void InterfaceBuilder::add_vertices_behind(const Space& space, const Boundary& master) {
   const std::vector<Index> body = space.body_of_element();
-  for (mortar::Pair& pair : all_.pairs) {
-    std::set<Index> of_slave;
+  std::vector<std::set<Index>> of_slave;
+  for (const mortar::Pair& pair : all_.pairs) {
+    std::set<Index>& bodies = of_slave.emplace_back();
     for (const mortar::Facet& f : pair.slave.facets)
-      of_slave.insert(body[all_.slave[f.node[0]].facets.front().element]);
-    std::size_t next = 0;
-    for (const BoundaryFacet& f : master.facets) {
-      if (!std::count(pair.master.labels.begin(), pair.master.labels.end(), f.label)) continue;
-      mortar::Facet& facet = pair.master.facets[next++];
-      if (of_part_ || of_slave.count(body[f.element]))
+      bodies.insert(body[all_.slave[f.node[0]].facets.front().element]);
+  }
+  std::map<long, std::set<std::size_t>> of_label =
+      pairs_of_labels(all_.pairs, &mortar::Pair::master);
+  std::vector<std::size_t> next(all_.pairs.size(), 0);
+  for (const BoundaryFacet& f : master.facets)
+    for (std::size_t p : of_label[f.label]) {
+      mortar::Facet& facet = all_.pairs[p].master.facets[next[p]++];
+      if (of_part_ || of_slave[p].count(body[f.element]))
         facet.behind = node(space.node_at_vertex(f.element, f.facet), space.d, 0);
     }
-  }
 }
 
 Index count_of(const std::vector<Index>& body) {

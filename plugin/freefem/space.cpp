@@ -419,12 +419,17 @@ class BoundaryNodes {
       : words_(words), place_(Vh), Vh_(Vh.space()) {
     try {
       check_components();
-      for (long label : labels) add(label);
+      std::map<long, std::vector<int>> facets;  // of each label, named once
+      for (long label : labels) facets[label];
+      for (int ib = 0; ib < D::facets(Vh_.Th); ++ib)
+        if (const auto of = facets.find(D::label(Vh_.Th, ib)); of != facets.end())
+          of->second.push_back(ib);
+      for (long label : labels) add(label, facets);
     } catch (const UnfitSpace& e) {
       throw IllegalInput(std::string(words.name) + " " + e.what());
     }
   }
-  Boundary take() { return {std::move(nodes_), std::move(facets_)}; }
+  Boundary take() { return {std::move(nodes_), std::move(facets_), place_.is_moved()}; }
 
  private:
   void check_components() const {
@@ -434,17 +439,16 @@ class BoundaryNodes {
     refuse_space(s.str());
   }
   /// Adds the facets of a label, once.
-  void add(long label) {
-    if (!labels_.insert(label).second) return;
-    bool found = false;
-    for (int ib = 0; ib < D::facets(Vh_.Th); ++ib) {
-      if (D::label(Vh_.Th, ib) != label) continue;
-      found = true;
+  void add(long label, std::map<long, std::vector<int>>& facets) {
+    const auto of = facets.find(label);
+    if (of == facets.end()) return;
+    if (of->second.empty()) refuse_absent(label);
+    for (int ib : of->second) {
       int facet;
       const int k = Vh_.Th.BoundaryElement(ib, facet);
       add(label, k, facet);
     }
-    if (!found) refuse_absent(label);
+    facets.erase(of);
   }
   void add(long label, int k, int facet) {
     const Vec3 normal = as_vector(D::normal(place_.vertices_of(k), facet));
@@ -493,7 +497,6 @@ class BoundaryNodes {
   const SpaceInWords& words_;
   const SpaceOn<FESpaceType>& place_;
   const FESpaceType& Vh_;
-  std::set<long> labels_;
   std::map<int, std::size_t> node_of_dof_;  // first dof of a node -> its place in nodes_
   std::vector<SharedNode> nodes_;
   std::vector<BoundaryFacet> facets_;

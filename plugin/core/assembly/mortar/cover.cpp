@@ -211,7 +211,8 @@ Real Covering::nearest_facing() {
   Real nearest = infinity;
   for (Index f = 0; f < slave_.facets(); ++f) {
     find(f, infinity);
-    for (const Candidate& c : candidates_) nearest = std::min(nearest, std::abs(c.distance));
+    for (const Candidate& c : candidates_)
+      if (std::abs(c.distance) > maxgap_) nearest = std::min(nearest, std::abs(c.distance));
   }
   return nearest;
 }

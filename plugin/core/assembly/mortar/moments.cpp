@@ -141,6 +141,7 @@ class Lines {
 
   /// On the nearest facet that faces it; none where all are further aside than `column`.
   Hit hit(const Vec3& x, const Vec3& n, Real column) {
+    if (!(column > 0)) return {};
     for (Real reach = narrowest * column;; reach *= wider) {
       const Plane base = across(master_.d, x, n, reach);
       tree_.find({base, -infinity, infinity, true}, found_);
