@@ -37,6 +37,7 @@ bool at_rest(const ContactProblem& problem) {
 }  // namespace
 
 Status concluded(Status status, const Certificate& certificate, const Settings& settings) {
+  if (status == Status::not_positive_definite) return status;
   if (certificate.residual <= settings.tol) return Status::converged;
   if (status == Status::converged) return settings.stop_on_step > 0 ? status : Status::stagnated;
   const bool blames_method = status == Status::max_iterations || status == Status::regularized ||

@@ -5,9 +5,9 @@
 
 namespace frictioncg {
 
-/// The last word on a status is the certificate's: converged where its residual is below tol and
-/// nowhere else (or where the paper's own rule is asked for); and where rounding is what keeps it
-/// above, the method is not blamed.
+/// The last word on a status, but where A has negative energy, is the certificate's: converged
+/// where its residual is below tol and nowhere else (or where the paper's own rule is asked for);
+/// and where rounding is what keeps it above, the method is not blamed.
 Status concluded(Status status, const Certificate& certificate, const Settings& settings);
 
 /// The answer to a problem: rest, where nothing loads or penetrates, or else what `solve` makes of

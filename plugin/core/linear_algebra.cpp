@@ -38,4 +38,28 @@ DenseMatrix null_space(const DenseRef& A, Real tolerance) {
   return svd.matrixV().rightCols(A.cols() - (svd.singularValues().array() > tolerance).count());
 }
 
+Vector negative_direction(DenseMatrix M) {
+  constexpr Real rounding = 1e-12;  // over the diagonal: a rigid motion leaves no more of a pivot
+  const Index n = static_cast<Index>(M.rows());
+  for (Index k = 0; k < n; ++k) {
+    const Vector row = M.row(k).head(k).transpose();  // of L, which takes the place of M
+    Vector column = M.col(k).tail(n - k);
+    column.noalias() -= M.block(k, 0, n - k, k) * row;
+    const Real pivot = column[0], resolved = rounding * std::abs(M(k, k));
+    if (pivot < -resolved) {
+      Vector p = Vector::Zero(n);
+      p[k] = 1;
+      p.head(k) = -M.topLeftCorner(k, k).triangularView<Eigen::Lower>().transpose().solve(row);
+      return p;
+    }
+    if (pivot > resolved) {
+      M.col(k).tail(n - k) = column / std::sqrt(pivot);
+    } else {
+      M.col(k).tail(n - k).setZero();
+      M(k, k) = 1;
+    }
+  }
+  return {};
+}
+
 }  // namespace frictioncg

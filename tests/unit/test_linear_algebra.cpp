@@ -94,3 +94,26 @@ TEST(LinearAlgebra, FactorsSolveAndTellASingularMatrix) {
   EXPECT_LE((turned * LU(factored).solve(B.col(0)) - B.col(0)).norm(), 1e-13);
   EXPECT_LT(LU(singular).rcond(), 1e-14);
 }
+
+TEST(LinearAlgebra, ADirectionIsNegativeWhereThereIsOne) {
+  for (Index n : {1, 2, 7}) {
+    DenseMatrix A = positive(n);
+    EXPECT_EQ(negative_direction(A).size(), 0);
+    const Eigenpairs of_A = eigenpairs(A);
+    for (Real shift : {1e-6, 0.5}) {  // one eigenvalue below 0, and half of them
+      const Real at = shift < 0.1 ? of_A.values[0] * (1 + shift) : of_A.values[n / 2] + shift;
+      const DenseMatrix M = A - at * DenseMatrix::Identity(n, n);
+      const Vector p = negative_direction(M);
+      ASSERT_EQ(p.size(), n);
+      EXPECT_LT(p.dot(M * p), 0);
+    }
+  }
+  // a rigid motion is none, and hides none behind it
+  DenseMatrix M = DenseMatrix::Zero(4, 4);
+  M.topLeftCorner(2, 2) << 1, -1, -1, 1;
+  EXPECT_EQ(negative_direction(M).size(), 0);
+  M.bottomRightCorner(2, 2) << 1, 2, 2, 1;
+  const Vector p = negative_direction(M);
+  ASSERT_EQ(p.size(), 4);
+  EXPECT_LT(p.dot(M * p), -1);
+}

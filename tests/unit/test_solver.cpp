@@ -277,6 +277,50 @@ TEST(Solver, AnIndefiniteMatrixIsNamed) {
     EXPECT_EQ(run(s, settings).solution.status, Status::not_positive_definite);
 }
 
+TEST(Solver, AnAnswerHasNoNegativeEnergyOnOpenNodes) {
+  // two nodes whose normals are coupled by more than they are stiff: contact has to hold one
+  for (Law law : {Law::frictionless, Law::coulomb})
+    for (Method method : {Method::condensed, Method::automatic}) {
+      Scene s;
+      s.d = 2;
+      s.n = 4;
+      s.law = law;
+      s.b = Vector::Zero(4);
+      s.friction = Vector::Constant(2, 0.3);
+      for (Index k = 0; k < 2; ++k) {
+        ContactPoint point;
+        point.dof = {2 * k, 2 * k + 1, -1};
+        point.normal = {0, -1, 0};
+        point.friction = law != Law::frictionless;
+        s.points.push_back(point);
+        s.b[2 * k] = k == 0 ? 0.01 : 0.5;  // slips where it is held
+        s.b[2 * k + 1] = k == 0 ? -0.1 : -1;
+      }
+      for (Index i = 0; i < 4; ++i)
+        for (Index j = 0; j < 4; ++j) {
+          s.i.push_back(i);
+          s.j.push_back(j);
+          s.a.push_back(i == j ? 1 : i % 2 == 1 && j % 2 == 1 ? 1.2 : i % 2 == j % 2 ? 0.1 : 0);
+        }
+      const auto with = [&](Real gap) {
+        s.gap = Vector::Constant(2, 10);
+        s.gap[1] = gap;
+        return s.system();
+      };
+      const Posed held = with(0), loose = with(10);
+      Solver solver(held.problem().system);
+      Settings settings;
+      settings.method = method;
+      for (bool is_held : {true, false, true, false}) {
+        const Increment& now = (is_held ? held : loose).problem().increment;
+        const Solution a = solver.solve(now, settings, Vector::Zero(4));  // it is held there
+        EXPECT_EQ(a.status, is_held ? Status::converged : Status::not_positive_definite);
+        if (is_held) continue;
+        EXPECT_LT(a.negative.dot(loose.problem().system->entries() * a.negative), -0.1);
+      }
+    }
+}
+
 TEST(Solver, TheDirectionThatNamesAnIndefiniteMatrixIsOne) {
   for (Real factor : {1.5, 1.05, 1.01}) {
     Scene s = block(BlockOptions());

@@ -17,6 +17,7 @@ bool run(SemismoothNewton& newton, Index max_steps, Attempt& a) {
   a.x = newton.x();
   a.branches = newton.branches();
   a.undetermined = newton.undetermined();
+  a.positive = newton.positive();
   return true;
 }
 

@@ -10,6 +10,7 @@ struct Attempt {
   Branches branches;  ///< of x, where Newton's method found it
   bool solved = false;
   bool undetermined = false;  ///< a motion is free, and x has the least
+  bool positive = false;      ///< S is known to be positive definite on open nodes
   Index steps = 0;            ///< of Newton's method, solved or not
   Status status = Status::stagnated;
 };

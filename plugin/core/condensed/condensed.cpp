@@ -8,6 +8,8 @@
 #include "statics/rigid_motions.h"
 #include "statics/undetermined.h"
 #include "statics/floating.h"
+#include "factorization.h"
+#include "linear_algebra.h"
 
 namespace frictioncg {
 
@@ -44,6 +46,7 @@ struct CondensedSolver::Run {
   Solution s;         ///< the best so far
   Real best = infinity;
   bool undetermined = false;  ///< s.x is the least of several
+  bool positive = false;      ///< A is known to have no negative energy at s.x
   bool asked = false;         ///< whether the load can be held
   DenseMatrix rigid = {};     ///< n x k, found where it was asked for
   Observer* observer = nullptr;
@@ -76,6 +79,7 @@ Solution CondensedSolver::solve(const ContactProblem& problem, const Settings& s
     s.x = Vector::Zero(problem.dofs());
     s.certificate = certify(problem, s.x);
   }
+  if (s.status == Status::converged && !run.positive) look_for_negative_energy(run);
   if (s.status != Status::no_equilibrium) settle(run);
   s.state = classify(problem, s.x, s.certificate);
   return std::move(run.s);
@@ -141,6 +145,7 @@ void CondensedSolver::recover(Run& run, const Attempt& a) {
   if (!(certificate.residual < run.best)) return;
   run.best = certificate.residual;
   run.undetermined = a.undetermined;
+  run.positive = a.positive;
   s.x = run.x;
   s.status = a.solved ? Status::converged : a.status;
   s.certificate = std::move(certificate);
@@ -260,6 +265,34 @@ const DenseMatrix& CondensedSolver::rigid_motions_of_A(Run& run) {
   }
   if (known.cols() > 0 && known.cols() >= run.rigid.cols()) run.rigid.swap(known);
   return run.rigid;
+}
+
+/// An answer at which A has negative energy, in a motion of open nodes, is none: it is where a body
+/// that buckles has not buckled. A is positive definite on fewer open nodes where it is on more.
+void CondensedSolver::look_for_negative_energy(Run& run) {
+  Solution& s = run.s;
+  const Branches branches = branches_of(run.problem, s.x, s.certificate);
+  std::vector<char> is_open(system_->contact_dofs(), 0);
+  std::vector<Index> open;
+  bool known = positive_on_.size() == is_open.size();
+  for (Index k = 0; k < system_->nodes(); ++k)
+    for (Index i = system_->first[k]; i < system_->first[k + 1] && !branches[k].closed; ++i) {
+      open.push_back(i - system_->interior());
+      is_open[open.back()] = 1;
+      known = known && positive_on_[open.back()];
+    }
+  if (known || open.empty()) return;
+  DenseMatrix M = elimination_->S()(open, open);
+  if (Cholesky(M).found()) {
+    positive_on_ = std::move(is_open);
+    return;
+  }
+  const Vector of_open = negative_direction(elimination_->S()(open, open));
+  if (of_open.size() == 0) return;
+  Vector p = Vector::Zero(system_->contact_dofs());
+  p(open) = of_open;
+  s.status = Status::not_positive_definite;
+  s.negative = elimination_->extend(p);
 }
 
 /// Takes out of x the rigid motions that nothing determines, where the laws allow it.

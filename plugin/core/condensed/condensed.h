@@ -16,6 +16,7 @@ class CondensedSolver {
   explicit CondensedSolver(SystemPtr system);
 
   Elimination::Outcome factor(double memory_bound) {
+    positive_on_.clear();
     return elimination_->factor(*system_, memory_bound, std::exchange(same_pattern_, false));
   }
   /// Another matrix on the same dofs, to be factored; same_pattern: over the layout of the last.
@@ -45,13 +46,15 @@ class CondensedSolver {
   bool unheld(Run& run, const Statics& statics);
   bool unheld_by_anything(Run& run, const CondensedProblem& condensed);
   const DenseMatrix& rigid_motions_of_A(Run& run);
+  void look_for_negative_energy(Run& run);
   void settle(Run& run);
   bool may_be_idle(const Branches& branches) const;
 
   SystemPtr system_;
   bool same_pattern_ = false;  ///< as the matrix that was factored last
   std::unique_ptr<Elimination> elimination_;
-  Branches last_;  ///< of the last answer: where an increment starts
+  Branches last_;                  ///< of the last answer: where an increment starts
+  std::vector<char> positive_on_;  ///< contact_dofs: where S is known to be positive definite
 };
 
 }  // namespace frictioncg

@@ -1,6 +1,4 @@
 #pragma once
-#include <Eigen/Core>
-
 #include "settings.h"
 #include "model/contact_problem.h"
 

@@ -111,7 +111,7 @@ bool SemismoothNewton::step() {
       for (Index k = 1; k <= laws.tangents(i); ++k) unknown_.push_back(N + k);
   }
   rhs_ = x_.isZero(0) ? problem_.f : problem_.residual(x_);
-  undetermined_ = false;
+  undetermined_ = positive_ = false;
   if (unknown_.empty()) return true;
   const Vector solution = solve_branches();
   if (!solution.allFinite()) return false;
@@ -180,6 +180,7 @@ void SemismoothNewton::for_each_slip(Visit visit) const {
 Vector SemismoothNewton::solve_branches() {
   if (assemble()) {
     const Cholesky llt(M_);
+    positive_ = llt.found();
     if (llt.found() && llt.rcond() > singular) return scale_.asDiagonal() * llt.solve(b_);
   } else {
     if (b_.size() >= large) {

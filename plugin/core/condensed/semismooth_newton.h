@@ -37,6 +37,9 @@ class SemismoothNewton {
   Real residual() const { return residual_; }  ///< of the laws on S: their share of the certificate
   /// The last step left a motion free, and took the least.
   bool undetermined() const { return undetermined_; }
+  bool positive() const {
+    return positive_;
+  }  ///< S is positive definite on what the last step left
 
  private:
   void choose_branches(const Vector& x, const Vector& r);
@@ -60,7 +63,7 @@ class SemismoothNewton {
   std::vector<Index> normal_;  ///< of the unknowns, the normal dof that factor_ refers to
   Index steps_ = 0;
   Real residual_ = 0;
-  bool undetermined_ = false, from_stick_ = false;
+  bool undetermined_ = false, positive_ = false, from_stick_ = false;
 };
 
 }  // namespace frictioncg

@@ -1,8 +1,4 @@
 #pragma once
-#include <functional>
-#include <limits>
-#include <utility>
-
 #include "assembly/mortar/surface.h"
 #include "assembly/slippable.h"
 
@@ -30,8 +26,8 @@ struct Nodes {
 /// How bodies may move as a whole.
 struct Freedom {
   RigidGenerators generators;
-  std::vector<Index> body;             ///< of each node
-  std::vector<DenseMatrix> of_body;    ///< what nothing but contact resists, as columns of generators
+  std::vector<Index> body;           ///< of each node
+  std::vector<DenseMatrix> of_body;  ///< what nothing but contact resists, as columns of generators
   std::vector<DenseMatrix> stiffness;  ///< of A and supports, between generators [force/length]
 };
 

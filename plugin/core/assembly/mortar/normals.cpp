@@ -1,11 +1,5 @@
 #include "assembly/mortar/normals.h"
 
-#include <algorithm>
-#include <cmath>
-#include <map>
-#include <optional>
-#include <set>
-
 #include "assembly/mortar/smooth_side.h"
 #include "assembly/slippable.h"
 
@@ -227,8 +221,8 @@ DenseMatrix slipping(const Freedom& freedom, const DenseMatrix& relative,
                             std::max(allowed / total, of_flats), decided);
 }
 
-/// By how much more A has to resist one motion for another to count as the softer one. What the side
-/// that counts does not see is wrong by the contact's pressure over A's stiffness.
+/// By how much more A has to resist one motion for another to count as the softer one. What the
+/// side that counts does not see is wrong by the contact's pressure over A's stiffness.
 constexpr Real clearly_stiffer = 100;
 
 /// Of a relative motion of two bodies, each of which does its part of it: K (K + L)^-1 L.
@@ -260,7 +254,8 @@ bool master_counts(const Freedom& freedom, const Group& group, const DenseMatrix
   const DenseMatrix all = DenseMatrix::Identity(k, k), of_own = slipping(freedom, all, own),
                     of_other = slipping(freedom, all, group.other);
   if (slipping(freedom, of_other, own).cols() == of_other.cols()) return false;  // alike
-  const auto more = slipping(freedom, free, group.other).cols() - slipping(freedom, free, own).cols();
+  const auto more =
+      slipping(freedom, free, group.other).cols() - slipping(freedom, free, own).cols();
   if (more != 0) return more > 0;
   const bool other_first = std::any_of(group.nodes.begin(), group.nodes.end(),
                                        [](const auto& n) { return n.second.other_first; });
@@ -324,7 +319,8 @@ CommonNormals choose_common_normals(const Nodes& nodes, const std::vector<Side>&
       const std::array<Index, 3> key{static_cast<Index>(p), slave, master};
       CommonNormals::Choice& choice = common.choice[key];
       const bool decided = begun && begun->choice.count(key) > 0;
-      if (decided) choice = begun->choice.at(key);
+      if (decided)
+        choice = begun->choice.at(key);
       else
         choice.master =
             master_counts(*freedom, group, relative,
