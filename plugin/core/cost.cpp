@@ -1,9 +1,5 @@
 #include "cost.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include "statics/rigid_motions.h"
 
 namespace frictioncg {

@@ -1,6 +1,4 @@
 #pragma once
-#include <cmath>
-
 #include "model/system.h"
 
 namespace frictioncg {

@@ -1,9 +1,5 @@
 #include "solver.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include "answer.h"
 #include "condensed/condensed.h"
 #include "gradient_route.h"

@@ -1,6 +1,4 @@
 #pragma once
-#include <memory>
-
 #include "cost.h"
 #include "solution.h"
 #include "statics/floating.h"

@@ -18,13 +18,13 @@ enum class Status {
 
 /// In words, in their order.
 inline constexpr const char* status_names[] = {"converged",
-                                        "max_iterations",
-                                        "stagnated",
-                                        "no_equilibrium",
-                                        "not_positive_definite",
-                                        "fixed_point_diverged",
-                                        "regularized",
-                                        "runaway"};
+                                               "max_iterations",
+                                               "stagnated",
+                                               "no_equilibrium",
+                                               "not_positive_definite",
+                                               "fixed_point_diverged",
+                                               "regularized",
+                                               "runaway"};
 
 static_assert(sizeof(status_names) / sizeof(*status_names) ==
               static_cast<int>(Status::runaway) + 1);

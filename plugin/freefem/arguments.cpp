@@ -53,9 +53,7 @@ void refuse_domain(const basicAC_F0& args) {
 /// Throws IllegalInput unless the rule holds for x, the value of the option p.
 void require(bool holds, Parameter p, double x, const char* rule) {
   if (holds) return;
-  std::ostringstream m;
-  m << name_of(p) << " = " << x << "; " << rule;
-  throw IllegalInput(m.str());
+  refuse(name_of(p), " = ", x, "; ", rule);
 }
 
 /// A bound on the iterations: a whole number that fits, whatever a script writes.
@@ -79,10 +77,10 @@ void refuse_without_effect(const Arguments& args, const Settings& s) {
     const char* const because = args.has(p) ? without_effect(option, s) : nullptr;
     if (!because) continue;
     const bool of_precon = p == p_omega && !takes_newton_steps(s);
-    throw IllegalInput(std::string(name_of(p)) + " has no meaning with " +
-                       (of_precon ? std::string("precon=\"") + name_of(s.precon, preconditioners)
-                                  : std::string("method=\"") + name_of(s.method, methods)) +
-                       "\"" + because);
+    refuse(name_of(p), " has no meaning with ",
+           (of_precon ? std::string("precon=\"") + name_of(s.precon, preconditioners)
+                      : std::string("method=\"") + name_of(s.method, methods)),
+           "\"", because);
   }
 }
 
@@ -102,16 +100,12 @@ void refuse_order(const DofCount& dofs) {
 
 void check_vector(const Vector& v, const char* name, const DofCount& dofs) {
   if (v.size() != dofs.count) {
-    std::ostringstream s;
-    s << name << " has " << v.size() << " entries but " << dofs.in_words()
-      << "; was the mesh changed after " << name << " was computed?";
-    throw IllegalInput(s.str());
+    refuse(name, " has ", v.size(), " entries but ", dofs.in_words(),
+           "; was the mesh changed after ", name, " was computed?");
   }
   for (long i = 0; i < v.size(); ++i) {
     if (std::isfinite(v[i])) continue;
-    std::ostringstream s;
-    s << name << "[" << i << "] = " << v[i] << "; the entries of " << name << " must be finite";
-    throw IllegalInput(s.str());
+    refuse(name, "[", i, "] = ", v[i], "; the entries of ", name, " must be finite");
   }
 }
 
@@ -154,9 +148,7 @@ Triplets matrix_of(Stack stack, Expression expression, const DofCount& dofs) {
     HashMatrix<int, double>* H = A ? A->pHM() : nullptr;
     if (!H) throw IllegalInput("A is empty; assemble it first, as in matrix A = a(Vh, Vh)");
     if (H->n != dofs.count || H->m != dofs.count) {
-      std::ostringstream s;
-      s << "A is " << H->n << " x " << H->m << " but " << dofs.in_words() << "; " << assemble(dofs);
-      throw IllegalInput(s.str());
+      refuse("A is ", H->n, " x ", H->m, " but ", dofs.in_words(), "; ", assemble(dofs));
     }
     Triplets t;
     t.n = H->n;
@@ -214,8 +206,7 @@ std::vector<long> Labels::read(Stack stack, const char* what) const {
   } else {
     for (const Single& label : labels_) all.push_back(label(stack, what));
   }
-  if (all.empty())
-    throw IllegalInput(std::string(what) + " is empty; name the boundary that may touch");
+  if (all.empty()) refuse(what, " is empty; name the boundary that may touch");
   return all;
 }
 

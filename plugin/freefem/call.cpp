@@ -56,8 +56,8 @@ std::shared_ptr<Scene> moved(Stack stack, const Arguments& args, const Scene& be
   const std::shared_ptr<Scene> scene = before.moved_to(read_stage(stack, args));
   const auto require = [&](Parameter p, bool given) {
     if (given && !args.has(p))
-      throw IllegalInput(std::string("at moves the nodes of C, and ") + name_of(p) +
-                         ", which C was made with, is not given; give both");
+      refuse("at moves the nodes of C, and ", name_of(p),
+             ", which C was made with, is not given; give both");
   };
   require(scene->pairing ? p_obstaclenormal : p_normal, before.given_normals);
   require(p_normal, !before.facing.normals.empty());
@@ -83,8 +83,8 @@ void place_obstacle(Stack stack, const Arguments& args, Scene& scene) {
     return;
   }
   if (!args.has(normal) && scene.given_normals)
-    throw IllegalInput(std::string("weight is given with the new matrix, and ") + name_of(normal) +
-                       ", which C was made with, is not; give both");
+    refuse("weight is given with the new matrix, and ", name_of(normal),
+           ", which C was made with, is not; give both");
   scene.nodes = scene.on_mesh;
   scene.averted.clear();
   set_weights(stack, args, scene);
@@ -247,9 +247,9 @@ void check_vectors(const Call& call, const DofCount& dofs) {
 void refuse_motions(const Arguments& args, const Scene& scene) {
   for (Parameter p : of_moving_obstacle)
     if (!scene.moving && args.has(p))
-      throw IllegalInput(std::string(name_of(p)) +
-                         " is of an obstacle that moves, and C was made with none; name pivot or "
-                         "motionfree in contactProblem(...)");
+      refuse(name_of(p),
+             " is of an obstacle that moves, and C was made with none; name pivot or "
+             "motionfree in contactProblem(...)");
 }
 
 Vectors::Vectors(const Call& call, const Scene& scene)

@@ -58,10 +58,8 @@ constexpr Real tgv_ratio = 1e20;
 bool is_huge(Real u, const Scales& s) { return u > tgv_ratio * std::max(s.extent, s.moved); }
 
 [[noreturn]] void refuse_data(const Vector& b, const Vector& u0, long i, const std::string& why) {
-  std::ostringstream m;
-  m << "b[" << i << "] = " << b[i] << " prescribes a displacement of " << u0[i]
-    << " in the Dirichlet row of A; " << why;
-  throw IllegalInput(m.str());
+  refuse("b[", i, "] = ", b[i], " prescribes a displacement of ", u0[i],
+         " in the Dirichlet row of A; ", why);
 }
 
 constexpr const char* different_tgv =
@@ -246,11 +244,9 @@ void refuse_data_without_row(const Scene& scene, const Vector& b, const Scales& 
     const Real size = std::abs(b[i]);
     if (scene.held[i] || !(size > absurd * s.extent * s.stiffness) || size > overflow) continue;
     const DofInWords dof = in_words(scene, i);
-    std::ostringstream m;
-    m << "b[" << i << "] = " << b[i] << " is Dirichlet data, tgv times a displacement, where A has "
-      << "no Dirichlet row: it lacks the on(..., " << dof.component << "=...) at " << dof.place
-      << " that b has; " << assemble_both;
-    throw IllegalInput(m.str());
+    refuse("b[", i, "] = ", b[i], " is Dirichlet data, tgv times a displacement, where A has ",
+           "no Dirichlet row: it lacks the on(..., ", dof.component, "=...) at ", dof.place,
+           " that b has; ", assemble_both);
   }
 }
 

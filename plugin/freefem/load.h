@@ -3,7 +3,6 @@
 
 #include <sys/mman.h>
 
-#include <Eigen/Core>
 #include <cstdlib>
 #include <new>
 

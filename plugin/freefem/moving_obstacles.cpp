@@ -70,12 +70,11 @@ void find_obstacles(const Scene& scene, MovingObstacles& moving) {
   for (std::size_t a = 0; a < moving.labels.size(); ++a) {
     const long label = moving.labels[a];
     if (std::count(moving.labels.begin(), moving.labels.end(), label) > 1)
-      throw IllegalInput("obstacles has label " + std::to_string(label) +
-                         " twice; each obstacle has a label of its own");
+      refuse("obstacles has label ", label, " twice; each obstacle has a label of its own");
     const auto has_it = [label](const BoundaryNode& node) { return node.label == label; };
     if (std::none_of(scene.nodes.begin(), scene.nodes.end(), has_it))
-      throw IllegalInput("obstacles has label " + std::to_string(label) +
-                         ", on which there is no contact node; give labels of the contact");
+      refuse("obstacles has label ", label,
+             ", on which there is no contact node; give labels of the contact");
   }
   moving.rigid.of_point.clear();
   for (const BoundaryNode& node : scene.nodes) {
@@ -115,8 +114,8 @@ std::optional<MovingObstacles> read_obstacles(Stack stack, const Arguments& args
   check_components(p_motionfree, free, *moving, scene.d);
   for (std::size_t k = 0; k < free.size(); ++k) {
     if (free[k] != 0 && free[k] != 1)
-      throw IllegalInput("motionfree[" + std::to_string(k) + "] = " + std::to_string(free[k]) +
-                         "; 1 is a component that is free under its load, 0 one that is given");
+      refuse("motionfree[", k, "] = ", free[k],
+             "; 1 is a component that is free under its load, 0 one that is given");
     moving->rigid.free[k] = static_cast<char>(free[k]);
   }
   return moving;
@@ -149,9 +148,9 @@ void with_components_in_words(const Scene& scene, const std::function<void()>& m
   try {
     make();
   } catch (const UselessComponent& e) {
-    throw IllegalInput("motionfree[" + std::to_string(e.component) + "] = 1, but the " +
-                       component_in_words(*scene.moving, scene.d, e.component) +
-                       " moves no contact node, and nothing says what it is; set 0 there");
+    refuse("motionfree[", e.component, "] = 1, but the ",
+           component_in_words(*scene.moving, scene.d, e.component),
+           " moves no contact node, and nothing says what it is; set 0 there");
   }
 }
 
@@ -192,10 +191,8 @@ void Motions::complete(const MovingObstacles& moving, int d) {
 
 [[noreturn]] void Motions::refuse(Parameter p, Index k, Real value, const char* why,
                                   const MovingObstacles& moving, int d) {
-  std::ostringstream m;
-  m << name_of(p) << "[" << k << "] = " << value << " is of the "
-    << component_in_words(moving, d, k) << why;
-  throw IllegalInput(m.str());
+  frictioncg::refuse(name_of(p), "[", k, "] = ", value, " is of the ",
+                     component_in_words(moving, d, k), why);
 }
 
 }  // namespace frictioncg

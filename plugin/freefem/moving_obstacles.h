@@ -11,11 +11,9 @@ template <class Array>
 void check_components(Parameter p, const Array& values, const MovingObstacles& moving, int d) {
   if (static_cast<Index>(values.size()) == moving.rigid.dofs()) return;
   const Index each = rigid_components(d), count = moving.rigid.dofs() / each;
-  std::ostringstream m;
-  m << name_of(p) << " has " << values.size() << " values; " << count
-    << (count == 1 ? " obstacle takes " : " obstacles take ") << moving.rigid.dofs() << ", "
-    << (d == 2 ? "2 translations and a rotation" : "3 translations and 3 rotations") << " each";
-  throw IllegalInput(m.str());
+  refuse(name_of(p), " has ", values.size(), " values; ", count,
+         (count == 1 ? " obstacle takes " : " obstacles take "), moving.rigid.dofs(), ", ",
+         (d == 2 ? "2 translations and a rotation" : "3 translations and 3 rotations"), " each");
 }
 
 /// The obstacle of each contact point, by its label.

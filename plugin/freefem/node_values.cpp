@@ -10,15 +10,13 @@ namespace {
 void check_value(Parameter p, double x, const BoundaryNode& node, int d) {
   const bool is_gap = p == p_gap || p == p_obstaclegap;
   if (std::isfinite(x) && (is_gap || x >= 0)) return;
-  std::ostringstream m;
-  m << name_of(p) << " = " << x << " at " << place(node, d) << "; "
-    << (p == p_mu || p == p_mu2 ? "a friction coefficient is a number >= 0"
-        : is_gap                ? "a gap is a finite length"
-        : p == p_weight         ? "a weight is a number >= 0"
-        : p == p_cohesion       ? "a cohesion is a traction >= 0"
-        : p == p_shearmax       ? "the largest shear is a traction >= 0"
-                                : "a sliding limit is a traction >= 0");
-  throw IllegalInput(m.str());
+  refuse(name_of(p), " = ", x, " at ", place(node, d), "; ",
+         (p == p_mu || p == p_mu2 ? "a friction coefficient is a number >= 0"
+          : is_gap                ? "a gap is a finite length"
+          : p == p_weight         ? "a weight is a number >= 0"
+          : p == p_cohesion       ? "a cohesion is a traction >= 0"
+          : p == p_shearmax       ? "the largest shear is a traction >= 0"
+                                  : "a sliding limit is a traction >= 0"));
 }
 
 /// The gap at the contact points of pairs. A given one replaces that of the meshes.
@@ -68,10 +66,10 @@ void keep_normals(const Scene& scene) {
 void check_laws(const Arguments& args, const PointLaws& given) {
   for (Parameter p : {p_mu, p_cohesion, p_shearmax})
     if (args.has(p) && args.has(p_slidinglimit))
-      throw IllegalInput(std::string(name_of(p)) +
-                         " and slidinglimit are both given; friction takes mu, cohesion and "
-                         "shearmax, min(cohesion + mu p, shearmax), a limit without a pressure p "
-                         "slidinglimit alone");
+      refuse(name_of(p),
+             " and slidinglimit are both given; friction takes mu, cohesion and "
+             "shearmax, min(cohesion + mu p, shearmax), a limit without a pressure p "
+             "slidinglimit alone");
   if (args.has(p_shearmax) && !args.has_any(frictions) && given.law != Law::coulomb)
     throw IllegalInput(
         "shearmax bounds friction, and there is none; give mu or cohesion with it, or the limit "
@@ -156,9 +154,8 @@ void set_normals(Stack stack, const Arguments& args, Scene& scene) {
     scene.go_to(stack, node);
     std::array<Real, 3> n{};
     if (!unit_vector(stack, args, normal, scene.d, n))
-      throw IllegalInput(std::string(name_of(normal)) + " has no direction at " +
-                         place(node, scene.d) +
-                         "; give the outward normal of the body, of any length > 0");
+      refuse(name_of(normal), " has no direction at ", place(node, scene.d),
+             "; give the outward normal of the body, of any length > 0");
     node.point.normal = n;
     if (node.begun) {
       scene.go_to(stack, *node.begun);
@@ -202,10 +199,8 @@ void set_orthotropy(Stack stack, const Arguments& args, const Vector& mu, Scene&
   for (std::size_t k = 0; k < scene.nodes.size(); ++k) {
     BoundaryNode& node = scene.nodes[k];
     if ((mu[k] > 0) != (mu2[k] > 0)) {
-      std::ostringstream m;
-      m << "mu = " << mu[k] << " but mu2 = " << mu2[k] << " at " << place(node, scene.d)
-        << "; both coefficients are > 0, or both are 0";
-      throw IllegalInput(m.str());
+      refuse("mu = ", mu[k], " but mu2 = ", mu2[k], " at ", place(node, scene.d),
+             "; both coefficients are > 0, or both are 0");
     }
     if (mu[k] == 0) continue;
     ContactPoint& p = node.point;
@@ -221,9 +216,9 @@ void set_orthotropy(Stack stack, const Arguments& args, const Vector& mu, Scene&
 
 void refuse_friction_of_none(const char* name, const Arguments& args, const Scene& scene) {
   if (scene.tangents || !args.has_any(frictions)) return;
-  throw IllegalInput(std::string(name) +
-                     " was made without friction; name mu, cohesion or slidinglimit in "
-                     "contactProblem(...), too");
+  refuse(name,
+         " was made without friction; name mu, cohesion or slidinglimit in "
+         "contactProblem(...), too");
 }
 
 PointLaws begun_laws(Stack stack, const Arguments& args, PointLaws given) {

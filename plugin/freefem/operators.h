@@ -275,8 +275,7 @@ inline void refuse_what_C_lacks(const Arguments& args, const Scene& scene) {
   refuse_motions(args, scene);
   for (Parameter p : {p_obstaclegap, p_obstaclenormal, p_obstacleforce})
     if (scene.beside_pairs == 0 && args.has(p))
-      throw IllegalInput(std::string(name_of(p)) +
-                         " is that of an obstacle beside pairs; C was made without obstacle=");
+      refuse(name_of(p), " is that of an obstacle beside pairs; C was made without obstacle=");
 }
 
 /// u[] = frictionalContactCG(C, b, ...)
@@ -350,8 +349,7 @@ class Renew : public E_F0mps {
   void check_normals(int d) const {
     for (Parameter p : {p_normal, p_obstaclenormal})
       if (arguments_.has(p) && arguments_.dimension(p) != d)
-        throw IllegalInput(std::string(name_of(p)) + " has " + (d == 3 ? "2" : "3") +
-                           " components, and C is of dimension " + std::to_string(d));
+        refuse(name_of(p), " has ", (d == 3 ? "2" : "3"), " components, and C is of dimension ", d);
   }
   Arguments arguments_;
   Expression C_, A_, b_;

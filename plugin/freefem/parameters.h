@@ -117,8 +117,7 @@ T choose(const char* parameter, const std::string& value, const Choice<T> (&choi
     if (value == c.name) return c.value;
     known += std::string(known.empty() ? "\"" : ", \"") + c.name + "\"";
   }
-  throw IllegalInput(std::string(parameter) + " = \"" + value + "\" is unknown; choose from " +
-                     known);
+  refuse(parameter, " = \"", value, "\" is unknown; choose from ", known);
 }
 
 template <class T, std::size_t count>

@@ -62,9 +62,9 @@ void refuse_second_role(const std::vector<long>& obstacle, const std::vector<lon
                         const char* role) {
   for (long label : obstacle)
     if (std::count(side.begin(), side.end(), label))
-      throw IllegalInput("label " + std::to_string(label) + " is " + role +
-                         " and on the obstacle; a boundary touches one of them: give its parts "
-                         "labels of their own");
+      refuse("label ", label, " is ", role,
+             " and on the obstacle; a boundary touches one of them: give its parts "
+             "labels of their own");
 }
 
 /// Which labels of an obstacle are on which of two meshes.
@@ -76,11 +76,10 @@ std::array<std::vector<long>, 2> by_mesh(const Space& V1, const Space& V2,
   for (long label : obstacle) {
     const bool in_first = first.count(label) > 0, in_second = second.count(label) > 0;
     if (in_first == in_second)
-      throw IllegalInput(
-          "obstacle has the label " + std::to_string(label) +
-          (in_first ? ", which is on the mesh of V1 and on that of V2; give one of them another "
-                      "label, by change(Th, label=...)"
-                    : ", which is neither on the mesh of V1 nor on that of V2"));
+      refuse("obstacle has the label ", label,
+             (in_first ? ", which is on the mesh of V1 and on that of V2; give one of them another "
+                         "label, by change(Th, label=...)"
+                       : ", which is neither on the mesh of V1 nor on that of V2"));
     labels[in_first ? 0 : 1].push_back(label);
   }
   return labels;

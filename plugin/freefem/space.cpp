@@ -426,7 +426,7 @@ class BoundaryNodes {
           of->second.push_back(ib);
       for (long label : labels) add(label, facets);
     } catch (const UnfitSpace& e) {
-      throw IllegalInput(std::string(words.name) + " " + e.what());
+      refuse(words.name, " ", e.what());
     }
   }
   Boundary take() { return {std::move(nodes_), std::move(facets_), place_.is_moved()}; }
@@ -478,20 +478,18 @@ class BoundaryNodes {
     throw IllegalInput(s.str());
   }
   [[noreturn]] void refuse_inside(long label, const R3& x) const {
-    throw IllegalInput("label " + std::to_string(label) + " lies inside the body at " +
-                       coordinates(as_vector(x), D::d) + ", with elements on both sides of its " +
-                       D::facet_name + "s; " + words_.inside);
+    refuse("label ", label, " lies inside the body at ", coordinates(as_vector(x), D::d),
+           ", with elements on both sides of its ", D::facet_name, "s; ", words_.inside);
   }
   /// By the middle of its facet, on the mesh.
   [[noreturn]] void refuse_inverted(long label, int k, const FacetNodes& facet) const {
     R3 middle;
     for (const FacetNodes::Node& n : facet.node)
       if (n.corner) middle += D::position(Vh_.Th, k, n.hat) / D::d;
-    throw IllegalInput(place_.moved_by() + " turns the element behind the " + D::facet_name +
-                       " at " + coordinates(as_vector(middle), D::d) + " on label " +
-                       std::to_string(label) +
-                       " inside out, or makes it flat; take a smaller increment of the load, or a "
-                       "part of the step");
+    refuse(place_.moved_by(), " turns the element behind the ", D::facet_name, " at ",
+           coordinates(as_vector(middle), D::d), " on label ", label,
+           " inside out, or makes it flat; take a smaller increment of the load, or a "
+           "part of the step");
   }
 
   const SpaceInWords& words_;
@@ -514,7 +512,7 @@ SpacePtr space_of(Stack stack, Expression e, const char* name) {
     typename V::pfes* p = GetAny<typename V::pfes*>((*e)(stack));
     return p && *p ? static_cast<typename V::FESpace*>(**p) : nullptr;
   });
-  if (!Vh) throw IllegalInput(std::string(name) + " is not a finite-element space");
+  if (!Vh) refuse(name, " is not a finite-element space");
   return std::make_shared<const SpaceOn<typename V::FESpace>>(*Vh);
 }
 

@@ -36,8 +36,8 @@ class JoinedDomains : public E_F0mps {
   AnyType operator()(Stack stack) const override {
     const auto a = GetAny<C>((*first_)(stack))->get(), b = GetAny<C>((*second_)(stack))->get();
     if (!a != !b)
-      throw IllegalInput(std::string("domain = [C1, C2]: the ") + (a ? "second" : "first") +
-                         " is a contactdomain that is not set; let createMat(Th, C, Pk) set both");
+      refuse("domain = [C1, C2]: the ", (a ? "second" : "first"),
+             " is a contactdomain that is not set; let createMat(Th, C, Pk) set both");
     auto* joined = new ContactDomainVariable;
     if (a) joined->set(std::make_shared<const Domain>(*a, *b));
     return SetAny<C>(Add2StackOfPtr2Free(stack, joined));

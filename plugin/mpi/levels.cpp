@@ -96,10 +96,10 @@ void refuse_options_without_effect() {
     PetscBool given = PETSC_FALSE;
     check(PetscOptionsHasName(nullptr, petsc_prefix, name, &given));
     if (given)
-      throw IllegalInput("PETSc's option -" + std::string(petsc_prefix) + (name + 1) +
-                         " has no meaning here: GAMG makes levels and prolongations alone; leave "
-                         "it out, and set the cycle by -" +
-                         petsc_prefix + "mg_levels_... and -" + petsc_prefix + "mg_coarse_...");
+      refuse("PETSc's option -", petsc_prefix, (name + 1),
+             " has no meaning here: GAMG makes levels and prolongations alone; leave "
+             "it out, and set the cycle by -",
+             petsc_prefix, "mg_levels_... and -", petsc_prefix, "mg_coarse_...");
   }
 }
 

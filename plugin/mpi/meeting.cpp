@@ -215,7 +215,7 @@ void Comparison::refuse(MPI_Comm communicator, const Item& item, int a, int b) c
     return (value.empty() ? "not given" : value) + " on rank " + std::to_string(rank);
   };
   const std::string of_a = words(a), of_b = words(b);
-  throw IllegalInput(std::string(item.name) + " is " + of_a + ", but " + of_b +
+  frictioncg::refuse(item.name, " is ", of_a, ", but ", of_b,
                      "; make the same call on all processes");
 }
 

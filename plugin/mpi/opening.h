@@ -23,20 +23,20 @@ inline std::string in_brackets(const std::vector<long>& labels) {
 inline void refuse_obstacles(const Arguments& args) {
   for (Parameter p : of_obstacle_beside_pairs)
     if (args.has(p))
-      throw IllegalInput(std::string(name_of(p)) +
-                         " is of one process; with domain= a call has pairs or an obstacle, not "
-                         "both: mesh the obstacle as a master that Dirichlet conditions hold");
+      refuse(name_of(p),
+             " is of one process; with domain= a call has pairs or an obstacle, not "
+             "both: mesh the obstacle as a master that Dirichlet conditions hold");
   for (Parameter p : of_moving_obstacle)
     if (args.has(p))
-      throw IllegalInput(std::string(name_of(p)) +
-                         " is of an obstacle that moves, which one process alone has; leave out "
-                         "domain=, or search over gap");
+      refuse(name_of(p),
+             " is of an obstacle that moves, which one process alone has; leave out "
+             "domain=, or search over gap");
 }
 
 /// What several processes do not do is refused by name.
 inline void refuse_options(const Arguments& args, bool two_bodies) {
   const auto refuse = [&](Parameter p, const char* why) {
-    if (args.has(p)) throw IllegalInput(std::string(name_of(p)) + " " + why);
+    if (args.has(p)) frictioncg::refuse(name_of(p), " ", why);
   };
   const char* const own =
       "belongs to methods of one process; with domain= there is multigrid alone";
@@ -49,9 +49,9 @@ inline void refuse_options(const Arguments& args, bool two_bodies) {
 /// Multigrid is what method="auto" stands for.
 inline void set_method(Settings& settings) {
   if (settings.method != Method::automatic && settings.method != Method::multigrid)
-    throw IllegalInput(std::string("method=\"") + name_of(settings.method, methods) +
-                       "\" is of one process; with domain= there is method=\"multigrid\" alone: "
-                       "leave it out");
+    refuse("method=\"", name_of(settings.method, methods),
+           "\" is of one process; with domain= there is method=\"multigrid\" alone: "
+           "leave it out");
   settings.method = Method::multigrid;
 }
 

@@ -11,11 +11,10 @@ namespace frictioncg {
 inline std::shared_ptr<const Domain> domain_of(Stack stack, const Arguments& args,
                                                const Site& site) {
   if (mpisize > 1 && !args.has(p_domain))  // 0 in FreeFem++ itself
-    throw IllegalInput(
-        "there are " + std::to_string(mpisize) +
-        " processes, and each would take its own matrix for the whole problem; give domain=C, "
-        "which createMat(Th, C, Pk) makes, or, for a problem of its own on each process, a "
-        "contactdomain that is not set");
+    refuse("there are ", mpisize,
+           " processes, and each would take its own matrix for the whole problem; give domain=C, "
+           "which createMat(Th, C, Pk) makes, or, for a problem of its own on each process, a "
+           "contactdomain that is not set");
   if (!args.has(p_domain)) return nullptr;
   auto domain = evaluated(name_of(p_domain), [&] {
                   return GetAny<ContactDomainVariable*>((*args.expression(p_domain))(stack));

@@ -14,26 +14,24 @@ inline std::vector<long> labels_here(const Domain& domain, const std::set<long>&
   std::vector<long> present;
   for (long label : labels) {
     if (label == cut)
-      throw IllegalInput("label " + std::to_string(label) +
-                         " is what macro_ddm.idp gives to the cuts between processes, which "
-                         "touch nothing; name labels of the whole mesh's boundary");
+      refuse("label ", label,
+             " is what macro_ddm.idp gives to the cuts between processes, which "
+             "touch nothing; name labels of the whole mesh's boundary");
     const bool here = boundary.count(label) > 0;
     if (here) present.push_back(label);
     if (domain.largest(here) == 0)
-      throw IllegalInput("label " + std::to_string(label) +
-                         " is not on the boundary of any part of " + mesh);
+      refuse("label ", label, " is not on the boundary of any part of ", mesh);
   }
   return present;
 }
 
 inline void check_size(const Domain& domain, const DofCount& dofs) {
   if (dofs.count == domain.dofs() && (domain.first() == 0 || domain.first() == dofs.first)) return;
-  throw IllegalInput(
-      dofs.in_words() + " but the domain " + std::to_string(domain.dofs()) +
-      (dofs.first == 0
-           ? "; make it by createMat(Th, C, Pk) with the mesh and the elements of Vh"
-           : "; give domain=[C1, C2], made by createMat(Th1, C1, Pk) and createMat(Th2, C2, Pk) "
-             "with the meshes of V1 and V2"));
+  refuse(dofs.in_words(), " but the domain ", domain.dofs(),
+         (dofs.first == 0
+              ? "; make it by createMat(Th, C, Pk) with the mesh and the elements of Vh"
+              : "; give domain=[C1, C2], made by createMat(Th1, C1, Pk) and createMat(Th2, C2, Pk) "
+                "with the meshes of V1 and V2"));
 }
 
 /// As owners of nodes have it.   Collective.

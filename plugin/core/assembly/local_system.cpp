@@ -1,9 +1,5 @@
 #include "assembly/local_system.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include "model/validate.h"
 
 namespace frictioncg {

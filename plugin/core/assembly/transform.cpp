@@ -1,11 +1,5 @@
 #include "assembly/transform.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <memory>
-#include <numeric>
-
 namespace frictioncg {
 
 namespace {

@@ -1,10 +1,6 @@
 #include "model/system.h"
 #include "model/validate.h"
 
-#include <algorithm>
-#include <cmath>
-#include <numeric>
-
 namespace frictioncg {
 
 bool costs_no_energy(const System& system, const Vector& w) {

@@ -1,10 +1,4 @@
 #pragma once
-#include <Eigen/Core>
-
-#include <functional>
-#include <memory>
-#include <vector>
-
 #include "types.h"
 
 namespace frictioncg {

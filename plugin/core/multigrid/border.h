@@ -1,6 +1,4 @@
 #pragma once
-#include <Eigen/Core>
-
 #include "multigrid/block_matrix.h"
 
 namespace frictioncg {

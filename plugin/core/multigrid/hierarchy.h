@@ -1,7 +1,4 @@
 #pragma once
-#include <Eigen/Core>
-#include <memory>
-
 #include "model/system.h"
 #include "multigrid/node_blocks.h"
 

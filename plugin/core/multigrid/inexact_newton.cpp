@@ -1,8 +1,5 @@
 #include "multigrid/inexact_newton.h"
 
-#include <cmath>
-#include <utility>
-
 #include "multigrid/bed.h"
 
 namespace frictioncg {

@@ -1,6 +1,4 @@
 #pragma once
-#include <limits>
-
 #include "model/certificate.h"
 #include "model/proximal_springs.h"
 #include "multigrid/conjugate_residuals.h"

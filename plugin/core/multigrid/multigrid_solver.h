@@ -1,6 +1,4 @@
 #pragma once
-#include <Eigen/Core>
-
 #include "multigrid/faces.h"
 #include "multigrid/past.h"
 #include "solution.h"

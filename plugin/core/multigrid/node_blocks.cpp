@@ -1,8 +1,5 @@
 #include "multigrid/node_blocks.h"
 
-#include <algorithm>
-#include <string>
-
 #include "multigrid/block_index.h"
 
 namespace frictioncg {
@@ -32,9 +29,8 @@ NodeBlocks make_node_blocks(const std::vector<Index>& mesh_node, int dimension,
     Index place = 0;
     while (place < dimension && b.dof[begin + place] >= 0) ++place;
     if (place == dimension)
-      throw IllegalInput("mesh node " + std::to_string(mesh_node[p]) + " has more than " +
-                         std::to_string(dimension) +
-                         " degrees of freedom; multigrid takes displacements only");
+      refuse("mesh node ", mesh_node[p], " has more than ", dimension,
+             " degrees of freedom; multigrid takes displacements only");
     b.dof[begin + place] = p;
     b.slot[p] = begin + place;
   }

@@ -1,8 +1,5 @@
 #include "multigrid/prolongation.h"
 
-#include <array>
-#include <cmath>
-
 #include "multigrid/block_index.h"
 #include "multigrid/smoother.h"
 

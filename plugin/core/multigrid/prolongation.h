@@ -1,6 +1,4 @@
 #pragma once
-#include <Eigen/Core>
-
 #include "multigrid/aggregation.h"
 
 namespace frictioncg {

@@ -1,7 +1,5 @@
 #include "sparse/sparse_solver.h"
 
-#include <algorithm>
-
 #include "condensed/interior_point.h"
 #include "sparse/sparse_path.h"
 

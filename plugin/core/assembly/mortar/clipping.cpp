@@ -1,7 +1,6 @@
 #include "assembly/mortar/clipping.h"
 
 #include <Eigen/LU>
-#include <cmath>
 
 namespace frictioncg::mortar {
 

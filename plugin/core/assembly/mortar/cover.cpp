@@ -1,9 +1,5 @@
 #include "assembly/mortar/cover.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include "assembly/mortar/search.h"
 #include "assembly/mortar/self_contact.h"
 #include "assembly/mortar/sheets.h"

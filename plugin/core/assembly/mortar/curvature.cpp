@@ -1,8 +1,5 @@
 #include "assembly/mortar/curvature.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace frictioncg::mortar {
 
 namespace {

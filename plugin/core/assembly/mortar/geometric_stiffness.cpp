@@ -1,8 +1,5 @@
 #include "assembly/mortar/geometric_stiffness.h"
 
-#include <algorithm>
-#include <set>
-
 #include "assembly/mortar/moments.h"
 #include "assembly/mortar/smooth_side.h"
 #include "assembly/mortar/turning_normal.h"

@@ -1,7 +1,5 @@
 #include "assembly/mortar/label_pairs.h"
 
-#include <algorithm>
-
 #include "types.h"
 
 namespace frictioncg::mortar {

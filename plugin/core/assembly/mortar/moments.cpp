@@ -1,9 +1,5 @@
 #include "assembly/mortar/moments.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <map>
 #include <tuple>
 
 #include "assembly/mortar/clipping.h"

@@ -1,7 +1,4 @@
 #pragma once
-#include <map>
-#include <optional>
-
 #include "assembly/mortar/mortar.h"
 #include "assembly/mortar/topology.h"
 

@@ -1,9 +1,5 @@
 #include "assembly/mortar/mortar.h"
 
-#include <algorithm>
-#include <map>
-#include <stdexcept>
-
 #include "assembly/mortar/geometric_stiffness.h"
 #include "assembly/mortar/moments.h"
 #include "assembly/mortar/self_contact.h"

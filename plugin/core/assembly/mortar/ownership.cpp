@@ -1,7 +1,5 @@
 #include "assembly/mortar/ownership.h"
 
-#include <algorithm>
-#include <map>
 #include <tuple>
 
 #include "assembly/mortar/self_contact.h"

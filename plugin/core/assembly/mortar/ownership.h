@@ -1,7 +1,4 @@
 #pragma once
-#include <map>
-#include <optional>
-
 #include "assembly/mortar/cover.h"
 #include "assembly/mortar/dual_basis.h"
 #include "assembly/mortar/integration.h"

@@ -1,10 +1,5 @@
 #include "assembly/mortar/search.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <numeric>
-
 namespace frictioncg::mortar {
 
 namespace {

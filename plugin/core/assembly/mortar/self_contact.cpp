@@ -1,9 +1,5 @@
 #include "assembly/mortar/self_contact.h"
 
-#include <algorithm>
-#include <cmath>
-#include <map>
-
 #include "assembly/mortar/search.h"
 #include "assembly/mortar/validation.h"
 #include "linear_algebra.h"

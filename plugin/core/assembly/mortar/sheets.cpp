@@ -1,10 +1,5 @@
 #include "assembly/mortar/sheets.h"
 
-#include <algorithm>
-#include <cmath>
-#include <map>
-#include <set>
-
 namespace frictioncg::mortar {
 
 namespace {

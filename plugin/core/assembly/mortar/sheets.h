@@ -1,6 +1,4 @@
 #pragma once
-#include <functional>
-
 #include "assembly/mortar/cover.h"
 
 namespace frictioncg::mortar {

@@ -1,6 +1,4 @@
 #pragma once
-#include <map>
-
 #include "assembly/mortar/surface.h"
 
 namespace frictioncg::mortar {

@@ -1,9 +1,5 @@
 #include "assembly/mortar/smooth_side.h"
 
-#include <algorithm>
-#include <cmath>
-#include <map>
-
 namespace frictioncg::mortar {
 
 namespace {

@@ -1,8 +1,6 @@
 #pragma once
 #include <Eigen/Geometry>
 
-#include <array>
-
 #include "types.h"
 
 namespace frictioncg::mortar {

@@ -1,8 +1,5 @@
 #include "assembly/mortar/topology.h"
 
-#include <algorithm>
-#include <set>
-
 namespace frictioncg::mortar {
 
 namespace {

@@ -1,7 +1,5 @@
 #include "assembly/mortar/turning_normal.h"
 
-#include <algorithm>
-
 #include "assembly/mortar/smooth_side.h"
 
 namespace frictioncg::mortar {

@@ -1,10 +1,5 @@
 #include "assembly/mortar/validation.h"
 
-#include <algorithm>
-#include <cmath>
-#include <map>
-#include <sstream>
-
 #include "assembly/mortar/search.h"
 
 namespace frictioncg::mortar {
@@ -150,9 +145,7 @@ bool may_carry_later(const Arrangement& of, const Side& slave) {
 
 void validate_pairs(const Nodes& nodes, const std::vector<Pair>& pairs, const Options& options) {
   if (!(options.maxgap > 0)) {
-    std::ostringstream m;
-    m << "maxgap = " << options.maxgap << "; it must be > 0";
-    throw IllegalInput(m.str());
+    refuse("maxgap = ", options.maxgap, "; it must be > 0");
   }
   refuse_common_facets(nodes.dimension, pairs);
   if (options.element_groups) refuse_merged_nodes(nodes, pairs, options);
