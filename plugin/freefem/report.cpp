@@ -57,7 +57,8 @@ std::string remedy(const Solution& solution, const Settings& s) {
     case Status::stagnated:
       if (c.residual <= 10 * c.attainable) {
         std::ostringstream m;
-        m << "rounding leaves about " << c.attainable << " of it in any case; raise tol";
+        m << "rounding leaves about " << c.attainable
+          << " of it in any case; raise tol, or, of two bodies, let the softer one be the slave";
         return m.str();
       }
       return takes_newton_steps(s)

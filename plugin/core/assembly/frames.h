@@ -23,7 +23,9 @@ struct ContactNode {
 /// What is wrong with the obstacles at a node.
 constexpr const char* dependent_normals =
     " have linearly dependent normals on what is free to move there; give one normal for all of "
-    "them, or labels that leave one of these faces out";
+    "them, or labels that leave one of these faces out; a curved face is one where its facets meet "
+    "by "
+    "less than 30 degrees";
 constexpr const char* different_gaps =
     " are at different gaps along the one direction that is free to move there, and bilateral "
     "contact can follow one alone; give one gap, or labels that leave one of these faces out";
@@ -33,7 +35,7 @@ struct ConflictingObstacles : IllegalInput {
   ConflictingObstacles(Index point_, const std::string& where, const char* why_)
       : IllegalInput("the obstacles at " + where + why_), point(point_), why(why_) {}
   Index point;      ///< contact point: the last of the mesh node
-  const char* why;  ///< dependent_normals or different_gaps
+  const char* why;  ///< dependent_normals, different_gaps, or of obstacles that move
 };
 
 /// Local frames at the contact points.
