@@ -10,20 +10,6 @@ namespace {
 /// Residuals up to this many times what rounding leaves are its work.
 constexpr Real rounding_margin = 10;
 
-/// Of p'Ap over the rounding of |p|'|A||p|: assembly leaves some units of it, and conjugate
-/// gradients on nearly free bodies meet such directions where contact cannot hold them.
-constexpr Real beyond_rounding = 1000;
-
-/// Whether p'Ap < 0, on the matrix itself: what a method met on its way may be drift, or the
-/// rounding of an elimination.
-bool costs_negative_energy(const System& system, const Vector& p) {
-  if (system.largest(p.size()) == 0) return false;
-  Vector Ap;
-  const Vector sizes = system.multiply_sized(p, Ap);
-  const Real energy = system.sum(p.dot(Ap)), size = system.sum(p.cwiseAbs().dot(sizes));
-  return energy < -beyond_rounding * std::numeric_limits<Real>::epsilon() * size;
-}
-
 /// Neither a load nor a penetration, on any process: the body stays where it is, whatever else
 /// could move it.
 bool at_rest(const ContactProblem& problem) {

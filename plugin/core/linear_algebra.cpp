@@ -41,23 +41,31 @@ DenseMatrix null_space(const DenseRef& A, Real tolerance) {
 Vector negative_direction(DenseMatrix M) {
   constexpr Real rounding = 1e-12;  // over the diagonal: a rigid motion leaves no more of a pivot
   const Index n = static_cast<Index>(M.rows());
+  const auto row = [&](Index i, Index k) { return Vector(M.row(i).head(k).transpose()); };
+  // p = v and what the first k rows, of which L has taken the place, make of that
+  const auto completed = [&](Vector v, Index k, const Vector& of_first) {
+    v.head(k) = -M.topLeftCorner(k, k).triangularView<Eigen::Lower>().transpose().solve(of_first);
+    return v;
+  };
   for (Index k = 0; k < n; ++k) {
-    const Vector row = M.row(k).head(k).transpose();  // of L, which takes the place of M
+    const Vector of_k = row(k, k);
     Vector column = M.col(k).tail(n - k);
-    column.noalias() -= M.block(k, 0, n - k, k) * row;
-    const Real pivot = column[0], resolved = rounding * std::abs(M(k, k));
-    if (pivot < -resolved) {
-      Vector p = Vector::Zero(n);
-      p[k] = 1;
-      p.head(k) = -M.topLeftCorner(k, k).triangularView<Eigen::Lower>().transpose().solve(row);
-      return p;
-    }
-    if (pivot > resolved) {
+    column.noalias() -= M.block(k, 0, n - k, k) * of_k;
+    const Real pivot = column[0], size = std::abs(M(k, k));
+    if (pivot < -rounding * size) return completed(Vector::Unit(n, k), k, of_k);
+    if (pivot > rounding * size) {
       M.col(k).tail(n - k) = column / std::sqrt(pivot);
-    } else {
-      M.col(k).tail(n - k).setZero();
-      M(k, k) = 1;
+      continue;
     }
+    for (Index j = k + 1; j < n; ++j) {  // d + 2 t c < 0, where t^2 costs nothing
+      const Vector of_j = row(j, k);
+      const Real c = column[j - k], d = M(j, j) - of_j.squaredNorm();
+      if (c * c <= rounding * size * std::abs(M(j, j))) continue;
+      const Real t = -(std::abs(d) + std::abs(c)) / c;
+      return completed(Vector::Unit(n, j) + t * Vector::Unit(n, k), k, of_j + t * of_k);
+    }
+    M.col(k).tail(n - k).setZero();
+    M(k, k) = 1;
   }
   return {};
 }

@@ -31,8 +31,7 @@ DenseMatrix orthonormal(const DenseRef& A);
 /// An orthonormal basis of the v with |Av| <= tolerance |v|.
 DenseMatrix null_space(const DenseRef& A, Real tolerance);
 
-/// Some p with p'Mp < 0, of M symmetric; empty where Cholesky's method finds none. Where a pivot is
-/// below 0, p is 1 there, and what the rows before it make of that.
+/// Some p with p'Mp < 0, of M symmetric; empty where the pivots of Cholesky's method show none.
 Vector negative_direction(DenseMatrix M);
 
 }  // namespace frictioncg

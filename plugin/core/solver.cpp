@@ -71,7 +71,8 @@ Status replace_if_better(Solution& s, Solution t) {
 /// bound on the iterations.
 void try_without_factor(const ContactProblem& problem, const Settings& settings, Observer* observer,
                         FloatingMotions& floating, Solution& s) {
-  if (decided(s)) return;
+  const bool has_negative_energy = s.status == Status::not_positive_definite;  // where laws hold
+  if (decided(s) || (has_negative_energy && s.certificate.residual <= settings.tol)) return;
   if (is_rounding(s.certificate)) return decide_on_equilibrium(problem, floating, s);
   Settings rest = without_factor(settings);
   rest.nbiter = bound_of(problem, settings) - s.iterations;

@@ -69,7 +69,8 @@ std::string remedy(const Solution& solution, const Settings& s) {
     case Status::no_equilibrium:
       return "contact, friction and supports cannot hold this load";
     case Status::not_positive_definite:
-      return "A must be positive semi-definite; check its coefficients";
+      return "A must be positive semi-definite where contact does not hold the body, and a tangent "
+             "is not where the body buckles; check its coefficients";
     case Status::fixed_point_diverged:
       return condenses(s) ? "mu is large for this scene; apply the load in increments"
                           : "mu is large for this method; leave method out, or apply the "

@@ -113,7 +113,12 @@ TEST(LinearAlgebra, ADirectionIsNegativeWhereThereIsOne) {
   M.topLeftCorner(2, 2) << 1, -1, -1, 1;
   EXPECT_EQ(negative_direction(M).size(), 0);
   M.bottomRightCorner(2, 2) << 1, 2, 2, 1;
-  const Vector p = negative_direction(M);
-  ASSERT_EQ(p.size(), 4);
-  EXPECT_LT(p.dot(M * p), -1);
+  DenseMatrix saddle(3, 3), behind(3, 3);  // whose pivots are 0
+  saddle << 0, 1, 0, 1, 0, 0, 0, 0, 5;
+  behind << 1, 1, 0, 1, 1, 1, 0, 1, 5;
+  for (const DenseMatrix& A : {M, saddle, behind}) {
+    const Vector p = negative_direction(A);
+    ASSERT_EQ(p.size(), A.rows());
+    EXPECT_LT(p.dot(A * p), -0.1);
+  }
 }

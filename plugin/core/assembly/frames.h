@@ -23,9 +23,8 @@ struct ContactNode {
 /// What is wrong with the obstacles at a node.
 constexpr const char* dependent_normals =
     " have linearly dependent normals on what is free to move there; give one normal for all of "
-    "them, or labels that leave one of these faces out; a curved face is one where its facets meet "
-    "by "
-    "less than 30 degrees";
+    "them, or labels that leave one of these faces out; facets of one curved face meet by less "
+    "than 30 degrees";
 constexpr const char* different_gaps =
     " are at different gaps along the one direction that is free to move there, and bilateral "
     "contact can follow one alone; give one gap, or labels that leave one of these faces out";

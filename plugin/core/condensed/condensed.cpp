@@ -267,32 +267,58 @@ const DenseMatrix& CondensedSolver::rigid_motions_of_A(Run& run) {
   return run.rigid;
 }
 
-/// An answer at which A has negative energy, in a motion of open nodes, is none: it is where a body
-/// that buckles has not buckled. A is positive definite on fewer open nodes where it is on more.
+/// An answer at which A has negative energy, in a motion of open nodes or one that slip goes on
+/// with, is none: it is where a body that buckles has not buckled.
 void CondensedSolver::look_for_negative_energy(Run& run) {
-  Solution& s = run.s;
-  const Branches branches = branches_of(run.problem, s.x, s.certificate);
+  const Branches branches = branches_of(run.problem, run.s.x, run.s.certificate);
+  const Stopwatch watch(run.s.times.contact);
+  Vector p = negative_energy_of(branches, true);
+  if (p.size() > 0 && !goes_on(branches, p)) p = negative_energy_of(branches, false);
+  if (p.size() == 0) return;
+  run.s.status = Status::not_positive_definite;
+  run.s.negative = p;
+}
+
+/// A motion of open nodes, and along slip or not, in which A has negative energy; or empty. Where A
+/// is positive definite it is so on fewer dofs.
+Vector CondensedSolver::negative_energy_of(const Branches& branches, bool along_slip) {
   std::vector<char> is_open(system_->contact_dofs(), 0);
   std::vector<Index> open;
   bool known = positive_on_.size() == is_open.size();
   for (Index k = 0; k < system_->nodes(); ++k)
-    for (Index i = system_->first[k]; i < system_->first[k + 1] && !branches[k].closed; ++i) {
+    for (Index i = system_->first[k]; i < system_->first[k + 1]; ++i) {
+      const bool slips = along_slip && i > system_->first[k] && !branches[k].stick;
+      if (branches[k].closed && !slips) continue;
       open.push_back(i - system_->interior());
       is_open[open.back()] = 1;
       known = known && positive_on_[open.back()];
     }
-  if (known || open.empty()) return;
-  DenseMatrix M = elimination_->S()(open, open);
-  if (Cholesky(M).found()) {
-    positive_on_ = std::move(is_open);
-    return;
-  }
-  const Vector of_open = negative_direction(elimination_->S()(open, open));
-  if (of_open.size() == 0) return;
+  if (known || open.empty()) return {};
+  const DenseMatrix S = elimination_->S()(open, open);
+  DenseMatrix factor = S;
   Vector p = Vector::Zero(system_->contact_dofs());
-  p(open) = of_open;
-  s.status = Status::not_positive_definite;
-  s.negative = elimination_->extend(p);
+  if (!Cholesky(factor).found())
+    if (const Vector of_open = negative_direction(S); of_open.size() > 0) p(open) = of_open;
+  if (!p.isZero(0)) p = elimination_->extend(p);
+  if (!p.isZero(0) && costs_negative_energy(*system_, p)) return p;
+  positive_on_ = std::move(is_open);
+  return {};
+}
+
+/// Whether p, or -p, goes on with the slip of all nodes that slip: friction holds it otherwise.
+bool CondensedSolver::goes_on(const Branches& branches, const Vector& p) const {
+  constexpr Real rounding = 1e-6;
+  Real forward = 0, back = 0;
+  for (Index k = 0; k < system_->nodes(); ++k) {
+    const Branch& n = branches[k];
+    if (!n.closed || n.stick) continue;
+    for (Index t = 0; t < system_->tangents(k); ++t) {
+      const Real along = n.d[t] * p[system_->first[k] + 1 + t];
+      forward = std::max(forward, along);
+      back = std::max(back, -along);
+    }
+  }
+  return std::min(forward, back) <= rounding * std::max(forward, back);
 }
 
 /// Takes out of x the rigid motions that nothing determines, where the laws allow it.

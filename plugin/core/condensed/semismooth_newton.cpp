@@ -180,7 +180,7 @@ void SemismoothNewton::for_each_slip(Visit visit) const {
 Vector SemismoothNewton::solve_branches() {
   if (assemble()) {
     const Cholesky llt(M_);
-    positive_ = llt.found();
+    positive_ = llt.found() && problem_.springs == 0;
     if (llt.found() && llt.rcond() > singular) return scale_.asDiagonal() * llt.solve(b_);
   } else {
     if (b_.size() >= large) {

@@ -37,9 +37,8 @@ class SemismoothNewton {
   Real residual() const { return residual_; }  ///< of the laws on S: their share of the certificate
   /// The last step left a motion free, and took the least.
   bool undetermined() const { return undetermined_; }
-  bool positive() const {
-    return positive_;
-  }  ///< S is positive definite on what the last step left
+  /// S is positive definite on the unknowns of the last step, and known to be.
+  bool positive() const { return positive_; }
 
  private:
   void choose_branches(const Vector& x, const Vector& r);

@@ -11,6 +11,17 @@ bool costs_no_energy(const System& system, const Vector& w) {
   return costs_no_energy(in[0], in[1]);
 }
 
+bool costs_negative_energy(const System& system, const Vector& p) {
+  // assembly leaves some units of rounding, and conjugate gradients on nearly free bodies meet such
+  // directions where contact cannot hold them
+  constexpr Real beyond_rounding = 1000;
+  if (system.largest(p.size()) == 0) return false;
+  Vector Ap;
+  const Vector sizes = system.multiply_sized(p, Ap);
+  const Real energy = system.sum(p.dot(Ap)), size = system.sum(p.cwiseAbs().dot(sizes));
+  return energy < -beyond_rounding * std::numeric_limits<Real>::epsilon() * size;
+}
+
 Groups::Groups(Index n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
 
 Index Groups::of(Index i) {

@@ -102,6 +102,9 @@ inline bool costs_no_energy(Real in_A, Real in_D, Real times = 1) {
   return in_A <= times * 1e-14 * in_D;
 }
 bool costs_no_energy(const System& system, const Vector& w);
+/// Whether p'Ap < 0 beyond the rounding of |p|'|A||p|, on the matrix itself: what a method met on
+/// its way may be drift, or the rounding of an elimination. p: n, or empty on all processes.
+bool costs_negative_energy(const System& system, const Vector& p);
 
 /// The bodies of a scene: parts of the graph of A that share no entry.
 Bodies bodies_of(const Matrix& A);

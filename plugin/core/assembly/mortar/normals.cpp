@@ -223,7 +223,11 @@ DenseMatrix slipping(const Freedom& freedom, const DenseMatrix& relative,
 
 /// By how much more A has to resist one motion for another to count as the softer one. What the
 /// side that counts does not see is wrong by the contact's pressure over A's stiffness.
-constexpr Real clearly_stiffer = 100;
+constexpr Real clearly_stiffer = 10;
+
+DenseMatrix motions_of(const Freedom& freedom) {
+  return DenseMatrix::Identity(freedom.generators.count(), freedom.generators.count());
+}
 
 /// Of a relative motion of two bodies, each of which does its part of it: K (K + L)^-1 L.
 DenseMatrix in_series(const DenseMatrix& K, const DenseMatrix& L) {
@@ -246,19 +250,22 @@ bool is_softer(const DenseMatrix& stiffness, const DenseMatrix& first, const Den
 }
 
 /// free: relative motions that A leaves free. The more of them slip the better; the mesh tells the
-/// others up to errors alone, which A may resist.
-bool master_counts(const Freedom& freedom, const Group& group, const DenseMatrix& free,
-                   const DenseMatrix& stiffness) {
-  const Index k = freedom.generators.count();
+/// others up to errors alone, which A may resist. is_moved: energies are those of stresses, too,
+/// and normals at X + U are right whichever side has them.
+bool master_counts(const Freedom& freedom, const Group& group, Index slave, Index master,
+                   const DenseMatrix& free, bool is_moved) {
+  const DenseMatrix all = motions_of(freedom);
   const std::vector<PointNormal> own = group.own();
-  const DenseMatrix all = DenseMatrix::Identity(k, k), of_own = slipping(freedom, all, own),
+  const DenseMatrix of_own = slipping(freedom, all, own),
                     of_other = slipping(freedom, all, group.other);
   if (slipping(freedom, of_other, own).cols() == of_other.cols()) return false;  // alike
-  const auto more =
-      slipping(freedom, free, group.other).cols() - slipping(freedom, free, own).cols();
+  const auto free_of_other = slipping(freedom, free, group.other).cols(),
+             more = free_of_other - slipping(freedom, free, own).cols();
   if (more != 0) return more > 0;
   const bool other_first = std::any_of(group.nodes.begin(), group.nodes.end(),
                                        [](const auto& n) { return n.second.other_first; });
+  if (is_moved) return other_first && free_of_other > 0;
+  const DenseMatrix stiffness = in_series(freedom.stiffness[slave], freedom.stiffness[master]);
   return other_first ? !is_softer(stiffness, of_own, of_other)
                      : is_softer(stiffness, of_other, of_own);
 }
@@ -313,8 +320,7 @@ CommonNormals choose_common_normals(const Nodes& nodes, const std::vector<Side>&
       const auto [slave, master] = bodies;
       if (slave == master) continue;
       const DenseMatrix &V = freedom->of_body[slave], &W = freedom->of_body[master];
-      const Index k = freedom->generators.count();
-      DenseMatrix relative(k, V.cols() + W.cols());
+      DenseMatrix relative(freedom->generators.count(), V.cols() + W.cols());
       relative << V, W;
       const std::array<Index, 3> key{static_cast<Index>(p), slave, master};
       CommonNormals::Choice& choice = common.choice[key];
@@ -323,8 +329,7 @@ CommonNormals choose_common_normals(const Nodes& nodes, const std::vector<Side>&
         choice = begun->choice.at(key);
       else
         choice.master =
-            master_counts(*freedom, group, relative,
-                          in_series(freedom->stiffness[slave], freedom->stiffness[master]));
+            master_counts(*freedom, group, slave, master, relative, !nodes.reference.empty());
       const auto slip = [&](const DenseMatrix& of, Index& count) {
         const DenseMatrix motions =
             slipping(*freedom, of, choice.master ? group.other : group.own(),
@@ -332,10 +337,10 @@ CommonNormals choose_common_normals(const Nodes& nodes, const std::vector<Side>&
         count = static_cast<Index>(motions.cols());
         return motions;
       };
-      const DenseMatrix motions = slip(DenseMatrix::Identity(k, k), choice.motions),
-                        free = slip(relative, choice.free);
+      const DenseMatrix free = slip(relative, choice.free);
       if (choice.master)
-        take_masters(nodes.dimension, *freedom, group, motions, free, normal, common.of_master);
+        take_masters(nodes.dimension, *freedom, group, slip(motions_of(*freedom), choice.motions),
+                     free, normal, common.of_master);
       else
         keep_slaves(nodes.dimension, *freedom, group, free, normal);
     }

@@ -31,8 +31,8 @@ struct PairShapes {
 struct CommonNormals {
   struct Choice {
     bool master = false;
-    /// How many motions the normals of the side that counts let slip: in all, and of those that A
-    /// leaves free.
+    /// How many motions the normals that count let slip: of all, where they are the master's, and
+    /// of those that A leaves free.
     Index motions = 0, free = 0;
   };
   std::vector<char> of_master;                    ///< per node
@@ -47,11 +47,11 @@ struct CommonNormals {
 /// turning of the disc (w = a/R). One choice, b = 0 or 1/R, leaves one of them free, any other
 /// neither.
 ///
-/// The normals are those of the side whose motions A resists less, clearly, and otherwise those of
-/// the flat: what slides along it moves further than what turns on it. So the answer does not
-/// depend on which side is slave. A shaft in a bore, with clearance, is alike: along the bore it
-/// does not leave its place for ever but climbs, and the shaft's own normals see that; so of a bore
-/// and what is in it the latter counts.
+/// The normals are those of the side that lets more of what A leaves free slip, or whose motions A
+/// resists less, clearly, and otherwise those of the flat: what slides along it moves further than
+/// what turns on it. So the answer does not depend on which side is slave. A shaft in a bore, with
+/// clearance, is alike: along the bore it does not leave its place for ever but climbs, and the
+/// shaft's own normals see that; so of a bore and what is in it the latter counts.
 ///
 /// normal: of the slave's own surface, per node, replaced where the master's count; owns: as in
 /// slave_normals; begun: where the increment began, which has decided; null: it is decided here.

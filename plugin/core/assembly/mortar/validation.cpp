@@ -144,9 +144,7 @@ bool may_carry_later(const Arrangement& of, const Side& slave) {
 }  // namespace
 
 void validate_pairs(const Nodes& nodes, const std::vector<Pair>& pairs, const Options& options) {
-  if (!(options.maxgap > 0)) {
-    refuse("maxgap = ", options.maxgap, "; it must be > 0");
-  }
+  if (!(options.maxgap > 0)) refuse("maxgap = ", options.maxgap, "; it must be > 0");
   refuse_common_facets(nodes.dimension, pairs);
   if (options.element_groups) refuse_merged_nodes(nodes, pairs, options);
 }
