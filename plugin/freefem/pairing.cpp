@@ -174,7 +174,7 @@ void FreedomOfBodies::sum(const SumOverProcesses& over_processes) {
 }
 
 mortar::Freedom FreedomOfBodies::freedom() const {
-  mortar::Freedom freedom{generators(), body_, {}, {}};
+  mortar::Freedom freedom{generators(), body_, {}, {}, {}};
   const Index k = freedom.generators.count();
   for (Index b = 0; b < bodies_; ++b) {
     const DenseMatrix D = in_D_.middleCols(k * b, k);
@@ -185,6 +185,7 @@ mortar::Freedom FreedomOfBodies::freedom() const {
     const Eigenpairs found = any ? eigenpairs(stiffness, D + support) : Eigenpairs();
     while (any && count < k && found.values[count] <= resisted) ++count;
     freedom.of_body.push_back(any ? DenseMatrix(found.vectors.leftCols(count)) : DenseMatrix(k, 0));
+    freedom.support.push_back(any ? support : DenseMatrix(rigid * DenseMatrix::Identity(k, k)));
     freedom.stiffness.push_back(any ? DenseMatrix(stiffness + resisted * D)
                                     : DenseMatrix(rigid * DenseMatrix::Identity(k, k)));
   }

@@ -339,7 +339,8 @@ Surfaces before_wheel(int d, const std::function<Vec3(const Vec3&)>& slave, int 
   s.pairs[0].master = s.sheet(8, -1, wheel, 1);
   s.options.freedom = [=, all = s.nodes.X.size()] {
     const Index k = d == 2 ? 3 : 6;
-    Freedom freedom{RigidGenerators(d, Vec3::Unit(d - 1), 1), std::vector<Index>(all, 1), {}, {}};
+    Freedom freedom{
+        RigidGenerators(d, Vec3::Unit(d - 1), 1), std::vector<Index>(all, 1), {}, {}, {}};
     std::fill_n(freedom.body.begin(), held, 0);
     set_free({DenseMatrix(k, 0), DenseMatrix::Identity(k, k).col(d == 2 ? 2 : 4)}, freedom);
     return freedom;

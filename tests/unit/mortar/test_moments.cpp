@@ -157,7 +157,7 @@ Surfaces flat_before_wheel(bool quadratic, int facets, Real width, Real aside, R
   for (std::size_t i = 0; i < of_flat; ++i)
     for (int c = 0; c < 3; ++c) s.nodes.X[i][c] += noise * std::sin(7. * i + 3 * c);
   s.options.freedom = [=, n = s.nodes.X.size()] {
-    Freedom freedom{RigidGenerators(3, Vec3::UnitZ(), 1), std::vector<Index>(n, 1), {}, {}};
+    Freedom freedom{RigidGenerators(3, Vec3::UnitZ(), 1), std::vector<Index>(n, 1), {}, {}, {}};
     std::fill_n(freedom.body.begin(), of_flat, 0);
     set_free({DenseMatrix(6, 0), DenseMatrix::Identity(6, 6).col(4)}, freedom);
     return freedom;

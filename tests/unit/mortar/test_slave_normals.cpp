@@ -100,7 +100,7 @@ TEST(MortarNormals, ABodyThatSupportsLeaveToTurnTurnsAboutTheirAxis) {
     for (const Facet& f : s.pairs[0].slave.facets)
       for (int v = 0; v < 3; ++v) body[f.node[v]] = slave_turns ? 0 : 1;
     s.options.freedom = [body] {
-      Freedom freedom{RigidGenerators(3, Vec3(0.4, 0.1, -0.3), 2), body, {}, {}};
+      Freedom freedom{RigidGenerators(3, Vec3(0.4, 0.1, -0.3), 2), body, {}, {}, {}};
       set_free({freedom.generators.about(Vec3::Zero(), 4), DenseMatrix(6, 0)}, freedom);
       return freedom;
     };
@@ -242,7 +242,7 @@ Options capping(const Surfaces& s, bool cap_is_slave, const DenseMatrix& motions
   const int d = s.nodes.dimension;
   Options options;
   options.freedom = [=, n = s.nodes.X.size(), X = s.nodes.X] {
-    Freedom freedom{RigidGenerators(d, Vec3::Unit(d - 1), 1), {}, {}, {}};
+    Freedom freedom{RigidGenerators(d, Vec3::Unit(d - 1), 1), {}, {}, {}, {}};
     for (std::size_t i = 0; i < n; ++i)  // the flat alone lies below 0
       freedom.body.push_back((X[i][d - 1] < 0) == cap_is_slave);
     const DenseMatrix none(motions.rows(), 0);

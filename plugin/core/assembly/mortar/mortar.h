@@ -29,6 +29,7 @@ struct Freedom {
   std::vector<Index> body;           ///< of each node
   std::vector<DenseMatrix> of_body;  ///< what nothing but contact resists, as columns of generators
   std::vector<DenseMatrix> stiffness;  ///< of A and supports, between generators [force/length]
+  std::vector<DenseMatrix> support;    ///< of supports alone; or empty: there are none
 };
 
 struct Options {

@@ -249,6 +249,19 @@ bool is_softer(const DenseMatrix& stiffness, const DenseMatrix& first, const Den
   return false;
 }
 
+/// Whether supports hold both bodies against each of the motions.
+bool supports_hold(const Freedom& freedom, Index slave, Index master, const DenseMatrix& motions) {
+  constexpr Real share = 1e-3;  // of the stiffness: the rest is that of springs
+  for (Index body : {slave, master})
+    for (Index j = 0; j < motions.cols(); ++j) {
+      const Vector m = motions.col(j);
+      if (freedom.support.empty() ||
+          m.dot(freedom.support[body] * m) <= share * m.dot(freedom.stiffness[body] * m))
+        return false;
+    }
+  return true;
+}
+
 /// free: relative motions that A leaves free. The more of them slip the better; the mesh tells the
 /// others up to errors alone, which A may resist. is_moved: energies are those of stresses, too,
 /// and normals at X + U are right whichever side has them.
@@ -265,6 +278,9 @@ bool master_counts(const Freedom& freedom, const Group& group, Index slave, Inde
   const bool other_first = std::any_of(group.nodes.begin(), group.nodes.end(),
                                        [](const auto& n) { return n.second.other_first; });
   if (is_moved) return other_first && free_of_other > 0;
+  if (supports_hold(freedom, slave, master, of_own) &&
+      supports_hold(freedom, slave, master, of_other))
+    return false;
   const DenseMatrix stiffness = in_series(freedom.stiffness[slave], freedom.stiffness[master]);
   return other_first ? !is_softer(stiffness, of_own, of_other)
                      : is_softer(stiffness, of_other, of_own);
