@@ -177,17 +177,16 @@ mortar::Freedom FreedomOfBodies::freedom() const {
   mortar::Freedom freedom{generators(), body_, {}, {}, {}};
   const Index k = freedom.generators.count();
   for (Index b = 0; b < bodies_; ++b) {
-    const DenseMatrix D = in_D_.middleCols(k * b, k);
-    const DenseMatrix support = D.trace() * held_.middleCols(k * b, k);
-    const DenseMatrix stiffness = in_A_.middleCols(k * b, k) + support;
-    Index count = 0;
+    const DenseMatrix D = in_D_.middleCols(k * b, k), in_A = in_A_.middleCols(k * b, k);
     const bool any = D.trace() > 0;
-    const Eigenpairs found = any ? eigenpairs(stiffness, D + support) : Eigenpairs();
+    const DenseMatrix support = any ? DenseMatrix(D.trace() * held_.middleCols(k * b, k))
+                                    : DenseMatrix(rigid * DenseMatrix::Identity(k, k));
+    const Eigenpairs found = any ? eigenpairs(in_A + support, D + support) : Eigenpairs();
+    Index count = 0;
     while (any && count < k && found.values[count] <= resisted) ++count;
     freedom.of_body.push_back(any ? DenseMatrix(found.vectors.leftCols(count)) : DenseMatrix(k, 0));
-    freedom.support.push_back(any ? support : DenseMatrix(rigid * DenseMatrix::Identity(k, k)));
-    freedom.stiffness.push_back(any ? DenseMatrix(stiffness + resisted * D)
-                                    : DenseMatrix(rigid * DenseMatrix::Identity(k, k)));
+    freedom.stiffness.push_back(in_A + support + resisted * D);
+    freedom.support.push_back(support);
   }
   return freedom;
 }

@@ -296,11 +296,13 @@ Vector CondensedSolver::negative_energy_of(const Branches& branches, bool along_
   if (known || open.empty()) return {};
   const DenseMatrix S = elimination_->S()(open, open);
   DenseMatrix factor = S;
-  Vector p = Vector::Zero(system_->contact_dofs());
-  if (!Cholesky(factor).found())
-    if (const Vector of_open = negative_direction(S); of_open.size() > 0) p(open) = of_open;
-  if (!p.isZero(0)) p = elimination_->extend(p);
-  if (!p.isZero(0) && costs_negative_energy(*system_, p)) return p;
+  const Vector of_open = Cholesky(factor).found() ? Vector() : negative_direction(S);
+  if (of_open.size() > 0) {
+    Vector p = Vector::Zero(system_->contact_dofs());
+    p(open) = of_open;
+    p = elimination_->extend(p);
+    if (costs_negative_energy(*system_, p)) return p;
+  }
   positive_on_ = std::move(is_open);
   return {};
 }

@@ -49,10 +49,10 @@ struct CommonNormals {
 ///
 /// The normals are those of the side that lets more of what A leaves free slip, or whose motions A
 /// resists less, clearly; where supports hold all of them the slave's, and otherwise those of the
-/// flat: what slides along it moves further than what turns on it. So the answer does not depend on
-/// which side is slave. A shaft in a bore, with clearance, is alike: along the bore it does not
-/// leave its place for ever but climbs, and the shaft's own normals see that; so of a bore and what
-/// is in it the latter counts.
+/// flat: what slides along it moves further than what turns on it. But for supports the answer so
+/// does not depend on which side is slave. A shaft in a bore, with clearance, is alike: along the
+/// bore it does not leave its place for ever but climbs, and the shaft's own normals see that; so
+/// of a bore and what is in it the latter counts.
 ///
 /// normal: of the slave's own surface, per node, replaced where the master's count; owns: as in
 /// slave_normals; begun: where the increment began, which has decided; null: it is decided here.
