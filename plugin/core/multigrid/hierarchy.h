@@ -53,7 +53,10 @@ class Hierarchy {
 };
 
 struct HierarchyOptions {
-  Index coarsest = 600;  ///< dofs of a coarse level from which on a dense factorization takes over
+  /// Dofs of a coarse level from which on a dense factorization takes over, which each change of
+  /// faces repeats: at 600 a cube of 6591 dofs takes 2.5 times as long, a square of 2738 ten times.
+  /// At 60 nothing changes.
+  Index coarsest = 150;
   Index dense = 300;     ///< dofs of A up to which one on the fine level itself does
   bool multiplies = true;  ///< keeps half of A for multiply()
 };
