@@ -76,4 +76,17 @@ inline Index bound_of(const ContactProblem& problem, const Settings& settings) {
   return settings.nbiter > 0 ? settings.nbiter : default_iterations(problem);
 }
 
+/// With the iterations that an answer to the problem has left; none: nbiter <= 0.
+inline Settings what_remains(const ContactProblem& problem, Settings settings, const Solution& s) {
+  settings.nbiter = bound_of(problem, settings) - s.iterations;
+  return settings;
+}
+
+/// An answer, with the iterations of one before it.
+inline Solution after(const Solution& before, Solution s) {
+  s.iterations += before.iterations;
+  s.steps += before.steps;
+  return s;
+}
+
 }  // namespace frictioncg

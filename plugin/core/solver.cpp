@@ -74,8 +74,7 @@ void try_without_factor(const ContactProblem& problem, const Settings& settings,
   const bool has_negative_energy = s.status == Status::not_positive_definite;  // where laws hold
   if (decided(s) || (has_negative_energy && s.certificate.residual <= settings.tol)) return;
   if (is_rounding(s.certificate)) return decide_on_equilibrium(problem, floating, s);
-  Settings rest = without_factor(settings);
-  rest.nbiter = bound_of(problem, settings) - s.iterations;
+  const Settings rest = what_remains(problem, without_factor(settings), s);
   if (rest.nbiter <= 0) return;
   const Status last = replace_if_better(s, by_gradients(problem, rest, {}, observer, floating));
   if (!decided(s) && last == Status::not_positive_definite) s.status = last;
@@ -246,10 +245,10 @@ Solver::Way Solver::after_multigrid() const {
 
 /// s, or where it decides nothing short of rounding, what the next route and those after it find
 /// with what it has left of the bound on the iterations.
-Solution Solver::or_by(Way next, Solution s, const ContactProblem& problem, Settings rest,
-                       Observer* observer) {
+Solution Solver::or_by(Way next, Solution s, const ContactProblem& problem,
+                       const Settings& settings, Observer* observer) {
   if (arrives(s)) return s;
-  rest.nbiter = bound_of(problem, rest) - s.iterations;
+  const Settings rest = what_remains(problem, settings, s);
   const Status last = rest.nbiter > 0
                           ? replace_if_better(s, (this->*next)(problem, rest, {}, observer))
                           : Status::max_iterations;

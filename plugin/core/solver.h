@@ -58,7 +58,7 @@ class Solver {
   using Way = Solution (Solver::*)(const ContactProblem&, const Settings&, const Vector&,
                                    Observer*);
   Way after_multigrid() const;
-  Solution or_by(Way next, Solution s, const ContactProblem& problem, Settings rest,
+  Solution or_by(Way next, Solution s, const ContactProblem& problem, const Settings& settings,
                  Observer* observer);
   bool lay_out_sparse_factor(const Settings& settings);
   bool is_cheaper_on_A(const Settings& settings);

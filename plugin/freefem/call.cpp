@@ -265,18 +265,19 @@ Vectors::Vectors(const Call& call, const Scene& scene)
   if (u_init.size() > 0) u_init = joined(u_init, motions.guess);
 }
 
-LocalIncrement increment(const Call& call, const Vectors& vectors, const Scene& scene,
-                         PointLaws laws) {
+LocalIncrement increment(const Vectors& vectors, const Scene& scene, PointLaws laws) {
   if (scene.system->nodes() == 0) laws.law = Law::frictionless;  // supports hold every normal
-  const LocalLoad load = scene.system->load_from(vectors.b, scene.slip_from(vectors.u_old));
-  LocalIncrement now = scene.increment(load, laws);
-  report_leftover(check_data(scene, call.b, now.u0), call.verb);
-  check_one_value(scene, call.b, call.verb);
-  check_load_for_data(scene, call.b, call.verb);
-  return now;
+  return scene.increment(scene.system->load_from(vectors.b, scene.slip_from(vectors.u_old)), laws);
 }
 
 namespace {
+
+/// What the data of a call say against each other; u0: where the increment starts.
+void check_loads(const Call& call, const Scene& scene, const Vector& u0) {
+  report_leftover(check_data(scene, call.b, u0), call.verb);
+  check_one_value(scene, call.b, call.verb);
+  check_load_for_data(scene, call.b, call.verb);
+}
 
 /// newton_step of call.h in one process. b, u_old: by all dofs; u0: where the increment of s
 /// starts. A gap that is given stays as it is.
@@ -311,9 +312,10 @@ Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws)
   const double start = cpu_seconds();
   const Outputs out{stack, call.args};
   check_vectors(call, scene.dofs);
-  const Vectors vectors(call, scene);
-  const LocalIncrement now = increment(call, vectors, scene, laws);
-  const ContactProblem problem{scene.system->system(), now.increment};
+  Vectors vectors(call, scene);
+  LocalIncrement now = increment(vectors, scene, laws);
+  check_loads(call, scene, now.u0);
+  ContactProblem problem{scene.system->system(), now.increment};
   if (call.verb > 0) {
     report_plan(call.args, scene, problem, call.settings, call.verb);
     warn_of_averages(scene);
@@ -324,20 +326,28 @@ Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws)
     note_contrast(*scene.system->system());
   }
   Progress progress(problem, call.verb, out.history);
-  Vector x0;
-  if (vectors.u_init.size() > 0)
-    x0 = scene.system->to_local(vectors.u_old.size() == 0 ? vectors.u_init
-                                                          : Vector(vectors.u_init - vectors.u_old));
-  Solution solution = scene.solver->solve(now.increment, call.settings, x0,
-                                          call.verb > 0 || out.history ? &progress : nullptr);
-  if (scene.at && solution.status == Status::stagnated)
-    accept_rounding(solution, contrast(*scene.system->system()));
-  if (solution.status != Status::converged && scene.stiffened) {
+  const auto answer = [&](const Settings& settings) {
+    Vector x0;
+    if (vectors.u_init.size() > 0)
+      x0 = scene.system->to_local(
+          vectors.u_old.size() == 0 ? vectors.u_init : Vector(vectors.u_init - vectors.u_old));
+    Solution s = scene.solver->solve(now.increment, settings, x0,
+                                     call.verb > 0 || out.history ? &progress : nullptr);
+    if (scene.at && s.status == Status::stagnated)
+      accept_rounding(s, contrast(*scene.system->system()));
+    return s;
+  };
+  Solution solution = answer(call.settings);
+  const Settings rest = what_remains(problem, call.settings, solution);
+  if (solution.status != Status::converged && scene.stiffened && rest.nbiter > 0) {
     report_plain(call.verb);
     scene.assemble_plain();
-    return solve(stack, call, scene, laws);
+    vectors = Vectors(call, scene);
+    now = increment(vectors, scene, laws);
+    problem = {scene.system->system(), now.increment};
+    solution = after(solution, answer(rest));
   }
-  if (scene.stiffened)
+  if (scene.stiffened && solution.status == Status::converged)
     solution = newton_step(std::move(solution), now.u0, call.settings, scene, vectors.b,
                            vectors.u_old, laws);
   const Vector moved = scene.system->to_global(solution.x, now.u0),

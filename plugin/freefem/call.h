@@ -49,8 +49,7 @@ struct Vectors {
 };
 
 /// These vectors, and the laws, as an increment in local dofs.
-LocalIncrement increment(const Call& call, const Vectors& vectors, const Scene& scene,
-                         PointLaws laws);
+LocalIncrement increment(const Vectors& vectors, const Scene& scene, PointLaws laws);
 
 /// With `at` the load of a step is what the last one has left: nothing, where bodies have parted,
 /// of which rounding is all that can be asked of a call that has stagnated. With a large contrast

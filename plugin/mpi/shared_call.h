@@ -12,31 +12,28 @@ namespace frictioncg {
 
 /// By multigrid; where that does not arrive, and the whole is not too large, by its factorization
 /// in place of the cycle, for this call and those that follow.   Collective.
-inline Solution by_layers(SharedScene& shared, const ContactProblem& problem, Settings settings,
-                          const Vector& x0, Observer* observer) {
+inline Solution by_layers(SharedScene& shared, const ContactProblem& problem,
+                          const Settings& settings, const Vector& x0, Observer* observer) {
   // Over the usual cost of multigrid: a factorization takes less. Of the bodies of
   // tests/bench/routes.edp that hang over a gap those arrive by the cycle of one process whose
   // first forces violate the laws by less than 9e4 times the load, and those above 1e5 do not.
   constexpr Allowance patience{10, 1e5};
   const bool last = shared.coarsening == Coarsening::none || !may_be_factorized(*shared.A);
   const Allowance allowance = last ? Allowance() : patience;
-  Solution s = shared.solver->solve(problem, settings, x0, observer, allowance);
-  settings.nbiter = bound_of(problem, settings) - s.iterations;
-  if (last || decided(s) || settings.nbiter <= 0) return s;
+  const Solution s = shared.solver->solve(problem, settings, x0, observer, allowance);
+  const Settings rest = what_remains(problem, settings, s);
+  if (last || decided(s) || rest.nbiter <= 0) return s;
   set_solver(shared, Coarsening::none);
-  Solution exact = shared.solver->solve(problem, settings, x0, observer);
-  exact.iterations += s.iterations;
-  exact.steps += s.steps;
-  return exact;
+  return after(s, shared.solver->solve(problem, rest, x0, observer));
 }
 
 /// As Solver::solve has it, by these layers alone.
-inline Solution solve_together(SharedScene& shared, const ContactProblem& problem, const Call& call,
-                               const Vector& x0, Observer* observer) {
+inline Solution solve_together(SharedScene& shared, const ContactProblem& problem,
+                               const Settings& settings, const Vector& x0, Observer* observer) {
   const Timed timed(Phase::solve);
   return answer(
-      problem, call.settings, [&] { return shared.solver->floating(); },
-      [&] { return by_layers(shared, problem, call.settings, x0, observer); });
+      problem, settings, [&] { return shared.solver->floating(); },
+      [&] { return by_layers(shared, problem, settings, x0, observer); });
 }
 
 /// A solution over the own dofs as one over the local ones, ghosts by their owners.   Collective.
@@ -160,7 +157,7 @@ inline Solution newton_step(Solution s, const Vector& u0, const Call& call, Shar
     shared.stiffened->multiply_addend(of_dofs, rest);
     domain.update(rest);
     pose(shared, shared.patch->load(domain, rest), w_old, of_pass, problem);
-    return solve_together(shared, problem, call, x0, nullptr);
+    return solve_together(shared, problem, call.settings, x0, nullptr);
   };
   return newton_step(std::move(s), faces.at_nodes(domain, *shared.scene->at), trace, pass);
 }
@@ -178,20 +175,27 @@ inline Vector solve_together(Stack stack, const Call& call, SharedScene& shared,
   const Outputs out{stack, call.args};
   ContactProblem problem{shared.A, {}};
   if (domain.largest(problem.nodes()) == 0) laws.law = Law::frictionless;
-  const LocalIncrement now = increment_together(call, shared, laws, problem);
+  LocalIncrement now = increment_together(call, shared, laws, problem);
   const long verb = domain.rank() == 0 ? call.verb : 0;
   const bool speaks = domain.largest(static_cast<Real>(verb)) > 0;
   if (speaks) report_plan(shared, problem, verb);
   Progress progress(problem, verb, out.history);
-  Solution solution = solve_together(shared, problem, call, start_of(call, shared),
-                                     out.history || speaks ? &progress : nullptr);
-  if (shared.scene->at && solution.status == Status::stagnated)
-    accept_rounding(solution, domain.largest(contrast(*shared.A)));
-  if (solution.status != Status::converged && shared.stiffened) {
+  const auto answer = [&](const Settings& settings) {
+    Solution s = solve_together(shared, problem, settings, start_of(call, shared),
+                                out.history || speaks ? &progress : nullptr);
+    if (shared.scene->at && s.status == Status::stagnated)
+      accept_rounding(s, domain.largest(contrast(*shared.A)));
+    return s;
+  };
+  Solution solution = answer(call.settings);
+  const Settings rest = what_remains(problem, call.settings, solution);
+  if (solution.status != Status::converged && shared.stiffened && rest.nbiter > 0) {
     assemble_plain(shared, verb);
-    return solve_together(stack, call, shared, laws);
+    problem.system = shared.A;
+    now = increment_together(call, shared, laws, problem);
+    solution = after(solution, answer(rest));
   }
-  if (shared.stiffened)
+  if (shared.stiffened && solution.status == Status::converged)
     solution = newton_step(std::move(solution), now.u0, call, shared, laws, problem);
   Solution local = on_local_dofs(shared, solution);
   const Vector field = shared.scene->system->to_global(local.x, now.u0);

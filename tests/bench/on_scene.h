@@ -41,7 +41,7 @@ class OnScene : public E_F0mps {
       const Call call(stack, arguments_, b_);
       PointLaws laws;
       const auto scene = read_scene(stack, arguments_, A_, *site_, true, laws);
-      const LocalIncrement now = increment(call, Vectors(call, *scene), *scene, laws);
+      const LocalIncrement now = increment(Vectors(call, *scene), *scene, laws);
       return SetAny<Result>(run(
           stack,
           {*GetAny<Matrice_Creuse<double>*>((*A_)(stack))->pHM(), *scene, now.increment, now.u0},
