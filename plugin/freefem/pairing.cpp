@@ -259,7 +259,7 @@ BoundaryNode Pairing::contact_node(Index i, const mortar::ContactNode& m) const 
 std::unique_ptr<LocalSystem> Pairing::system(const Triplets& A, int d,
                                              std::vector<ContactPoint> points,
                                              const std::vector<Index>& mesh_node,
-                                             const RigidModes& modes, const RigidModes& body_modes,
+                                             const RigidModes& modes, const BodyModes& body_modes,
                                              const LocalSystem* before) const {
   const Coupling coupling = mortar::couple(*mortar_, d, between_.dof, *dirichlet_, A.n, taken_);
   return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, *dirichlet_, coupling,

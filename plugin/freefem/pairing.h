@@ -115,8 +115,7 @@ class Pairing {
   BoundaryNode contact_node(Index i, const mortar::ContactNode& m) const;
   std::unique_ptr<LocalSystem> system(const Triplets& A, int d, std::vector<ContactPoint> points,
                                       const std::vector<Index>& mesh_node, const RigidModes& modes,
-                                      const RigidModes& body_modes,
-                                      const LocalSystem* before) const;
+                                      const BodyModes& body_modes, const LocalSystem* before) const;
   /// The slave's nodes, where a gap is evaluated.
   std::vector<BoundaryNode> slave_nodes() const;
   /// The gap of each contact node: between the meshes, or as given at each slave node.

@@ -71,16 +71,11 @@ inline Index count_bodies(const Domain& domain, const std::vector<NodePlace>& pl
 }
 
 /// Those of each body alone, whichever process has nodes of it.   Collective.
-inline Eigen::MatrixXd body_motions(const SharedScene& shared,
-                                    const std::vector<NodePlace>& places) {
+inline Matrix body_motions(const SharedScene& shared, const std::vector<NodePlace>& places) {
   std::vector<std::vector<NodePlace>> bodies(count_bodies(*shared.domain, places));
   for (const NodePlace& n : places) bodies[n.body].push_back(n);
   const std::vector<Extent> extents = extents_of_all(*shared.domain, bodies);
-  const Index each = shared.scene->d == 2 ? 3 : 6, count = static_cast<Index>(bodies.size());
-  Eigen::MatrixXd M(shared.scene->ndof(), count * each);
-  for (Index k = 0; k < count; ++k)
-    M.middleCols(k * each, each) = motions(shared, bodies[k], extents[k]);
-  return M;
+  return body_modes(bodies, extents, shared.scene->d, static_cast<Index>(shared.scene->ndof()));
 }
 
 /// Motions in the dofs of the script, as those of the own dofs.
@@ -97,7 +92,16 @@ inline void set_motions(SharedScene& shared, System& own) {
   own.rigid_modes = [modes] { return modes; };
   if (shared.interface)  // of many bodies they take much memory
     own.body_modes = [&shared] {
-      return own_modes(shared, body_motions(shared, shared.scene->places()));
+      const Matrix M =
+          shared.scene->system->basis().W * body_motions(shared, shared.scene->places());
+      const std::vector<Index>& rows = shared.numbering().own;
+      Matrix own(static_cast<Index>(rows.size()), M.cols());
+      for (Index r = 0; r < own.rows(); ++r) {
+        own.startVec(r);
+        for (Matrix::InnerIterator m(M, rows[r]); m; ++m) own.insertBack(r, m.col()) = m.value();
+      }
+      own.finalize();
+      return own;
     };
 }
 

@@ -18,7 +18,7 @@ LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPo
 
 LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
                          const std::vector<Index>& mesh_node, const RigidObstacles& obstacles,
-                         RigidModes modes, RigidModes body_modes, const LocalSystem* before)
+                         RigidModes modes, BodyModes body_modes, const LocalSystem* before)
     : points_(std::move(points)), dirichlet_(A, points_) {
   make_basis(A, dimension);
   const Index n_q = obstacles.dofs();
@@ -30,20 +30,22 @@ LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPo
   std::vector<Index> nodes = mesh_node;  // each component as if it had a node of its own
   const Index next = nodes.empty() ? 0 : 1 + *std::max_element(nodes.begin(), nodes.end());
   for (Index k = 0; k < n_q && !mesh_node.empty(); ++k) nodes.push_back(next + k);
-  const auto among_all = [n_q](RigidModes of_bodies, bool own) -> RigidModes {
-    if (!of_bodies) return {};
-    return [n_q, of_bodies = std::move(of_bodies), own] {
-      DenseMatrix M = with_obstacles(of_bodies(), n_q);
-      return own ? M : DenseMatrix(M.leftCols(M.cols() - n_q));
+  if (modes)
+    modes = [n_q, of_bodies = std::move(modes)] {
+      DenseMatrix M = of_bodies();
+      M.conservativeResizeLike(DenseMatrix::Zero(M.rows() + n_q, M.cols()));
+      return M;
     };
-  };
-  assemble(A, dimension, nodes, among_all(std::move(modes), false),
-           among_all(std::move(body_modes), true), before);
+  if (body_modes)
+    body_modes = [n_q, of_bodies = std::move(body_modes)] {
+      return with_obstacles(of_bodies(), n_q);
+    };
+  assemble(A, dimension, nodes, std::move(modes), std::move(body_modes), before);
 }
 
 LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
                          const std::vector<Index>& mesh_node, Dirichlet dirichlet,
-                         const Coupling& coupling, RigidModes modes, RigidModes body_modes,
+                         const Coupling& coupling, RigidModes modes, BodyModes body_modes,
                          const LocalSystem* before)
     : points_(std::move(points)), dirichlet_(std::move(dirichlet)) {
   make_basis(A, dimension);
@@ -71,7 +73,7 @@ Matrix LocalSystem::border(Index n) const {
 
 /// The system in the basis.
 void LocalSystem::assemble(const Triplets& A, int dimension, const std::vector<Index>& mesh_node,
-                           RigidModes modes, RigidModes body_modes, const LocalSystem* before) {
+                           RigidModes modes, BodyModes body_modes, const LocalSystem* before) {
   const auto system = std::make_shared<AssembledSystem>();
   system->dimension = dimension;
   system->first = basis_->first;
@@ -99,11 +101,14 @@ void LocalSystem::transform_to(const Triplets& A, const LocalSystem* before, Mat
 }
 
 /// Modes of another number of dofs are as none: System's are asked for their rows.
-RigidModes LocalSystem::in_local_dofs(RigidModes modes) const {
+template <class Modes>
+std::function<Modes()> LocalSystem::in_local_dofs(std::function<Modes()> modes) const {
   if (!modes) return {};
   return [basis = basis_, modes = std::move(modes)] {
-    const Eigen::MatrixXd M = modes();
-    return M.rows() == basis->W.cols() ? Eigen::MatrixXd(basis->W * M) : Eigen::MatrixXd();
+    const Modes M = modes();
+    Modes local;
+    if (M.rows() == basis->W.cols()) local = basis->W * M;
+    return local;
   };
 }
 

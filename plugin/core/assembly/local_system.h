@@ -62,13 +62,13 @@ class LocalSystem {
   /// dofs of the script. Throws as with_obstacles, too.
   LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
               const std::vector<Index>& mesh_node, const RigidObstacles& obstacles,
-              RigidModes modes = {}, RigidModes body_modes = {},
+              RigidModes modes = {}, BodyModes body_modes = {},
               const LocalSystem* before = nullptr);
   /// With two bodies: frames and laws act on the relative displacements of the coupling, that knows
   /// what `dirichlet` holds of A. body_modes: rigid motions of each body alone.
   LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
               const std::vector<Index>& mesh_node, Dirichlet dirichlet, const Coupling& coupling,
-              RigidModes modes = {}, RigidModes body_modes = {},
+              RigidModes modes = {}, BodyModes body_modes = {},
               const LocalSystem* before = nullptr);
   LocalSystem(const LocalSystem&) = delete;
   LocalSystem& operator=(const LocalSystem&) = delete;
@@ -104,10 +104,11 @@ class LocalSystem {
  private:
   void make_basis(const Triplets& A, int dimension);
   void assemble(const Triplets& A, int dimension, const std::vector<Index>& mesh_node,
-                RigidModes modes, RigidModes body_modes, const LocalSystem* before);
+                RigidModes modes, BodyModes body_modes, const LocalSystem* before);
   void transform_to(const Triplets& A, const LocalSystem* before, Matrix& A_local);
   Matrix border(Index n) const;
-  RigidModes in_local_dofs(RigidModes modes) const;
+  template <class Modes>
+  std::function<Modes()> in_local_dofs(std::function<Modes()> modes) const;
   void check_stiffness(const Triplets& A, const System& system) const;
   Real nearest_obstacle(const ContactNode& node, const PointLaws& laws, Real rounding,
                         const Vector& start) const;

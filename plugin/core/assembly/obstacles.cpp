@@ -153,10 +153,13 @@ Basis with_obstacles(const Basis& standing, int d, const std::vector<ContactPoin
   return moving;
 }
 
-DenseMatrix with_obstacles(const DenseMatrix& modes, Index n_q) {
-  DenseMatrix all = DenseMatrix::Zero(modes.rows() + n_q, modes.cols() + n_q);
-  all.topLeftCorner(modes.rows(), modes.cols()) = modes;
-  all.bottomRightCorner(n_q, n_q).setIdentity();
+Matrix with_obstacles(const Matrix& modes, Index n_q) {
+  const Index n = static_cast<Index>(modes.rows()), k = static_cast<Index>(modes.cols());
+  Matrix all;
+  all = modes;
+  all.conservativeResize(n + n_q, k + n_q);
+  for (Index q = 0; q < n_q; ++q) all.insert(n + q, k + q) = 1;
+  all.makeCompressed();
   return all;
 }
 

@@ -42,6 +42,6 @@ Basis with_obstacles(const Basis& standing, int dimension, const std::vector<Con
                      const std::vector<ContactNode>& nodes, const RigidObstacles& obstacles);
 
 /// Rigid motions of bodies (n x k), and those of the obstacles beside them:   (n + n_q) x (k + n_q)
-DenseMatrix with_obstacles(const DenseMatrix& modes, Index n_q);
+Matrix with_obstacles(const Matrix& modes, Index n_q);
 
 }  // namespace frictioncg

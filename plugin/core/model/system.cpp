@@ -48,35 +48,39 @@ bool same_pattern(const System& one, const System& other) {
          std::equal(A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros(), B.innerIndexPtr());
 }
 
-DenseMatrix System::product(const DenseMatrix& M) const {
-  DenseMatrix AM(M.rows(), M.cols());
+void System::product(const Matrix& M, const VisitRow& visit) const {
+  const Index k = static_cast<Index>(M.cols());
+  DenseMatrix AM(M.rows(), k);
   Vector column;
-  for (Index k = 0; k < M.cols(); ++k) {
-    multiply(M.col(k), column);
-    AM.col(k) = column;
+  for (Index j = 0; j < k; ++j) {
+    multiply(M * Vector::Unit(k, j), column);
+    AM.col(j) = column;
   }
-  return AM;
+  std::vector<Index> all(k);
+  std::iota(all.begin(), all.end(), 0);
+  for (Index i = 0; i < static_cast<Index>(AM.rows()); ++i) visit(i, all, AM.row(i));
 }
 
 void AssembledSystem::multiply(const Vector& x, Vector& Ax) const { Ax.noalias() = A * x; }
 
-DenseMatrix AssembledSystem::product(const DenseMatrix& M) const {
-  constexpr Index width = 6;  // rigid motions in 3D
-  if (M.cols() == 1) return System::product(M);
+void AssembledSystem::product(const Matrix& M, const VisitRow& visit) const {
   const auto [row, col, a] = arrays_of(A);
-  DenseMatrix AM(M.rows(), M.cols());
-  for (Index begin = 0; begin < M.cols(); begin += width) {
-    const Index count = std::min(width, static_cast<Index>(M.cols()) - begin);
-    Eigen::Matrix<Real, Eigen::Dynamic, width, Eigen::RowMajor> x;
-    x.setZero(M.rows(), width);
-    x.leftCols(count) = M.middleCols(begin, count);
-    for (Index i = 0; i < A.rows(); ++i) {
-      Eigen::Matrix<Real, 1, width> sum = Eigen::Matrix<Real, 1, width>::Zero();
-      for (Index k = row[i]; k < row[i + 1]; ++k) sum += a[k] * x.row(col[k]);
-      AM.row(i).segment(begin, count) = sum.head(count);
-    }
+  const auto [first, at, m] = arrays_of(M);
+  Vector sum = Vector::Zero(M.cols());
+  std::vector<Index> columns, seen(M.cols(), -1);
+  for (Index i = 0; i < A.rows(); ++i) {
+    columns.clear();
+    for (Index k = row[i]; k < row[i + 1]; ++k)
+      for (Index q = first[col[k]]; q < first[col[k] + 1]; ++q) {
+        const Index j = at[q];
+        if (std::exchange(seen[j], i) != i) {
+          columns.push_back(j);
+          sum[j] = 0;
+        }
+        sum[j] += a[k] * m[q];
+      }
+    visit(i, columns, sum);
   }
-  return AM;
 }
 
 Vector AssembledSystem::multiply_sized(const Vector& x_in, Vector& Ax) const {

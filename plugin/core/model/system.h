@@ -23,6 +23,11 @@ struct Bodies {
 /// Candidates for rigid motions: n x k, made when asked for. None of them need be in the kernel of
 /// A: a support or a link may stand against it. An empty function: not known.
 using RigidModes = std::function<Eigen::MatrixXd()>;
+/// The same of many bodies, most of whose rows are 0.
+using BodyModes = std::function<Matrix()>;
+/// Takes row i of a product: the columns that may not be 0, and all values, by column.
+using VisitRow =
+    std::function<void(Index i, const std::vector<Index>& columns, const Vector& values)>;
 
 /// What stays from increment to increment: the matrix A (n x n, symmetric positive semi-definite
 /// [force/length]), and where its contact nodes lie. Immutable from construction.
@@ -44,7 +49,7 @@ struct System {
   /// dense rows in A. These columns move an obstacle along one of them alone, A border = 0.
   Matrix border;
   RigidModes rigid_modes;  ///< of all bodies as if they were one, in local frames
-  RigidModes body_modes;   ///< of each body alone, where a coupling joins them in A; or empty
+  BodyModes body_modes;    ///< of each body alone, where a coupling joins them in A; or empty
 
   Index dofs() const { return first.back(); }
   Index nodes() const { return static_cast<Index>(first.size()) - 1; }
@@ -70,7 +75,7 @@ struct System {
   /// One vector in place of those of all, of one size, by what stands for two of them.
   using Both = std::function<Vector(const Vector&, const Vector&)>;
   virtual Vector combined(const Vector& own, const Both& /*both*/) const { return own; }
-  virtual DenseMatrix product(const DenseMatrix& M) const;  ///< A M
+  virtual void product(const Matrix& M, const VisitRow& visit) const;  ///< the rows of A M
   Real sum(Real value) const {
     sum(&value, 1);
     return value;
@@ -82,7 +87,7 @@ struct AssembledSystem final : System {
   Matrix A;
 
   void multiply(const Vector& x, Vector& Ax) const override;
-  DenseMatrix product(const DenseMatrix& M) const override;  ///< six columns at a time
+  void product(const Matrix& M, const VisitRow& visit) const override;
   Vector multiply_sized(const Vector& x, Vector& Ax) const override;
   void move_contact(const Vector& dx_C, Vector& r) const override;
   Bodies bodies() const override;

@@ -57,7 +57,7 @@ struct HierarchyOptions {
   /// faces repeats: at 600 a cube of 6591 dofs takes 2.5 times as long, a square of 2738 ten times.
   /// At 60 nothing changes.
   Index coarsest = 150;
-  Index dense = 300;     ///< dofs of A up to which one on the fine level itself does
+  Index dense = 300;       ///< dofs of A up to which one on the fine level itself does
   bool multiplies = true;  ///< keeps half of A for multiply()
 };
 

@@ -14,6 +14,9 @@ namespace {
 constexpr Index most_iterations = 2000;
 /// The route costs so many cycles as a rule, set-up included: the unit of `Allowance::cost`.
 constexpr Real usual_iterations = 40;
+/// Statics of more motions than so many costs more than cycles: it is asked where those do not
+/// arrive.
+constexpr Index few_motions = 60;
 
 }  // namespace
 
@@ -52,14 +55,10 @@ Solution MultigridSolver::solve(const ContactProblem& problem, const Settings& s
   s.times.factor = setup_;
   setup_ = 0;
   double start = cpu_seconds();
-  const Statics statics = motions_.cols() > 0 ? balance(motions_, problem) : Statics();
-  if (statics.balance == Balance::unheld) {
-    s.status = Status::no_equilibrium;
-    s.unheld_motion = statics.motion;
-    s.x = Vector::Zero(problem.dofs());
-    s.certificate = certify(problem, s.x);
-  } else {
+  const bool many = motions_.cols() > few_motions;
+  if (many || !shown_unheld(problem, s)) {
     iterate(problem, settings, x0, observer, allowance, s);
+    if (many && s.status != Status::converged) shown_unheld(problem, s);
   }
   s.times.contact = cpu_seconds() - start;
   start = cpu_seconds();
@@ -69,6 +68,18 @@ Solution MultigridSolver::solve(const ContactProblem& problem, const Settings& s
   }
   s.times.certificate = cpu_seconds() - start;
   return s;
+}
+
+/// Whether statics proves that nothing holds the load.
+bool MultigridSolver::shown_unheld(const ContactProblem& problem, Solution& s) const {
+  if (motions_.cols() == 0) return false;
+  const Statics statics = balance(motions_, problem);
+  if (statics.balance != Balance::unheld) return false;
+  s.status = Status::no_equilibrium;
+  s.unheld_motion = statics.motion;
+  s.x = Vector::Zero(problem.dofs());
+  s.certificate = certify(problem, s.x);
+  return true;
 }
 
 void MultigridSolver::iterate(const ContactProblem& problem, const Settings& settings,

@@ -49,6 +49,7 @@ class MultigridSolver {
     bool goes_on = false;
   };
   Start best_of(const ContactProblem& problem, const Vector& x0, const Vector& going_on) const;
+  bool shown_unheld(const ContactProblem& problem, Solution& s) const;
   void iterate(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                Observer* observer, const Allowance& allowance, Solution& s);
 

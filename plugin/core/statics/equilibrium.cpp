@@ -1,6 +1,7 @@
 #include "statics/equilibrium.h"
 
-#include "linear_algebra.h"
+#include <Eigen/Jacobi>
+
 #include "model/law.h"
 #include "statics/floating.h"
 
@@ -20,6 +21,11 @@ constexpr Real any_pressure = 1e9;
 constexpr Real most_displacement = 1e4;
 /// A column leads to the target only where its cosine to it is above this.
 constexpr Real no_descent = 1e-14;
+/// What a unit column adds to those before it is nothing below this: rounding.
+constexpr Real dependent = 1e-13;
+/// A point is nearer, too, where it is as near to rounding: the distance goes with the square of
+/// the angle between its normal and the cone, which is what a proof needs.
+constexpr Real as_near = 1e-14;
 /// In 2D the rounds end by themselves; in 3D tangents to the cones converge like Newton's method.
 constexpr int most_rounds = 300;
 
@@ -27,12 +33,17 @@ constexpr int most_rounds = 300;
 /// (nonnegative least squares of Lawson and Hanson).
 class NearestInCone {
  public:
-  explicit NearestInCone(const Vector& target) : target_(target), rest_(target) {}
+  explicit NearestInCone(const Vector& target)
+      : target_(target),
+        rest_(target),
+        G_(target.size(), target.size()),
+        Q_(target.size(), target.size()),
+        R_(target.size(), target.size()) {}
 
   const Vector& rest() const { return rest_; }  ///< target - nearest point
-  Real pressure() const {                       ///< sum of the weights
+  Real pressure() const {                       ///< sum of the weights of the columns as they came
     Real sum = 0;
-    for (Real w : weight_) sum += w;
+    for (Index k = 0; k < count(); ++k) sum += weight_[k] / size_[k];
     return sum;
   }
 
@@ -60,71 +71,100 @@ class NearestInCone {
   }
 
  private:
+  Index count() const { return static_cast<Index>(weight_.size()); }
+  auto G() const { return G_.leftCols(count()); }
+  auto Q() const { return Q_.leftCols(count()); }
+
   bool add(const Vector& column) {
     const Real before = rest_.norm();
-    const auto columns = columns_;
-    const auto weight = weight_;
-    columns_.push_back(column);
-    weight_.push_back(0);
-    while (!columns_.empty() && !step()) {
+    const DenseMatrix columns = G();
+    const std::vector<Real> weight = weight_, size = size_;
+    if (!append(column.normalized(), 0, column.norm())) return false;
+    while (count() > 0 && !step()) {
     }
     const Vector rest = orthogonal_rest();
-    if (rest.norm() < before) {
+    if (rest.norm() <= (1 + as_near) * before) {
       rest_ = rest;
       return true;
     }
-    columns_ = columns;  // rounding
-    weight_ = weight;
+    weight_.clear();  // rounding
+    size_.clear();
+    for (std::size_t k = 0; k < weight.size(); ++k)
+      append(columns.col(static_cast<Index>(k)), weight[k], size[k]);
     return false;
+  }
+
+  /// False where the columns that are there make it up. Gram and Schmidt, twice.
+  bool append(Vector unit, Real weight, Real size) {
+    const Index k = count();
+    if (k == target_.size()) return false;
+    G_.col(k) = unit;
+    Vector along = Vector::Zero(k);
+    for (int pass = 0; pass < 2; ++pass) {
+      const Vector more = Q().transpose() * unit;
+      unit -= Q() * more;
+      along += more;
+    }
+    const Real left = unit.norm();
+    if (!(left > dependent)) return false;
+    Q_.col(k) = unit / left;
+    R_.col(k).head(k) = along;
+    R_(k, k) = left;
+    weight_.push_back(weight);
+    size_.push_back(size);
+    return true;
+  }
+
+  /// By plane rotations, which make R a triangle again.
+  void remove(Index j) {
+    const Index last = count() - 1;
+    for (Index k = j; k < last; ++k) {
+      G_.col(k) = G_.col(k + 1);
+      R_.col(k).head(k + 2) = R_.col(k + 1).head(k + 2);
+    }
+    for (Index k = j; k < last; ++k) {
+      Eigen::JacobiRotation<Real> turn;
+      turn.makeGivens(R_(k, k), R_(k + 1, k));
+      R_.middleCols(k, last - k).applyOnTheLeft(k, k + 1, turn.adjoint());
+      Q_.applyOnTheRight(k, k + 1, turn);
+    }
+    weight_.erase(weight_.begin() + j);
+    size_.erase(size_.begin() + j);
   }
 
   /// Towards the least squares of the present columns, as far as the weights stay positive; drops
   /// those that vanish. True where it got there.
   bool step() {
-    const Vector best = least_squares();
+    const Vector best = R_.topLeftCorner(count(), count())
+                            .triangularView<Eigen::Upper>()
+                            .solve(Q().transpose() * target_);
     Real length = 1;
-    std::size_t first = columns_.size();
-    for (std::size_t k = 0; k < columns_.size(); ++k) {
+    Index first = count();
+    for (Index k = 0; k < count(); ++k) {
       if (best[k] > 0) continue;
       const Real to_zero = weight_[k] > 0 ? weight_[k] / (weight_[k] - best[k]) : 0;
-      if (first < columns_.size() && to_zero >= length) continue;
+      if (first < count() && to_zero >= length) continue;
       length = to_zero;
       first = k;
     }
-    for (std::size_t k = 0; k < columns_.size(); ++k)
+    for (Index k = 0; k < count(); ++k)
       weight_[k] = std::max(0.0, weight_[k] + length * (best[k] - weight_[k]));
-    if (first == columns_.size()) return true;
-    columns_.erase(columns_.begin() + first);
-    weight_.erase(weight_.begin() + first);
-    return columns_.empty();
-  }
-
-  DenseMatrix unit_columns() const {
-    DenseMatrix G(target_.size(), columns_.size());
-    for (std::size_t k = 0; k < columns_.size(); ++k) G.col(k) = columns_[k].normalized();
-    return G;
-  }
-
-  Vector least_squares() const {
-    Vector best = frictioncg::least_squares(unit_columns(), target_);
-    for (std::size_t k = 0; k < columns_.size(); ++k) best[k] /= columns_[k].norm();
-    return best;
+    if (first == count()) return true;
+    remove(first);
+    return count() == 0;
   }
 
   /// target - nearest point, orthogonal to the columns to rounding of itself, not of the target: as
   /// a proof it is as good as that.
   Vector orthogonal_rest() const {
-    Vector rest = target_;
-    for (std::size_t k = 0; k < columns_.size(); ++k) rest -= weight_[k] * columns_[k];
-    if (columns_.empty()) return rest;
-    const DenseMatrix G = unit_columns();
-    return rest - G * frictioncg::least_squares(G, rest);
+    const Vector rest = target_ - G() * Eigen::Map<const Vector>(weight_.data(), count());
+    return rest - Q() * (Q().transpose() * rest);
   }
 
   const Vector target_;
   Vector rest_;
-  std::vector<Vector> columns_;
-  std::vector<Real> weight_;
+  DenseMatrix G_, Q_, R_;            ///< the unit columns of positive weight, G = QR
+  std::vector<Real> weight_, size_;  ///< of the unit columns; what the columns were
 };
 
 /// What resists a motion: the forces of contact and friction that work most against it.

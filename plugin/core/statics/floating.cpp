@@ -1,5 +1,6 @@
 #include "statics/floating.h"
 
+#include "factorization.h"
 #include "linear_algebra.h"
 
 namespace frictioncg {
@@ -17,9 +18,10 @@ constexpr Real still = 1e-10;  ///< over the largest displacement: what does not
 /// and D. Those nearly in the kernel, <Dw,w> = 1. size_of_all: below its rounding a candidate is 0.
 DenseMatrix candidates_of_a_body(const DenseMatrix& in_A, const DenseMatrix& in_D,
                                  Real size_of_all) {
+  const Index k = static_cast<Index>(in_D.cols());
+  if (k == 0) return in_D;
   const Eigenpairs sizes = eigenpairs(in_D);
   const Vector& size = sizes.values;
-  const Index k = static_cast<Index>(size.size());
   Index first = 0;
   const Real least = dependent * std::max(size[k - 1], size_of_all);
   while (first < k && !(size[first] > least)) ++first;
@@ -32,69 +34,128 @@ DenseMatrix candidates_of_a_body(const DenseMatrix& in_A, const DenseMatrix& in_
   return V * ritz.vectors.leftCols(count);
 }
 
-/// Makes `rest`, a projector, drop c, too, in the product of D.
-void take_out(const Vector& c, const DenseMatrix& in_D, DenseMatrix& rest) {
-  const Vector left = rest * c;
-  const Real norm2 = left.dot(in_D * left);
-  if (norm2 > 0) rest -= left * (left.transpose() * in_D * rest) / norm2;
+/// Candidates for the rigid motions of bodies: parts of the graph of A, which share no entry of it.
+struct Candidates {
+  explicit Candidates(const System& system);
+
+  Index count() const { return static_cast<Index>(M.cols()); }
+  /// Of candidate j among those of a body.
+  Index place(Index body, Index j) const {
+    const std::vector<Index>& own = of_body[body];
+    if (static_cast<Index>(own.size()) == count()) return j;
+    return static_cast<Index>(std::lower_bound(own.begin(), own.end(), j) - own.begin());
+  }
+
+  Matrix M;  ///< n x k; no columns where the system knows none, or none of use
+  Bodies bodies;
+  std::vector<std::vector<Index>> of_body;  ///< which of them move something of a body, ascending
+};
+
+Candidates::Candidates(const System& system) : M(system.dofs(), 0) {
+  if (!(system.body_modes || system.rigid_modes) || system.largest(system.dofs()) == 0) return;
+  Matrix made;
+  if (system.body_modes)
+    made = system.body_modes();
+  else
+    made = system.rigid_modes().sparseView();
+  const bool of_use = made.rows() == system.dofs() && made.coeffs().allFinite();
+  if (system.largest(of_use ? 0 : 1) > 0) return;  // on all processes alike
+  M.swap(made);
+  bodies = system.bodies();
+  std::vector<Real> pairs;  // body k + candidate
+  std::vector<Index> last(count(), -1);
+  for (Index i = 0; i < M.rows(); ++i)
+    for (Matrix::InnerIterator m(M, i); m; ++m)
+      if (std::exchange(last[m.col()], bodies.of[i]) != bodies.of[i])
+        pairs.push_back(Real(bodies.of[i]) * count() + m.col());
+  Vector all = system.gathered(Eigen::Map<const Vector>(pairs.data(), Index(pairs.size())));
+  std::sort(all.begin(), all.end());
+  of_body.resize(bodies.count);
+  for (auto pair = all.begin(); pair != std::unique(all.begin(), all.end()); ++pair)
+    of_body[Index(*pair / count())].push_back(Index(std::fmod(*pair, count())));
 }
 
-/// Sums over each body's dofs of left_i right_j: one k x k matrix a body, side by side.
-DenseMatrix gram(const System& system, const Bodies& bodies, const DenseMatrix& left,
-                 const DenseMatrix& right) {
-  const Index k = static_cast<Index>(left.cols());
-  DenseMatrix sum = DenseMatrix::Zero(k, k * bodies.count);
-  for (Index i = 0; i < static_cast<Index>(bodies.of.size()); ++i)
-    sum.middleCols(k * bodies.of[i], k).noalias() += left.row(i).transpose() * right.row(i);
-  system.sum(sum.data(), static_cast<Index>(sum.size()));
-  return sum;
+/// Sums over each body's dofs of M_i' R_i, for rows R_i over the candidates: one matrix a body.
+template <class Rows>
+std::vector<DenseMatrix> gram(const System& system, const Candidates& all, const Rows& for_each) {
+  std::vector<DenseMatrix> sums;
+  for (const std::vector<Index>& own : all.of_body)
+    sums.push_back(DenseMatrix::Zero(Index(own.size()), Index(own.size())));
+  for_each([&](Index i, const std::vector<Index>& columns, const Vector& values) {
+    const Index body = all.bodies.of[i];
+    for (Index j : columns) {
+      const Index to = all.place(body, j);
+      for (Matrix::InnerIterator m(all.M, i); m; ++m)
+        sums[body](all.place(body, Index(m.col())), to) += m.value() * values[j];
+    }
+  });
+  for (DenseMatrix& sum : sums) system.sum(sum.data(), Index(sum.size()));
+  return sums;
 }
 
-/// The candidates of the system; no columns where it knows none, or none of use.
-DenseMatrix candidates_of(const System& system) {
-  const RigidModes& made = system.body_modes ? system.body_modes : system.rigid_modes;
-  DenseMatrix M(system.dofs(), 0);
-  if (!made || system.largest(system.dofs()) == 0) return M;
-  M = made();
-  const bool of_use = M.rows() == system.dofs() && M.allFinite();
-  return system.largest(of_use ? 0 : 1) == 0 ? M : DenseMatrix(system.dofs(), 0);  // on all alike
+/// The same of the candidates in A, and in the product of a diagonal.
+std::vector<DenseMatrix> gram_in_A(const System& system, const Candidates& all) {
+  return gram(system, all, [&](const VisitRow& visit) { system.product(all.M, visit); });
+}
+std::vector<DenseMatrix> gram_in(const System& system, const Candidates& all, const Vector& diag) {
+  return gram(system, all, [&](const VisitRow& visit) {
+    std::vector<Index> columns;
+    Vector values(all.count());
+    for (Index i = 0; i < diag.size(); ++i) {
+      columns.clear();
+      for (Matrix::InnerIterator m(all.M, i); m; ++m) {
+        columns.push_back(Index(m.col()));
+        values[m.col()] = diag[i] * m.value();
+      }
+      visit(i, columns, values);
+    }
+  });
 }
 
-/// The rigid ones among combinations of candidates M (n x k). Bodies share no entry of A: one
-/// product tries a combination of each.
+/// The rigid ones among combinations of candidates. Bodies share no entry of A: one product tries a
+/// combination of each.
 class RigidMotions {
  public:
-  RigidMotions(const System& system, const Bodies& bodies, const DenseMatrix& M)
-      : system_(system), bodies_(bodies), M_(M) {}
+  RigidMotions(const System& system, const Candidates& all) : system_(system), all_(all) {}
 
-  /// c: of each body, as columns. accept(body, j): its j-th is a motion.
-  template <class Accept>
-  void add(const std::vector<DenseMatrix>& c, const Accept& accept) {
-    Index most = 0;
-    for (const DenseMatrix& of_body : c) most = std::max(most, static_cast<Index>(of_body.cols()));
-    for (Index j = 0; j < most; ++j) {
-      Vector w = Vector::Zero(M_.rows());
-      for (Index i = 0; i < w.size(); ++i)
-        if (const DenseMatrix& own = c[bodies_.of[i]]; j < own.cols())
-          w[i] = M_.row(i).dot(own.col(j));
-      const DenseMatrix size = gram(system_, bodies_, w, system_.D.cwiseProduct(w));
-      const DenseMatrix energy = gram(system_, bodies_, w, system_.product(w));
-      for (Index body = 0; body < bodies_.count; ++body) {
-        if (!(size(body) > 0) || !costs_no_energy(energy(body), size(body))) continue;
-        found_.push_back({body, tried_.size(), 1 / std::sqrt(size(body))});
-        accept(body, j);
+  /// c: of each body, as columns over its own candidates. Which of them are motions.
+  std::vector<std::vector<Index>> add(const std::vector<Matrix>& c) {
+    std::vector<std::vector<Index>> accepted(c.size());
+    Matrix T = combined(c);
+    DenseMatrix size = DenseMatrix::Zero(T.cols(), all_.bodies.count), energy = size;
+    system_.product(T, [&](Index i, const std::vector<Index>&, const Vector& AT) {
+      const Index body = all_.bodies.of[i];
+      for (Matrix::InnerIterator t(T, i); t; ++t) {
+        size(t.col(), body) += system_.D[i] * t.value() * t.value();
+        energy(t.col(), body) += t.value() * AT[t.col()];
       }
-      tried_.push_back(std::move(w));
-    }
+    });
+    system_.sum(size.data(), Index(size.size()));
+    system_.sum(energy.data(), Index(energy.size()));
+    for (Index body = 0; body < all_.bodies.count; ++body)
+      for (Index j = 0; j < Index(c[body].cols()); ++j) {
+        if (!(size(j, body) > 0) || !costs_no_energy(energy(j, body), size(j, body))) continue;
+        found_.push_back({body, tried_.size(), j, 1 / std::sqrt(size(j, body))});
+        accepted[body].push_back(j);
+      }
+    tried_.emplace_back();
+    tried_.back().swap(T);
+    return accepted;
   }
   /// Body by body.
   DenseMatrix columns() {
     std::stable_sort(found_.begin(), found_.end(),
                      [](const Found& a, const Found& b) { return a.body < b.body; });
-    DenseMatrix W = DenseMatrix::Zero(M_.rows(), static_cast<Index>(found_.size()));
-    for (Index j = 0; j < W.cols(); ++j)
+    std::map<std::tuple<std::size_t, Index, Index>, Index> column;
+    for (std::size_t k = 0; k < found_.size(); ++k)
+      column[{found_[k].tried, found_[k].body, found_[k].j}] = Index(k);
+    DenseMatrix W = DenseMatrix::Zero(all_.M.rows(), Index(found_.size()));
+    for (std::size_t q = 0; q < tried_.size(); ++q)
       for (Index i = 0; i < W.rows(); ++i)
-        if (bodies_.of[i] == found_[j].body) W(i, j) = found_[j].scale * tried_[found_[j].tried][i];
+        for (Matrix::InnerIterator t(tried_[q], i); t; ++t) {
+          const auto k = column.find({q, all_.bodies.of[i], Index(t.col())});
+          if (k != column.end()) W(i, k->second) = found_[k->second].scale * t.value();
+        }
     return W;
   }
 
@@ -102,81 +163,137 @@ class RigidMotions {
   struct Found {
     Index body;
     std::size_t tried;
+    Index j;
     Real scale;
   };
+  /// Row by row the candidates times the combinations of the row's body.
+  Matrix combined(const std::vector<Matrix>& c) const {
+    Index most = 0;
+    for (const Matrix& of_body : c) most = std::max(most, Index(of_body.cols()));
+    Matrix T(all_.M.rows(), most);
+    Vector sum = Vector::Zero(most);
+    std::set<Index> columns;
+    for (Index i = 0; i < T.rows(); ++i) {
+      const Index body = all_.bodies.of[i];
+      for (Matrix::InnerIterator m(all_.M, i); m; ++m)
+        for (Matrix::InnerIterator x(c[body], all_.place(body, Index(m.col()))); x; ++x) {
+          sum[x.col()] += m.value() * x.value();
+          columns.insert(Index(x.col()));
+        }
+      T.startVec(i);
+      for (Index j : columns) T.insertBack(i, j) = std::exchange(sum[j], 0);
+      columns.clear();
+    }
+    T.finalize();
+    return T;
+  }
+
   const System& system_;
-  const Bodies& bodies_;
-  const DenseMatrix& M_;
-  std::vector<Vector> tried_;  ///< n
+  const Candidates& all_;
+  std::vector<Matrix> tried_;  ///< n x the most of a body
   std::vector<Found> found_;
 };
+
+/// Of one body of A: of each group of `each` candidates, the motions that it makes alone.
+Matrix alone(const std::vector<Index>& candidates, Index each, const DenseMatrix& in_A,
+             const DenseMatrix& in_D) {
+  std::vector<Eigen::Triplet<Real, Index>> entries;
+  const Index k = Index(candidates.size());
+  Index count = 0;
+  for (Index first = 0, end; first < k; first = end) {
+    for (end = first; end < k && candidates[end] / each == candidates[first] / each;) ++end;
+    const Index size = end - first;
+    const DenseMatrix own = candidates_of_a_body(in_A.block(first, first, size, size),
+                                                 in_D.block(first, first, size, size), 0);
+    for (Index j = 0; j < Index(own.cols()); ++j, ++count)
+      for (Index i = 0; i < size; ++i) entries.emplace_back(first + i, count, own(i, j));
+  }
+  Matrix c(k, count);
+  c.setFromTriplets(entries.begin(), entries.end());
+  return c;
+}
+
+/// What is left of candidates beside motions V (k x v), in the product of D; those of groups that V
+/// moves in every way are left out.
+DenseMatrix beside(const Matrix& V, const std::vector<Index>& candidates, Index each,
+                   const DenseMatrix& in_D) {
+  std::map<Index, std::set<Index>> moved;  // by V, of each group
+  for (Index i = 0; i < Index(V.rows()); ++i)
+    for (Matrix::InnerIterator v(V, i); v; ++v) moved[candidates[i] / each].insert(Index(v.col()));
+  std::vector<Index> left;
+  for (std::size_t i = 0; i < candidates.size(); ++i)
+    if (Index(moved[candidates[i] / each].size()) < each) left.push_back(Index(i));
+  const Index k = Index(candidates.size());
+  DenseMatrix rest = DenseMatrix::Zero(k, Index(left.size()));
+  for (std::size_t j = 0; j < left.size(); ++j) rest(left[j], Index(j)) = 1;
+  if (V.cols() == 0 || left.empty()) return rest;
+  const DenseMatrix in_V = V.transpose() * in_D;  // v x k
+  DenseMatrix size = in_V * V;
+  const DenseMatrix along = in_V(Eigen::all, left);
+  const DenseMatrix kept = size;
+  const Cholesky factor(size);
+  return rest - V * (factor.found() ? factor.solve(along) : least_squares(kept, along));
+}
 
 }  // namespace
 
 DenseMatrix floating_motions(const System& system) {
-  const DenseMatrix M = candidates_of(system);
-  if (M.cols() == 0) return DenseMatrix(system.dofs(), 0);
-  const Bodies bodies = system.bodies();
-  const DenseMatrix in_A = gram(system, bodies, M, system.product(M));
-  const DenseMatrix in_D = gram(system, bodies, M, system.D.asDiagonal() * M);
-  const Index k = static_cast<Index>(M.cols()), each = system.dimension == 2 ? 3 : 6;
-  RigidMotions motions(system, bodies, M);
+  const Candidates all(system);
+  if (all.count() == 0) return DenseMatrix(system.dofs(), 0);
+  const std::vector<DenseMatrix> in_A = gram_in_A(system, all),
+                                 in_D = gram_in(system, all, system.D);
+  const Index each = system.dimension == 2 ? 3 : 6;
+  RigidMotions motions(system, all);
   // first those of each candidate's body alone: beside a stiff body that a coupling joins to it in
   // A, what rounding leaves of a soft one would blur them
-  std::vector<DenseMatrix> c(bodies.count), rest(bodies.count, DenseMatrix::Identity(k, k));
-  for (Index first = 0; first < k && each < k; first += each) {
-    const Index size = std::min(each, k - first);
-    for (Index body = 0; body < bodies.count; ++body) {
-      const DenseMatrix alone =
-          candidates_of_a_body(in_A.block(first, body * k + first, size, size),
-                               in_D.block(first, body * k + first, size, size), 0);
-      c[body] = DenseMatrix::Zero(k, alone.cols());
-      c[body].middleRows(first, size) = alone;
-    }
-    motions.add(c, [&](Index body, Index j) {
-      take_out(c[body].col(j), in_D.middleCols(body * k, k), rest[body]);
-    });
+  std::vector<Matrix> c(all.bodies.count);
+  for (Index body = 0; body < all.bodies.count; ++body) {
+    const std::vector<Index>& own = all.of_body[body];
+    if (each < all.count())
+      c[body] = alone(own, each, in_A[body], in_D[body]);
+    else
+      c[body].resize(Index(own.size()), 0);
   }
+  const std::vector<std::vector<Index>> accepted = motions.add(c);
   // then what is left in common
-  for (Index body = 0; body < bodies.count; ++body) {
-    const DenseMatrix& R = rest[body];
-    const DenseMatrix of_body = in_D.middleCols(body * k, k);
-    c[body] = R * candidates_of_a_body(R.transpose() * in_A.middleCols(body * k, k) * R,
-                                       R.transpose() * of_body * R, of_body.trace());
+  for (Index body = 0; body < all.bodies.count; ++body) {
+    std::vector<Eigen::Triplet<Real, Index>> entries;
+    Matrix V(c[body].rows(), Index(accepted[body].size()));
+    for (Index i = 0; i < Index(V.rows()); ++i)
+      for (Matrix::InnerIterator x(c[body], i); x; ++x) {
+        const auto at = std::lower_bound(accepted[body].begin(), accepted[body].end(), x.col());
+        if (at != accepted[body].end() && *at == x.col())
+          entries.emplace_back(i, Index(at - accepted[body].begin()), x.value());
+      }
+    V.setFromTriplets(entries.begin(), entries.end());
+    const DenseMatrix R = beside(V, all.of_body[body], each, in_D[body]);
+    c[body] = (R * candidates_of_a_body(R.transpose() * in_A[body] * R,
+                                        R.transpose() * in_D[body] * R, in_D[body].trace()))
+                  .sparseView();
   }
-  motions.add(c, [](Index, Index) {});
+  motions.add(c);
   return motions.columns();
 }
 
-/// Of the motions W c those with little beside the candidates:   R c = lambda W'W c,
-/// R = W'W - W'M (M'M)^+ M'W, body by body,  lambda <= bent^2. In the product of D soft parts would
-/// not count, whose bending is what lets stiff ones move.
-DenseMatrix rigid_among(const System& system, const DenseMatrix& W) {
-  const Index j = static_cast<Index>(W.cols());
-  if (j == 0) return W;
-  const DenseMatrix M = candidates_of(system);
-  if (M.cols() == 0) return W;
-  const Bodies bodies = system.bodies();
-  const Index k = static_cast<Index>(M.cols());
-  DenseMatrix all(W.rows(), k + j);
-  all << M, W;
-  DenseMatrix size = DenseMatrix::Zero(j, j), rest = size;
-  const DenseMatrix of_bodies = gram(system, bodies, all, all);
-  for (Index body = 0; body < bodies.count; ++body) {
-    const DenseMatrix G = of_bodies.middleCols(body * (k + j), k + j);
-    const DenseMatrix mixed = G.topRightCorner(k, j);
-    size += G.bottomRightCorner(j, j);
-    rest +=
-        G.bottomRightCorner(j, j) - mixed.transpose() * least_squares(G.topLeftCorner(k, k), mixed);
-  }
-  const Eigenpairs found = eigenpairs(rest, size);
-  Index count = 0;
-  while (count < j && found.values[count] <= bent * bent) ++count;
-  return count == j ? W : DenseMatrix(W * found.vectors.leftCols(count));
-}
-
+/// What the candidates leave of w, body by body:   w'w - w'M (M'M)^+ M'w <= bent^2 w'w. In the
+/// product of D soft parts would not count, whose bending is what lets stiff ones move.
 bool may_be_rigid(const System& system, const Vector& w) {
-  return rigid_among(system, w).cols() == 1;
+  const Candidates all(system);
+  if (all.count() == 0) return true;
+  std::vector<Vector> mixed;
+  for (const std::vector<Index>& own : all.of_body)
+    mixed.push_back(Vector::Zero(Index(own.size())));
+  for (Index i = 0; i < Index(w.size()); ++i)
+    for (Matrix::InnerIterator m(all.M, i); m; ++m)
+      mixed[all.bodies.of[i]][all.place(all.bodies.of[i], Index(m.col()))] += m.value() * w[i];
+  const std::vector<DenseMatrix> size = gram_in(system, all, Vector::Ones(w.size()));
+  const Real whole = system.sum(w.squaredNorm());
+  Real rest = whole;
+  for (std::size_t body = 0; body < size.size(); ++body) {
+    system.sum(mixed[body].data(), Index(mixed[body].size()));
+    rest -= mixed[body].dot(Vector(least_squares(size[body], mixed[body])));
+  }
+  return rest <= bent * bent * whole;
 }
 
 DenseMatrix motions_of_interior(const DenseMatrix& W, Index interior,

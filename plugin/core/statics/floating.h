@@ -4,8 +4,7 @@
 namespace frictioncg {
 
 /// The rigid motions that A leaves free, body by body, among the candidates of the system: n x k,
-/// <Dw,w> = 1. No columns where the system knows no candidates, or has none of n rows. Costs a
-/// product with A for each candidate and for each motion of each body.
+/// <Dw,w> = 1. No columns where the system knows no candidates, or has none of n rows.
 DenseMatrix floating_motions(const System& system);
 
 /// These motions, made when they are first asked for.
@@ -22,12 +21,9 @@ class FloatingMotions {
   std::optional<DenseMatrix> motions_;
 };
 
-/// The combinations of the columns of W (n x k, independent) that move each body by a combination
-/// of the candidates; W where that is all of them, or where the system knows none. A body may be so
-/// slender, or so soft in places, that its bending costs next to nothing, and A cannot tell.
-DenseMatrix rigid_among(const System& system, const DenseMatrix& W);
-
-/// Whether w is one.
+/// Whether w moves each body by a combination of the candidates, or the system knows none. A body
+/// may be so slender, or so soft in places, that its bending costs next to nothing, and A cannot
+/// tell.
 bool may_be_rigid(const System& system, const Vector& w);
 
 /// Of motions W (n x k) the combinations that move none of the dofs from `interior` on: one for

@@ -47,14 +47,25 @@ constexpr Real stiff_turn = 30;  ///< rotation over strain: loads that turn a bo
 
 }  // namespace
 
-Eigen::MatrixXd rigid_modes(const std::vector<NodePlace>& nodes, int d, Index n,
-                            const Extent& extent) {
-  Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(n, d == 2 ? 3 : 6);
+namespace {
+
+/// visit(dof, values): a row of the modes for each component of each node.
+template <class Visit>
+void for_each_row(const std::vector<NodePlace>& nodes, int d, const Extent& extent,
+                  const Visit& visit) {
   const RigidGenerators generators(d, extent.mean, extent.radius > 0 ? extent.radius : 1);
   for (const NodePlace& p : nodes) {
     const RigidGenerators::Fields w = generators.at(position(p));
-    for (int k = 0; k < d; ++k) modes.row(p.dof[k]) = w.row(k);
+    for (int k = 0; k < d; ++k) visit(p.dof[k], w.row(k));
   }
+}
+
+}  // namespace
+
+Eigen::MatrixXd rigid_modes(const std::vector<NodePlace>& nodes, int d, Index n,
+                            const Extent& extent) {
+  Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(n, d == 2 ? 3 : 6);
+  for_each_row(nodes, d, extent, [&](Index dof, const auto& w) { modes.row(dof) = w; });
   return modes;
 }
 
@@ -68,14 +79,28 @@ std::map<Index, std::vector<NodePlace>> by_body(const std::vector<NodePlace>& no
   return bodies;
 }
 
-Eigen::MatrixXd body_modes(const std::vector<NodePlace>& nodes, int d, Index n) {
-  const auto bodies = by_body(nodes);
+Matrix body_modes(const std::vector<std::vector<NodePlace>>& bodies,
+                  const std::vector<Extent>& extents, int d, Index n) {
   const Index each = d == 2 ? 3 : 6;
-  Eigen::MatrixXd modes(n, each * static_cast<Index>(bodies.size()));
-  Index k = 0;
-  for (const auto& [number, body] : bodies)
-    modes.middleCols(each * k++, each) = rigid_modes(body, d, n);
+  std::vector<Eigen::Triplet<Real, Index>> entries;
+  for (std::size_t k = 0; k < bodies.size(); ++k)
+    for_each_row(bodies[k], d, extents[k], [&](Index dof, const auto& w) {
+      for (Index j = 0; j < each; ++j)
+        if (w[j] != 0) entries.emplace_back(dof, each * static_cast<Index>(k) + j, w[j]);
+    });
+  Matrix modes(n, each * static_cast<Index>(bodies.size()));
+  modes.setFromTriplets(entries.begin(), entries.end());
   return modes;
+}
+
+Matrix body_modes(const std::vector<NodePlace>& nodes, int d, Index n) {
+  std::vector<std::vector<NodePlace>> bodies;
+  std::vector<Extent> extents;
+  for (const auto& [number, body] : by_body(nodes)) {
+    bodies.push_back(body);
+    extents.push_back(extent_of(body));
+  }
+  return body_modes(bodies, extents, d, n);
 }
 
 RigidMotion nearest_rigid_motion(const std::vector<NodePlace>& nodes, int d, const Vector& u) {

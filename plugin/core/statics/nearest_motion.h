@@ -44,8 +44,10 @@ Eigen::MatrixXd rigid_modes(const std::vector<NodePlace>& nodes, int d, Index n)
 /// The nodes of each body, by its number.
 std::map<Index, std::vector<NodePlace>> by_body(const std::vector<NodePlace>& nodes);
 
-/// The same of each body alone, side by side.
-Eigen::MatrixXd body_modes(const std::vector<NodePlace>& nodes, int d, Index n);
+/// The same of each body alone, side by side; extents of all their nodes, whoever has them.
+Matrix body_modes(const std::vector<std::vector<NodePlace>>& bodies,
+                  const std::vector<Extent>& extents, int d, Index n);
+Matrix body_modes(const std::vector<NodePlace>& nodes, int d, Index n);
 
 /// The rigid motion u(x) = a + w x (x - c) nearest to a displacement, c the mean of the nodes; in
 /// 2D only w_z differs from 0.

@@ -1,5 +1,6 @@
 #include "statics/undetermined.h"
 
+#include "factorization.h"
 #include "linear_algebra.h"
 
 namespace frictioncg {
@@ -18,6 +19,18 @@ DenseMatrix of_all_processes(const System& system, const DenseMatrix& R) {
     return triangle(rows).reshaped();
   };
   return system.combined(R.reshaped(), both).reshaped(k, k);
+}
+
+/// Whether M (of any rows) takes each unit vector to something well above `forbidden`: of many
+/// bodies that all are held, a product and a factor of it are far cheaper than what shows which are
+/// not.
+bool has_full_rank(const System& system, const DenseMatrix& M) {
+  constexpr Real clear = 1e-10;  // a square
+  DenseMatrix size = M.transpose() * M;
+  system.sum(size.data(), static_cast<Index>(size.size()));
+  const Real largest = size.cwiseAbs().rowwise().sum().maxCoeff();
+  const Cholesky factor(size);
+  return factor.found() && factor.rcond() * largest > clear;
 }
 
 /// A force below it is none, over the root of its weight; and so is a distance, times that weight.
@@ -43,6 +56,7 @@ DenseMatrix left_free(const DenseMatrix& W, const ContactProblem& problem,
     if (!b.stick && b.g > 0 && t == 2)
       barred.row(N + 1) = unit * (b.d[1] * slide.row(0) - b.d[0] * slide.row(1));
   }
+  if (has_full_rank(*problem.system, barred)) return DenseMatrix(W.rows(), 0);
   const DenseMatrix R = of_all_processes(*problem.system, triangle(barred));
   return W.lazyProduct(null_space(R, forbidden));
 }

@@ -44,10 +44,11 @@ struct Moving {
   void pose() {
     const Eigen::MatrixXd modes = scene.modes;
     const RigidModes made = [modes] { return modes; };
+    const BodyModes each = [modes] { return Matrix(modes.sparseView()); };
     std::vector<Index> node(scene.n);
     for (Index i = 0; i < scene.n; ++i) node[i] = i / scene.d;
     local = std::make_unique<LocalSystem>(scene.triplets(), scene.d, scene.points, node, obstacles,
-                                          made, made);
+                                          made, each);
   }
   Index each() const { return rigid_components(scene.d); }
   /// Of obstacle o at a point, by the cross product.

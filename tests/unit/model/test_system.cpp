@@ -18,6 +18,13 @@ AssembledSystem small(std::vector<Index> mesh_node) {
   return s;
 }
 
+/// Every other entry is 0.
+Matrix sparse_random(Index rows, Index columns) {
+  DenseMatrix M = DenseMatrix::Random(rows, columns);
+  for (Index k = 0; k < M.size(); k += 2) M.data()[k] = 0;
+  return M.sparseView();
+}
+
 }  // namespace
 
 TEST(System, CountsItsDofsNodesAndTangents) {
@@ -123,12 +130,20 @@ TEST(System, DofsThatAPenaltyCouplesStronglyAreHeldWithIt) {
   EXPECT_EQ(w.tail(5), s.D.tail(5));
 }
 
-TEST(System, AProductWithSeveralColumnsIsThatWithEachOfThem) {
+TEST(System, TheRowsOfAProductAreThoseOfItsColumns) {
   const AssembledSystem s = chain(Vector::Ones(6), 3);
   for (const Index columns : {1, 3, 8, 12}) {
-    const DenseMatrix M = DenseMatrix::Random(s.dofs(), columns), AM = s.product(M);
-    ASSERT_EQ(AM.cols(), columns);
-    EXPECT_LT((AM - s.A * M).norm(), 1e-14 * AM.norm());
+    const Matrix M = sparse_random(s.dofs(), columns);
+    const DenseMatrix expected = s.A * DenseMatrix(M);
+    for (const bool by_rows : {true, false}) {
+      DenseMatrix AM = DenseMatrix::Zero(s.dofs(), columns);
+      const VisitRow visit = [&](Index i, const std::vector<Index>& some, const Vector& values) {
+        for (Index j : some) AM(i, j) += values[j];
+      };
+      if (by_rows) s.product(M, visit);
+      if (!by_rows) s.System::product(M, visit);
+      EXPECT_LT((AM - expected).norm(), 1e-14 * expected.norm());
+    }
   }
 }
 

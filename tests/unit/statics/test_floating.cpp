@@ -47,7 +47,7 @@ AssembledSystem coupled(const AssembledSystem& one, Real ratio, Real held) {
     both.topLeftCorner(n, 3) = M;
     both.bottomRightCorner(n, 3) = M;
     both.topRightCorner(n, 3) = -M;  // w of the first, where only the second moves
-    return both;
+    return Matrix(both.sparseView());
   };
   return two;
 }
@@ -167,12 +167,6 @@ TEST(Floating, ABendingIsNoRigidMotionHoweverLittleItCosts) {
   EXPECT_TRUE(may_be_rigid(*two.system, w));
   EXPECT_TRUE(may_be_rigid(*two.system, w + 1e-6 * Vector::Random(w.size())));
   EXPECT_FALSE(may_be_rigid(*two.system, w.cwiseProduct(w)));
-  Eigen::MatrixXd mixed(w.size(), 2);
-  mixed << w + w.cwiseProduct(w), w - 2 * w.cwiseProduct(w);
-  const Eigen::MatrixXd found = rigid_among(*two.system, mixed);
-  ASSERT_EQ(found.cols(), 1);
-  EXPECT_GT(std::abs(found.col(0).normalized().dot(w.normalized())), 1 - 1e-12);
-  EXPECT_EQ(rigid_among(*two.system, mixed.leftCols(0)).cols(), 0);
   AssembledSystem unknown = assembled(two.system);
   unknown.rigid_modes = {};
   EXPECT_TRUE(may_be_rigid(unknown, w.cwiseProduct(w)));
