@@ -65,13 +65,13 @@ void AssembledSystem::multiply(const Vector& x, Vector& Ax) const { Ax.noalias()
 
 void AssembledSystem::product(const Matrix& M, const VisitRow& visit) const {
   const auto [row, col, a] = arrays_of(A);
-  const auto [first, at, m] = arrays_of(M);
+  const auto [begin, at, m] = arrays_of(M);
   Vector sum = Vector::Zero(M.cols());
   std::vector<Index> columns, seen(M.cols(), -1);
   for (Index i = 0; i < A.rows(); ++i) {
     columns.clear();
     for (Index k = row[i]; k < row[i + 1]; ++k)
-      for (Index q = first[col[k]]; q < first[col[k] + 1]; ++q) {
+      for (Index q = begin[col[k]]; q < begin[col[k] + 1]; ++q) {
         const Index j = at[q];
         if (std::exchange(seen[j], i) != i) {
           columns.push_back(j);
