@@ -95,13 +95,13 @@ inline void set_motions(SharedScene& shared, System& own) {
       const Matrix M =
           shared.scene->system->basis().W * body_motions(shared, shared.scene->places());
       const std::vector<Index>& rows = shared.numbering().own;
-      Matrix own(static_cast<Index>(rows.size()), M.cols());
-      for (Index r = 0; r < own.rows(); ++r) {
-        own.startVec(r);
-        for (Matrix::InnerIterator m(M, rows[r]); m; ++m) own.insertBack(r, m.col()) = m.value();
+      Matrix chosen(static_cast<Index>(rows.size()), M.cols());
+      for (Index r = 0; r < chosen.rows(); ++r) {
+        chosen.startVec(r);
+        for (Matrix::InnerIterator m(M, rows[r]); m; ++m) chosen.insertBack(r, m.col()) = m.value();
       }
-      own.finalize();
-      return own;
+      chosen.finalize();
+      return chosen;
     };
 }
 
