@@ -56,9 +56,13 @@ void System::product(const Matrix& M, const VisitRow& visit) const {
     multiply(M * Vector::Unit(k, j), column);
     AM.col(j) = column;
   }
-  std::vector<Index> all(k);
-  std::iota(all.begin(), all.end(), 0);
-  for (Index i = 0; i < static_cast<Index>(AM.rows()); ++i) visit(i, all, AM.row(i));
+  std::vector<Index> columns;
+  for (Index i = 0; i < static_cast<Index>(AM.rows()); ++i) {
+    columns.clear();
+    for (Index j = 0; j < k; ++j)
+      if (AM(i, j) != 0) columns.push_back(j);
+    visit(i, columns, AM.row(i));
+  }
 }
 
 void AssembledSystem::multiply(const Vector& x, Vector& Ax) const { Ax.noalias() = A * x; }
