@@ -16,10 +16,11 @@ constexpr double of_cycles = 1.15e-7;    ///< over the entries of A: 15 to 30 cy
 constexpr double of_levels = 5e-8;       ///< over the entries of A: the set-up alone
 /// A central path takes up to 40 steps, Newton's after it included. On A all of it costs about as
 /// much as 15 sparse factors with their ordering, on S six times what Newton's method does there.
-constexpr double steps_on_A = 15, path_on_S = 6;
+/// In 2D Newton's method on A costs as much as 6, and where it takes many steps on S that is 12.
+constexpr double steps_on_A = 15, steps_on_A_2d = 6, path_on_S = 6, path_on_S_2d = 12;
 /// From this slenderness on hierarchies may be poor, and sparse factors are looked at. A plate or a
-/// beam of one layer of elements has 0.58 L/t.
-constexpr double slender = 20;
+/// beam of one layer of elements has 0.58 L/t, of two 0.7.
+constexpr double slender = 20, slender_2d = 12;
 
 }  // namespace
 
@@ -34,11 +35,13 @@ Costs estimate_costs(const System& system) {
   const bool known = system.rigid_modes && !system.mesh_node.empty();
   costs.multigrid = costs.path = costs.sparse = std::numeric_limits<double>::infinity();
   if (known) costs.multigrid = of_cycles * entries;
-  const double on_A = steps_on_A * (ordered + (solid ? of_sparse * std::pow(n, 1.5) : planar));
-  const double on_S = costs.condensed + (path_on_S - 1) * laws;
-  if (costs.multigrid < costs.condensed && slenderness(system) >= slender)
+  const double on_A = solid ? steps_on_A * (ordered + of_sparse * std::pow(n, 1.5))
+                            : steps_on_A_2d * (ordered + planar);
+  const double on_S = costs.condensed + ((solid ? path_on_S : path_on_S_2d) - 1) * laws;
+  if (costs.multigrid < costs.condensed && slenderness(system) >= (solid ? slender : slender_2d))
     costs.path = std::min(on_A, on_S);
   if (costs.path == on_A) costs.sparse = on_A;
+  costs.sparse_first = std::isfinite(costs.sparse) && !solid;
   return costs;
 }
 

@@ -22,8 +22,8 @@ constexpr Real runaway_rounding = 1e-3;
 /// Flops of a dense factor from which on another ordering of A is looked at.
 constexpr double worth_an_ordering = 1e8;
 
-/// Of a sparse factor, over the entries of A: what eight of multigrid's cycles take.
-constexpr double few_flops = 200;
+/// Of a sparse factor, over the entries of A: strips of up to ten layers of elements have less.
+constexpr double few_flops = 60;
 
 /// Where the central path on sparse factors costs so many times what multigrid is estimated at, as
 /// on P1 plates, multigrid may take a share of that before it: of those that are lifted or hang it
@@ -214,7 +214,7 @@ Solution Solver::by_multigrid(const ContactProblem& problem, const Settings& set
 }
 
 /// Sparse factors of A: along the central path at once where Newton's method by multigrid has just
-/// failed. Where they do not arrive, or do not fit, the condensed route.
+/// failed. Where they do not arrive, do not fit, or meet negative energy, the condensed route.
 Solution Solver::by_sparse_factors(const ContactProblem& problem, const Settings& settings,
                                    const Vector& x0, Observer* observer) {
   if (!lay_out_sparse_factor(settings)) return by_condensation(problem, settings, x0, observer);
@@ -231,10 +231,9 @@ bool Solver::lay_out_sparse_factor(const Settings& settings) {
   return sparse_->laid_out() && sparse_->bytes() <= settings.memory;
 }
 
-/// Whether Newton's method on sparse factors costs no more than by multigrid. It does not on wide
-/// plates, whose factors grow with n^1.5.
+/// Whether Newton's method on sparse factors costs no more than by multigrid.
 bool Solver::sparse_comes_first(const Settings& settings) {
-  return std::isfinite(costs_.sparse) && lay_out_sparse_factor(settings) &&
+  return costs_.sparse_first && lay_out_sparse_factor(settings) &&
          sparse_->flops() <= few_flops * double(system_->entries().nonZeros());
 }
 
@@ -244,10 +243,15 @@ Solver::Way Solver::after_multigrid() const {
 }
 
 /// s, or where it decides nothing short of rounding, what the next route and those after it find
-/// with what it has left of the bound on the iterations.
+/// with what it has left of the bound on the iterations. Where A has negative energy beside an
+/// answer, the condensed route shows it.
 Solution Solver::or_by(Way next, Solution s, const ContactProblem& problem,
                        const Settings& settings, Observer* observer) {
-  if (arrives(s)) return s;
+  if (arrives(s)) {
+    const bool doubtful = s.route == Route::sparse && s.certificate.residual <= settings.tol;
+    if (!doubtful || sparse_->is_definite_at(problem, s)) return s;
+    return by_condensation(problem, settings, {}, observer);
+  }
   const Settings rest = what_remains(problem, settings, s);
   const Status last = rest.nbiter > 0
                           ? replace_if_better(s, (this->*next)(problem, rest, {}, observer))

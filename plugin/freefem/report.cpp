@@ -181,9 +181,8 @@ void report_pair(const FacingPair& pair, bool only) {
 void report_choice(const Plan& plan) {
   if (plan.route == Route::iterative) return;
   std::cout << (plan.route != Route::multigrid ? " by a factorization"
-                : std::isfinite(plan.costs.sparse)
-                    ? " by sparse factors, or multigrid where they cost more"
-                    : " by multigrid");
+                : plan.costs.sparse_first ? " by sparse factors, or multigrid where they cost more"
+                                          : " by multigrid");
   if (!std::isfinite(plan.costs.multigrid)) return;
   const std::streamsize digits = std::cout.precision(1);
   std::cout << " (weighed: a factorization at about " << plan.costs.condensed << " s, multigrid at "

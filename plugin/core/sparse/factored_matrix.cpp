@@ -21,6 +21,7 @@ FactoredMatrix::FactoredMatrix(SystemPtr system) : SparseFactor(CHOLMOD_AUTO) {
 
 void FactoredMatrix::renew(SystemPtr system) {
   system_ = std::move(system);
+  fixed_.clear();
   for (std::vector<Index>* v : {&column_, &row_}) v->clear();
   value_.clear();
   copy_upper_triangle();
@@ -54,6 +55,7 @@ void FactoredMatrix::truncate(const std::vector<char>& fixed,
                               const std::vector<TangentialStiffness>& W, const Vector& springs) {
   const Index n = system_->dofs(), interior = system_->interior();
   fixed_ = fixed;
+  springs_ = !springs.isZero(0);
   now_ = value_;
   for (const TangentialStiffness& w : W) {
     diagonal(w.first) += w.M(0, 0);

@@ -20,6 +20,8 @@ class FactoredMatrix final : public Hierarchy, private SparseFactor {
                 const Vector& springs) override;
   /// Whether the last truncation left a matrix that is positive definite; apply is 0 where not.
   bool definite() const { return definite_; }
+  /// Whether the last truncation was to these dofs, without springs.
+  bool is_of(const std::vector<char>& fixed) const { return !springs_ && fixed == fixed_; }
   void apply(const Vector& r, Vector& z) override;
   Index levels() const override { return 1; }
   Real operator_complexity() const override;
@@ -34,7 +36,7 @@ class FactoredMatrix final : public Hierarchy, private SparseFactor {
   std::vector<Real> value_, now_;
   cholmod_sparse view_{};
   std::vector<char> fixed_;
-  bool definite_ = false;
+  bool definite_ = false, springs_ = false;
 };
 
 }  // namespace frictioncg

@@ -1,7 +1,9 @@
 #include "sparse/sparse_solver.h"
 
 #include "condensed/interior_point.h"
+#include "multigrid/faces.h"
 #include "sparse/sparse_path.h"
+#include "statics/undetermined.h"
 
 namespace frictioncg {
 
@@ -62,6 +64,14 @@ Solution SparseSolver::follow_path(const ContactProblem& problem, const Settings
   s.route = Route::sparse;
   s.layer = Layer::sparse_interior_point;
   return s;
+}
+
+/// Open nodes and slip are free, no friction holds them. Mostly Newton's last factor tells.
+bool SparseSolver::is_definite_at(const ContactProblem& problem, const Solution& s) {
+  Faces faces(problem);
+  faces.start_from(branches_of(problem, s.x, s.certificate));
+  if (!factor_.is_of(faces.fixed())) factor_.truncate(faces.fixed(), {}, {});
+  return factor_.definite();
 }
 
 }  // namespace frictioncg

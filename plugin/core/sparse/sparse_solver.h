@@ -32,6 +32,8 @@ class SparseSolver {
   /// The central path at once.
   Solution follow_path(const ContactProblem& problem, const Settings& settings, Index max_steps,
                        Observer* observer);
+  /// Whether A has no negative energy beside an answer: a body that buckles may not have buckled.
+  bool is_definite_at(const ContactProblem& problem, const Solution& s);
 
  private:
   SparseSolver(SystemPtr system, std::unique_ptr<FactoredMatrix> factor);
