@@ -39,6 +39,16 @@ struct Levels {
 struct Times {
   double order = 0, factor = 0, condense = 0;  ///< 0 where the factor was kept from before
   double contact = 0, back_substitution = 0, certificate = 0;
+
+  Times& operator+=(const Times& t) {
+    order += t.order;
+    factor += t.factor;
+    condense += t.condense;
+    contact += t.contact;
+    back_substitution += t.back_substitution;
+    certificate += t.certificate;
+    return *this;
+  }
 };
 
 struct Solution {
@@ -82,10 +92,11 @@ inline Settings what_remains(const ContactProblem& problem, Settings settings, c
   return settings;
 }
 
-/// An answer, with the iterations of one before it.
+/// An answer, with what one before it took.
 inline Solution after(const Solution& before, Solution s) {
   s.iterations += before.iterations;
   s.steps += before.steps;
+  s.times += before.times;
   return s;
 }
 

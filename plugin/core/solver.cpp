@@ -47,19 +47,15 @@ bool arrives(const Solution& s) { return decided(s) || s.certificate.residual <=
 /// both took counts. Returns how t ended.
 Status replace_if_better(Solution& s, Solution t) {
   const Status status = t.status;
-  t.iterations += s.iterations;
-  t.steps += s.steps;
-  s.iterations = t.iterations;
-  s.steps = t.steps;
+  t = after(s, std::move(t));
   if (t.negative.size() == 0) t.negative = s.negative;
-  s.negative = t.negative;
-  if (!decided(t) && !(t.certificate.residual < s.certificate.residual)) return status;
-  t.times.order += s.times.order;
-  t.times.factor += s.times.factor;
-  t.times.condense += s.times.condense;
-  t.times.contact += s.times.contact;
-  t.times.back_substitution += s.times.back_substitution;
-  t.times.certificate += s.times.certificate;
+  if (!decided(t) && !(t.certificate.residual < s.certificate.residual)) {
+    s.iterations = t.iterations;
+    s.steps = t.steps;
+    s.times = t.times;
+    s.negative = t.negative;
+    return status;
+  }
   if (!decided(t)) t.status = s.status;
   s = std::move(t);
   return status;

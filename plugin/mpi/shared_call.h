@@ -125,12 +125,13 @@ inline LocalIncrement pose(const SharedScene& shared, const Vector& b, const Vec
 
 /// The vectors of a call, consistent between the processes, as an increment.   Collective.
 inline LocalIncrement increment_together(const Call& call, const SharedScene& shared,
-                                         const PointLaws& laws, ContactProblem& problem) {
+                                         const PointLaws& laws, ContactProblem& problem,
+                                         long verb) {
   const Domain& domain = *shared.domain;
   domain.agree([&] { check_vectors(call, shared.script); });
   const Vector b = shared.patch->load(domain, load_of(call, shared));
   LocalIncrement local = pose(shared, b, slip_from(call, shared), laws, problem);
-  report_leftover(check_data(shared, b, local.u0), domain.rank() == 0 ? call.verb : 0);
+  report_leftover(check_data(shared, b, local.u0), verb);
   domain.agree([&] { validate(problem.increment, *problem.system); });
   return local;
 }
@@ -175,8 +176,8 @@ inline Vector solve_together(Stack stack, const Call& call, SharedScene& shared,
   const Outputs out{stack, call.args};
   ContactProblem problem{shared.A, {}};
   if (domain.largest(problem.nodes()) == 0) laws.law = Law::frictionless;
-  LocalIncrement now = increment_together(call, shared, laws, problem);
   const long verb = domain.rank() == 0 ? call.verb : 0;
+  LocalIncrement now = increment_together(call, shared, laws, problem, verb);
   const bool speaks = domain.largest(static_cast<Real>(verb)) > 0;
   if (speaks) report_plan(shared, problem, verb);
   Progress progress(problem, verb, out.history);
@@ -192,7 +193,7 @@ inline Vector solve_together(Stack stack, const Call& call, SharedScene& shared,
   if (solution.status != Status::converged && shared.stiffened && rest.nbiter > 0) {
     assemble_plain(shared, verb);
     problem.system = shared.A;
-    now = increment_together(call, shared, laws, problem);
+    now = increment_together(call, shared, laws, problem, 0);
     solution = after(solution, answer(rest));
   }
   if (shared.stiffened && solution.status == Status::converged)

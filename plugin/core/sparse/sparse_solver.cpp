@@ -32,11 +32,7 @@ Solution SparseSolver::solve(const ContactProblem& problem, const Settings& sett
   Solution s = go_on(problem, settings, x0, observer);
   const Index bound = bound_of(problem, settings);
   if (decided(s) || s.iterations >= bound) return s;
-  Solution t = follow_path(problem, settings, bound - s.iterations, observer);
-  t.iterations += s.iterations;
-  t.steps += s.steps;
-  t.times.contact += s.times.contact;
-  return t;
+  return after(s, follow_path(problem, settings, bound - s.iterations, observer));
 }
 
 Solution SparseSolver::go_on(const ContactProblem& problem, const Settings& settings,

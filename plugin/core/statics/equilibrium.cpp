@@ -84,8 +84,11 @@ class NearestInCone {
     }
     const Vector rest = orthogonal_rest();
     if (rest.norm() <= (1 + as_near) * before) {
+      const bool kept =
+          count() > 0 && G_.col(count() - 1) == column.normalized();  // it is the last
+      const bool nearer = kept || rest.norm() < before;
       rest_ = rest;
-      return true;
+      return nearer;
     }
     weight_.clear();  // rounding
     size_.clear();

@@ -39,11 +39,12 @@ struct Candidates {
   explicit Candidates(const System& system);
 
   Index count() const { return static_cast<Index>(M.cols()); }
-  /// Of candidate j among those of a body.
+  /// Of candidate j among those of a body; negative where it is none of them.
   Index place(Index body, Index j) const {
     const std::vector<Index>& own = of_body[body];
     if (static_cast<Index>(own.size()) == count()) return j;
-    return static_cast<Index>(std::lower_bound(own.begin(), own.end(), j) - own.begin());
+    const auto found = std::lower_bound(own.begin(), own.end(), j);
+    return found != own.end() && *found == j ? Index(found - own.begin()) : -1;
   }
 
   Matrix M;  ///< n x k; no columns where the system knows none, or none of use
@@ -71,8 +72,22 @@ Candidates::Candidates(const System& system) : M(system.dofs(), 0) {
   Vector all = system.gathered(Eigen::Map<const Vector>(pairs.data(), Index(pairs.size())));
   std::sort(all.begin(), all.end());
   of_body.resize(bodies.count);
-  for (auto pair = all.begin(); pair != std::unique(all.begin(), all.end()); ++pair)
+  const auto end = std::unique(all.begin(), all.end());
+  for (auto pair = all.begin(); pair != end; ++pair)
     of_body[Index(*pair / count())].push_back(Index(std::fmod(*pair, count())));
+}
+
+/// Adds up those of all processes, in one go.
+template <class Dense>
+void sum(const System& system, std::vector<Dense>& of_bodies) {
+  std::vector<Real> all;
+  for (const Dense& own : of_bodies) all.insert(all.end(), own.data(), own.data() + own.size());
+  system.sum(all.data(), Index(all.size()));
+  const Real* from = all.data();
+  for (Dense& own : of_bodies) {
+    std::copy_n(from, own.size(), own.data());
+    from += own.size();
+  }
 }
 
 /// Sums over each body's dofs of M_i' R_i, for rows R_i over the candidates: one matrix a body.
@@ -85,11 +100,12 @@ std::vector<DenseMatrix> gram(const System& system, const Candidates& all, const
     const Index body = all.bodies.of[i];
     for (Index j : columns) {
       const Index to = all.place(body, j);
+      if (to < 0) continue;  // a zero that is stored, or what rounding leaves between bodies
       for (Matrix::InnerIterator m(all.M, i); m; ++m)
         sums[body](all.place(body, Index(m.col())), to) += m.value() * values[j];
     }
   });
-  for (DenseMatrix& sum : sums) system.sum(sum.data(), Index(sum.size()));
+  sum(system, sums);
   return sums;
 }
 
@@ -289,10 +305,9 @@ bool may_be_rigid(const System& system, const Vector& w) {
   const std::vector<DenseMatrix> size = gram_in(system, all, Vector::Ones(w.size()));
   const Real whole = system.sum(w.squaredNorm());
   Real rest = whole;
-  for (std::size_t body = 0; body < size.size(); ++body) {
-    system.sum(mixed[body].data(), Index(mixed[body].size()));
+  sum(system, mixed);
+  for (std::size_t body = 0; body < size.size(); ++body)
     rest -= mixed[body].dot(Vector(least_squares(size[body], mixed[body])));
-  }
   return rest <= bent * bent * whole;
 }
 

@@ -144,6 +144,55 @@ TEST(Floating, AMotionThatMovesAContactDofALittleIsNoneOfTheInterior) {
   EXPECT_LT((Z - Eigen::Vector3d(0, 1, 0)).norm(), 1e-14);
 }
 
+TEST(Floating, ZerosThatAreStoredBetweenBodiesJoinNothing) {
+  BlockOptions o;
+  o.cells = 2;
+  AssembledSystem s = assembled(beside(problem_of(o), 2).system);
+  const Bodies bodies = bodies_of(s.A);
+  ASSERT_EQ(bodies.count, 2);
+  const Eigen::MatrixXd M = s.rigid_modes();
+  s.body_modes = [bodies, M] {
+    Eigen::MatrixXd each = Eigen::MatrixXd::Zero(M.rows(), 6);
+    for (Index i = 0; i < Index(M.rows()); ++i) each.block(i, 3 * bodies.of[i], 1, 3) = M.row(i);
+    return Matrix(each.sparseView());
+  };
+  expect_floating(s, 6);
+  for (Index i = 0; i < s.dofs(); ++i)
+    for (Index j = 0; j < s.dofs(); ++j)
+      if (bodies.of[i] != bodies.of[j]) s.A.coeffRef(i, j) = 0;
+  s.A.makeCompressed();
+  ASSERT_EQ(bodies_of(s.A).count, 2);
+  expect_floating(s, 6);
+}
+
+TEST(Floating, DofsOfBodiesMayTakeTurns) {
+  for (int d : {2, 3}) {
+    BlockOptions o;
+    o.d = d;
+    o.cells = 2;
+    const Index count = 5, each = d == 2 ? 3 : 6;
+    const AssembledSystem s = assembled(beside(problem_of(o), count).system);
+    const Index n = s.dofs(), one = n / count;
+    const auto at = [&](Index i) { return i % one * count + i / one; };
+    std::vector<Eigen::Triplet<Real, Index>> entries;
+    for (Index i = 0; i < n; ++i)
+      for (Matrix::InnerIterator a(s.A, i); a; ++a)
+        entries.emplace_back(at(i), at(Index(a.col())), a.value());
+    AssembledSystem t;
+    t.dimension = d;
+    t.A = Matrix(n, n);
+    t.A.setFromTriplets(entries.begin(), entries.end());
+    t.D = t.weight = t.A.diagonal();
+    t.first = {n};
+    Eigen::MatrixXd M = s.rigid_modes();
+    const Eigen::MatrixXd before = M;
+    for (Index i = 0; i < n; ++i) M.row(at(i)) = before.row(i);
+    t.rigid_modes = [M] { return M; };
+    expect_floating(t, count * each);
+    EXPECT_TRUE(may_be_rigid(t, floating_motions(t) * Vector::Ones(count * each)));
+  }
+}
+
 TEST(Floating, WithoutCandidatesThereAreNone) {
   BlockOptions o;
   Scene s = block(o);

@@ -172,10 +172,12 @@ void validate_cover(const Arrangement& of, const Options& options) {
                                (some(Ownership::State::uncovered) ? " that faces the master" : "");
     if (some(Ownership::State::held))
       refuse("Dirichlet conditions hold the normal of ", labels, "; swap slave and master");
+    const bool shared = some(Ownership::State::shared);
     if (some(Ownership::State::taken))
-      refuse(labels, " lies on the obstacle too, which it obeys; refine the slave, or swap slave ",
-             "and master");
-    refuse(labels, " lies on the master too; refine the slave");
+      refuse(labels, " lies on the obstacle too, which it obeys",
+             shared ? ", or on a master; refine the slave"
+                    : "; refine the slave, or swap slave and master");
+    refuse(labels, " lies on a master too; refine the slave");
   }
 }
 
