@@ -136,9 +136,11 @@ bool Elimination::factorize(const System& system, UpperTriangle& A) {
       if (!costs_no_energy(system, v)) return true;
       system.D.cwiseProduct(v.cwiseAbs2()).head(interior_).maxCoeff(&i);
     }
-    if (springs_.empty())
-      most_springs = static_cast<std::size_t>(system.border.cols()) +
-                     most_motions * last_of_each_part(system, {place, place + n_}).size();
+    if (springs_.empty()) {
+      const std::size_t parts = last_of_each_part(system, {place, place + n_}).size(),
+                        of_bodies = system.body_modes ? system.body_modes().cols() : 0;
+      most_springs = system.border.cols() + std::max(most_motions * parts, of_bodies);
+    }
     if (i >= interior_ || springs_.size() == most_springs) return false;
     springs_.push_back(i);
     A.support(i, sigma * system.D[i]);

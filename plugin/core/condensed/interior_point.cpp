@@ -237,10 +237,16 @@ void CentralPath::move(Point& p, const Point& d, Real part) const {
 
 Index CentralPath::follow(Index max_steps) {
   if (problem_.increment.bilateral || !start()) return 0;
-  const Real first = mean_product(at_), goal = far_down * first;
-  Real mark = first;
+  first_ = mean_product(at_);
+  return follow_to(far_down * first_, std::min(max_steps, most_steps));
+}
+
+Index CentralPath::go_on(Index max_steps) { return follow_to(0, std::min(max_steps, most_steps)); }
+
+Index CentralPath::follow_to(Real goal, Index most) {
+  Real mark = mean_product(at_);
   Index steps = 0;
-  for (const Index most = std::min(max_steps, most_steps); steps < most;) {
+  while (steps < most) {
     const Real mean = mean_product(at_);
     if (mean <= goal) break;
     if (steps > 0 && steps % patience == 0) {
@@ -248,7 +254,7 @@ Index CentralPath::follow(Index max_steps) {
       mark = mean;
     }
     ++steps;
-    if (observer_) observer_->step(Work::interior_point, far_down * mean / goal);
+    if (observer_) observer_->step(Work::interior_point, mean / first_);
     linearize(0, nullptr);
     if (!factor()) break;
     const Point predictor = step();
@@ -257,7 +263,7 @@ Index CentralPath::follow(Index max_steps) {
     const Real falls_to = std::max<Real>(mean_product(ahead) / mean, 0);
     linearize(std::min<Real>(std::pow(falls_to, 3), 1) * mean, &predictor);
     const Point d = step();
-    const Real of_room = 1 - std::min(least_distance, mean / first);
+    const Real of_room = 1 - std::min(least_distance, mean / first_);
     const Real part = std::min<Real>(1, of_room * room(d));
     if (!d.y.allFinite() || !(part > stuck_step)) break;
     move(at_, d, part);
@@ -266,11 +272,16 @@ Index CentralPath::follow(Index max_steps) {
   return steps;
 }
 
+/// Where the start is far out, as of soft bodies beside stiff ones, the branches show later.
 Attempt by_interior_point(const CondensedProblem& problem, Index max_steps) {
   Attempt a;
   CentralPath path(problem);
   a.steps = path.follow(max_steps);
-  if (a.steps > 0) a.solved = newton_from(path.x(), problem, max_steps, a);
+  if (a.steps == 0) return a;
+  a.solved = newton_from(path.x(), problem, max_steps, a);
+  if (a.solved) return a;
+  a.steps += path.go_on(max_steps - a.steps);
+  a.solved = newton_from(path.x(), problem, max_steps, a);
   return a;
 }
 

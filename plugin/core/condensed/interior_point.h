@@ -24,6 +24,8 @@ class CentralPath {
   /// Along the path towards its end; returns the steps it took. Where it cannot start, and for
   /// bilateral contact, none.
   Index follow(Index max_steps);
+  /// On from its end, as far as rounding lets it. Returns the number of steps.
+  Index go_on(Index max_steps);
 
   Vector x() const { return at_.y.cwiseQuotient(unit_); }
 
@@ -39,6 +41,7 @@ class CentralPath {
     Vector rest;    ///< m, right side of the law that has dt
   };
   bool start();
+  Index follow_to(Real goal, Index most);
   Vector pulled_to(const Vector& gap) const;
   void bring_near();
   void make_positive();
@@ -68,6 +71,7 @@ class CentralPath {
   Vector alpha_, omega_;  ///< m: dr_N = alpha + omega dx_N
   Friction friction_;
   Point at_;
+  Real first_ = 0;  ///< mean product
 };
 
 /// The central path, and Newton's method on the laws themselves from the branches at its end.
