@@ -49,12 +49,21 @@ Solution SparseSolver::follow_path(const ContactProblem& problem, const Settings
   const System& system = *problem.system;
   CentralPath path(problem, std::make_unique<SparsePathMatrix>(system, factor_),
                    problem.increment.F, system.weight, observer);
-  const Index steps = path.follow(max_steps);
-  Settings rest = settings;
-  rest.nbiter = std::clamp<Index>(max_steps - steps, 1, from_path);
-  newton_.forget();  // the end of the path has the faces
+  Index steps = path.follow(max_steps);
+  const auto from_its_end = [&](Index left) {
+    Settings rest = settings;
+    rest.nbiter = std::clamp<Index>(left, 1, from_path);
+    newton_.forget();  // the end of the path has the faces
+    return newton_.solve(problem, rest, steps > 0 ? path.x() : Vector(), observer);
+  };
   answered_ = false;
-  Solution s = newton_.solve(problem, rest, steps > 0 ? path.x() : Vector(), observer);
+  Solution s = from_its_end(max_steps - steps);
+  const Index left = max_steps - steps - s.iterations;
+  if (steps > 0 && !decided(s) && left > 0) {
+    const Index more = path.go_on(left);
+    steps += more;
+    s = after(s, from_its_end(left - more));
+  }
   answered_ = s.status == Status::converged;
   s.iterations += steps;
   s.route = Route::sparse;
