@@ -288,14 +288,12 @@ Real Pairing::distance(std::size_t point) const {
 }
 
 Matrix Pairing::stiffness(Index n, int d) const {
-  std::vector<Eigen::Triplet<Real, Index>> entries;
+  EntryList entries;
   mortar_->stiffness().for_each_symmetric(d, [&](Index i, int a, Index j, int b, Real s) {
     const Index k = between_.dof[i][a], l = between_.dof[j][b];
     if (!dirichlet_->holds(k) && !dirichlet_->holds(l)) entries.emplace_back(k, l, s);
   });
-  Matrix S(n, n);
-  S.setFromTriplets(entries.begin(), entries.end());
-  return S;
+  return sparse(n, n, entries);
 }
 
 mortar::Change Pairing::change(const std::vector<mortar::Vec3>& v, int d) const {

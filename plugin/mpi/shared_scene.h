@@ -95,13 +95,12 @@ inline void set_motions(SharedScene& shared, System& own) {
       const Matrix M =
           shared.scene->system->basis().W * body_motions(shared, shared.scene->places());
       const std::vector<Index>& rows = shared.numbering().own;
-      Matrix chosen(static_cast<Index>(rows.size()), M.cols());
-      for (Index r = 0; r < chosen.rows(); ++r) {
-        chosen.startVec(r);
-        for (Matrix::InnerIterator m(M, rows[r]); m; ++m) chosen.insertBack(r, m.col()) = m.value();
-      }
-      chosen.finalize();
-      return chosen;
+      const Index count = static_cast<Index>(rows.size());
+      EntryList chosen;
+      for (Index r = 0; r < count; ++r)
+        for (Matrix::InnerIterator m(M, rows[r]); m; ++m)
+          chosen.emplace_back(r, m.col(), m.value());
+      return sparse(count, M.cols(), chosen);
     };
 }
 

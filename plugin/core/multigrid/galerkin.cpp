@@ -32,8 +32,7 @@ SymmetricBlocks<K> galerkin_pattern(const SymmetricBlocks<B>& A, const Prolongat
   }
   SymmetricBlocks<K> coarse;
   for (std::vector<Index>& columns : lower) {
-    std::sort(columns.begin(), columns.end());
-    columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
+    sort_once(columns);
     coarse.col.insert(coarse.col.end(), columns.begin(), columns.end());
     coarse.row.push_back(to_block_index(coarse.col.size()));
     std::vector<Index>().swap(columns);

@@ -110,8 +110,7 @@ void aggregates_beside(Index i, const BlockGraph& graph, const Aggregates& aggre
   columns.assign(1, aggregates.of[i]);
   for (Index e = graph.begin[i]; e < graph.begin[i + 1]; ++e)
     columns.push_back(aggregates.of[graph.neighbour[e]]);
-  std::sort(columns.begin(), columns.end());
-  columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
+  sort_once(columns);
 }
 
 template <int B, int K>

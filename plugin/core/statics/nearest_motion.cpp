@@ -82,15 +82,13 @@ std::map<Index, std::vector<NodePlace>> by_body(const std::vector<NodePlace>& no
 Matrix body_modes(const std::vector<std::vector<NodePlace>>& bodies,
                   const std::vector<Extent>& extents, int d, Index n) {
   const Index each = d == 2 ? 3 : 6;
-  std::vector<Eigen::Triplet<Real, Index>> entries;
+  EntryList entries;
   for (std::size_t k = 0; k < bodies.size(); ++k)
     for_each_row(bodies[k], d, extents[k], [&](Index dof, const auto& w) {
       for (Index j = 0; j < each; ++j)
         if (w[j] != 0) entries.emplace_back(dof, each * static_cast<Index>(k) + j, w[j]);
     });
-  Matrix modes(n, each * static_cast<Index>(bodies.size()));
-  modes.setFromTriplets(entries.begin(), entries.end());
-  return modes;
+  return sparse(n, each * static_cast<Index>(bodies.size()), entries);
 }
 
 Matrix body_modes(const std::vector<NodePlace>& nodes, int d, Index n) {
