@@ -117,10 +117,7 @@ void GalerkinProduct<B, K>::add(const SymmetricBlocks<B>& A, const Prolongation<
   template SymmetricBlocks<K> galerkin_pattern(const SymmetricBlocks<B>&,  \
                                                const Prolongation<B, K>&); \
   template class GalerkinProduct<B, K>;
-FRICTIONCG_INSTANTIATE(2, 3)
-FRICTIONCG_INSTANTIATE(3, 3)
-FRICTIONCG_INSTANTIATE(3, 6)
-FRICTIONCG_INSTANTIATE(6, 6)
+FRICTIONCG_PROLONGATIONS(FRICTIONCG_INSTANTIATE)
 #undef FRICTIONCG_INSTANTIATE
 
 }  // namespace frictioncg

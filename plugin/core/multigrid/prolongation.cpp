@@ -185,16 +185,12 @@ void invert_diagonal(SymmetricBlocks<B>& A, Index row) {
   template Tentative<B, K> make_tentative<B, K>(const Aggregates&, const Modes<K>&);     \
   template Prolongation<B, K> smooth<B, K>(const SymmetricBlocks<B>&, const BlockGraph&, \
                                            const Aggregates&, const std::vector<float>&, float);
-FRICTIONCG_INSTANTIATE(2, 3)
-FRICTIONCG_INSTANTIATE(3, 3)
-FRICTIONCG_INSTANTIATE(3, 6)
-FRICTIONCG_INSTANTIATE(6, 6)
+FRICTIONCG_PROLONGATIONS(FRICTIONCG_INSTANTIATE)
 #undef FRICTIONCG_INSTANTIATE
-template float spectral_radius(const SymmetricBlocks<2>&, int);
-template float spectral_radius(const SymmetricBlocks<3>&, int);
-template float spectral_radius(const SymmetricBlocks<6>&, int);
-template void invert_diagonal(SymmetricBlocks<2>&, Index);
-template void invert_diagonal(SymmetricBlocks<3>&, Index);
-template void invert_diagonal(SymmetricBlocks<6>&, Index);
+#define FRICTIONCG_INSTANTIATE(B)                                 \
+  template float spectral_radius(const SymmetricBlocks<B>&, int); \
+  template void invert_diagonal(SymmetricBlocks<B>&, Index);
+FRICTIONCG_BLOCKS(FRICTIONCG_INSTANTIATE)
+#undef FRICTIONCG_INSTANTIATE
 
 }  // namespace frictioncg
