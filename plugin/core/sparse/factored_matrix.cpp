@@ -78,8 +78,7 @@ void FactoredMatrix::apply(const Vector& r, Vector& z) {
   z.setZero(r.size());
   if (!definite_) return;
   z = solve(CHOLMOD_A, r);
-  for (std::size_t c = 0; c < fixed_.size(); ++c)
-    if (fixed_[c]) z[system_->interior() + Index(c)] = 0;
+  drop_fixed(fixed_, z);
 }
 
 /// Supernodes keep zeros, what is without them the row of each entry.
