@@ -47,19 +47,13 @@ bool arrives(const Solution& s) { return decided(s) || s.certificate.residual <=
 /// both took counts. Returns how t ended.
 Status replace_if_better(Solution& s, Solution t) {
   const Status status = t.status;
-  t.iterations += s.iterations;
-  t.steps += s.steps;
+  t = after(s, std::move(t));
   s.iterations = t.iterations;
   s.steps = t.steps;
   if (t.negative.size() == 0) t.negative = s.negative;
   s.negative = t.negative;
   if (!decided(t) && !(t.certificate.residual < s.certificate.residual)) return status;
-  t.times.order += s.times.order;
-  t.times.factor += s.times.factor;
-  t.times.condense += s.times.condense;
-  t.times.contact += s.times.contact;
-  t.times.back_substitution += s.times.back_substitution;
-  t.times.certificate += s.times.certificate;
+  t.times += s.times;
   if (!decided(t)) t.status = s.status;
   s = std::move(t);
   return status;
@@ -184,10 +178,7 @@ Solution Solver::by_condensation(const ContactProblem& problem, const Settings& 
   if (settings.newton) try_without_factor(problem, settings, observer, floating_, s);
   if (!factor_reported_) {
     factor_reported_ = true;
-    const EliminationTimes& t = condensed_->elimination().times();
-    s.times.order += t.order;
-    s.times.factor += t.factor;
-    s.times.condense += t.condense;
+    s.times += condensed_->elimination().times();
   }
   if (observer) observer->iterate(s.iterations, StepLabel::newton, s.x);
   return s;

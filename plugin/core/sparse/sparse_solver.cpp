@@ -30,9 +30,7 @@ Solution SparseSolver::solve(const ContactProblem& problem, const Settings& sett
   Solution s = go_on(problem, settings, x0, observer);
   const Index bound = bound_of(problem, settings);
   if (decided(s) || s.iterations >= bound) return s;
-  Solution t = follow_path(problem, settings, bound - s.iterations, observer);
-  t.iterations += s.iterations;
-  t.steps += s.steps;
+  Solution t = after(s, follow_path(problem, settings, bound - s.iterations, observer));
   t.times.contact += s.times.contact;
   return t;
 }
