@@ -40,7 +40,6 @@ class Elimination : private SparseFactor {
   const Times& times() const { return times_; }  ///< of order, factor and condense
 
  private:
-  struct UpperTriangle;
   bool analyze(const System& system, UpperTriangle& A);
   bool contact_is_last() const;
   bool factorize(const System& system, UpperTriangle& A);
@@ -52,7 +51,7 @@ class Elimination : private SparseFactor {
   Vector back_substitute(Vector y, const Vector& x_C);
 
   Index n_ = 0, interior_ = 0;
-  std::vector<Index> roots_;    ///< of UpperTriangle
+  std::vector<Index> roots_;    ///< interior dofs that shall be children of the first contact dof
   std::vector<Index> springs_;  ///< dofs of the interior that stand in for supports
   double memory_needed_ = 0;
   DenseMatrix S_, floating_;
