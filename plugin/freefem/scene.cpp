@@ -122,23 +122,21 @@ std::shared_ptr<Scene> Scene::posed_anew() const {
 
 void Scene::face(const Triplets& A, const mortar::Options& options, const Vector& u_old,
                  bool again) {
-  const double start = cpu_seconds();
+  const Stopwatch watch(copy_seconds);
   const std::vector<BoundaryNode> of_obstacle = std::move(nodes);
   nodes = pairing->face(A, d, options, u_old, of_obstacle, places, again);
   nodes.insert(nodes.end(), of_obstacle.begin(), of_obstacle.end());
   beside_pairs = of_obstacle.size();
-  copy_seconds = cpu_seconds() - start;
 }
 
 void Scene::assemble(const Triplets& A) {
-  const double start = cpu_seconds();
+  const Stopwatch watch(copy_seconds);
   make_system(A, nullptr);
   solver = std::make_unique<Solver>(system->system());
-  copy_seconds += cpu_seconds() - start;
 }
 
 void Scene::assemble_after(Scene& before, const Triplets& A, bool alone) {
-  const double start = cpu_seconds();
+  const Stopwatch watch(copy_seconds);
   make_system(A, before.system.get());
   if (alone) {
     before.solver->renew(system->system());
@@ -146,7 +144,6 @@ void Scene::assemble_after(Scene& before, const Triplets& A, bool alone) {
   } else {
     solver = std::make_unique<Solver>(system->system());
   }
-  copy_seconds += cpu_seconds() - start;
 }
 
 void Scene::make_system(const Triplets& A, const LocalSystem* before) {
