@@ -27,12 +27,10 @@ const char* assemble(const DofCount& dofs) {
 void refuse_other_order(const Triplets& A, const DofCount& dofs) {
   const long second = dofs.count - dofs.first;
   bool crosses_first = false, crosses_second = false;
-  for (std::size_t k = 0; k < A.size; ++k) {
-    if (A.a[k] == 0) continue;
-    const long i = A.i[k] - A.base, j = A.j[k] - A.base;
+  for_each_entry(A, [&](Index i, Index j, Real) {
     crosses_first = crosses_first || (i < dofs.first) != (j < dofs.first);
     crosses_second = crosses_second || (i < second) != (j < second);
-  }
+  });
   if (crosses_first && !crosses_second) refuse_order(dofs);
 }
 

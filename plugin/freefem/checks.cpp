@@ -204,11 +204,9 @@ class BlockOrder {
     std::vector<Row> rows(A.n);
     std::vector<char> counts(A.n, 0);
     for (long i = 0; i < A.n; i += step) counts[i] = 1;
-    for (std::size_t k = 0; k < A.size; ++k) {
-      const long i = A.row(k), j = A.col(k);
-      if (counts[i]) add(i, j, A.a[k], shift, rows[i]);
-      if (A.half && i != j && counts[j]) add(j, i, A.a[k], shift, rows[j]);
-    }
+    for_each_entry(A, [&](Index i, Index j, Real a) {
+      if (counts[i]) add(i, j, a, shift, rows[i]);
+    });
     constexpr Real rounding = 1e-9;
     std::array<BlockFit, 2> fit;
     for (long i = 0; i < A.n; ++i) {

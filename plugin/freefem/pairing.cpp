@@ -150,13 +150,11 @@ void FreedomOfBodies::add(const Triplets& A, const Dirichlet& dirichlet,
   for (const NodePlace& p : places)
     for (int c = 0; p.body < bodies_ && c < d_; ++c) of[p.dof[c]] = p.body;
   Vector D = Vector::Zero(A.n);
-  for (std::size_t e = 0; e < A.size; ++e) {
-    const Index i = A.row(e), j = A.col(e);
-    if (of[i] < 0 || of[i] != of[j] || dirichlet.holds(i) || dirichlet.holds(j)) continue;
-    Aw.row(i) += A.a[e] * w.row(j);
-    if (A.half && i != j) Aw.row(j) += A.a[e] * w.row(i);
-    if (i == j) D[i] += A.a[e];
-  }
+  for_each_entry(A, [&](Index i, Index j, Real a) {
+    if (of[i] < 0 || of[i] != of[j] || dirichlet.holds(i) || dirichlet.holds(j)) return;
+    Aw.row(i) += a * w.row(j);
+    if (i == j) D[i] += a;
+  });
   for (Index i = 0; i < A.n; ++i) {
     if (of[i] < 0 || (own && !own(i))) continue;
     const auto add_to = [&](DenseMatrix& sum, const auto& row) {
