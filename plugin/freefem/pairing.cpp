@@ -206,8 +206,7 @@ std::vector<BoundaryNode> Pairing::face(const Triplets& A, int d, mortar::Option
                                         const std::vector<BoundaryNode>& on_obstacle,
                                         const std::function<std::vector<NodePlace>()>& places,
                                         bool again) {
-  std::vector<ContactPoint> obstacle;
-  for (const BoundaryNode& n : on_obstacle) obstacle.push_back(n.point);
+  const std::vector<ContactPoint> obstacle = points_of(on_obstacle);
   dirichlet_ = std::make_shared<const Dirichlet>(A, obstacle);
   bool asked = false;
   add_bodies(A, d, places, options, asked);
@@ -377,10 +376,7 @@ BoundaryNode Pairing::slave_node(Index i, long label) const {
   const Vec3 n = facet->normal / length(facet->normal);
   node.point.normal = {n[0], n[1], n[2]};
   node.x = shared.x;
-  node.label = facet->label;
-  node.element = facet->element;
-  node.facet = facet->facet;
-  node.hat = facet->hat;
+  node.set_place(*facet);
   return node;
 }
 

@@ -147,8 +147,7 @@ void Scene::assemble_after(Scene& before, const Triplets& A, bool alone) {
 }
 
 void Scene::make_system(const Triplets& A, const LocalSystem* before) {
-  std::vector<ContactPoint> points;
-  for (const BoundaryNode& n : nodes) points.push_back(n.point);
+  std::vector<ContactPoint> points = points_of(nodes);
   const Index n = static_cast<Index>(ndof());
   const auto modes = [places = places, d = d, n] { return rigid_modes(places(), d, n); };
   const auto each = [places = places, d = d, n] { return body_modes(places(), d, n); };
@@ -234,8 +233,7 @@ std::shared_ptr<Scene> pair_scene(const SpacePtr& V1, const SpacePtr& V2, const 
   };
   scene->places = once([of_first = scene->places, V2, offset, d = scene->d] {
     std::vector<NodePlace> places = of_first();
-    Index bodies = 0;
-    for (const NodePlace& n : places) bodies = std::max(bodies, n.body + 1);
+    const Index bodies = count_bodies(places);
     for (NodePlace n : V2->places()) {
       n.body += bodies;
       n.dof = shifted(offset, d, n.dof);

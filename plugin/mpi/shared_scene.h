@@ -65,9 +65,7 @@ inline Eigen::MatrixXd motions(const SharedScene& shared, const std::vector<Node
 
 /// Of all processes, which call them alike.   Collective.
 inline Index count_bodies(const Domain& domain, const std::vector<NodePlace>& places) {
-  Index count = 0;
-  for (const NodePlace& n : places) count = std::max(count, n.body + 1);
-  return static_cast<Index>(domain.largest(count));
+  return static_cast<Index>(domain.largest(count_bodies(places)));
 }
 
 /// Those of each body alone, whichever process has nodes of it.   Collective.
@@ -137,9 +135,8 @@ inline void follow_free_motions_of_all(const Triplets& A, SharedScene& shared) {
   const auto sum = [&](Real* values, Index count) { domain.sum(values, count); };
   const auto add = [&](FreedomOfBodies& freedom) {
     domain.agree([&] {
-      std::vector<ContactPoint> points;
-      for (const BoundaryNode& p : scene.nodes) points.push_back(p.point);
-      freedom.add(A, Dirichlet(A, points), places, [&](Index i) { return domain.owns(i); });
+      freedom.add(A, Dirichlet(A, points_of(scene.nodes)), places,
+                  [&](Index i) { return domain.owns(i); });
     });
     freedom.sum(sum);
   };
@@ -157,11 +154,7 @@ inline void share(const Triplets& A, SharedScene& shared) {
   follow_free_motions_of_all(A, shared);
   add_ghost_points(domain, scene);
   std::unique_ptr<Dirichlet> own;
-  domain.agree([&] {
-    std::vector<ContactPoint> points;
-    for (const BoundaryNode& n : scene.nodes) points.push_back(n.point);
-    own = std::make_unique<Dirichlet>(A, points);
-  });
+  domain.agree([&] { own = std::make_unique<Dirichlet>(A, points_of(scene.nodes)); });
   shared.patch = std::make_unique<PatchedMatrix>(domain, A, *own);
   domain.agree([&] { scene.assemble(shared.patch->triplets(A)); });
   make_solver(shared);

@@ -73,6 +73,12 @@ Eigen::MatrixXd rigid_modes(const std::vector<NodePlace>& nodes, int d, Index n)
   return rigid_modes(nodes, d, n, extent_of(nodes));
 }
 
+Index count_bodies(const std::vector<NodePlace>& nodes) {
+  Index count = 0;
+  for (const NodePlace& n : nodes) count = std::max(count, n.body + 1);
+  return count;
+}
+
 std::map<Index, std::vector<NodePlace>> by_body(const std::vector<NodePlace>& nodes) {
   std::map<Index, std::vector<NodePlace>> bodies;
   for (const NodePlace& p : nodes) bodies[p.body].push_back(p);
