@@ -243,11 +243,10 @@ void check_vectors(const Call& call, const DofCount& dofs) {
 }
 
 void refuse_motions(const Arguments& args, const Scene& scene) {
-  for (Parameter p : of_moving_obstacle)
-    if (!scene.moving && args.has(p))
-      refuse(name_of(p),
-             " is of an obstacle that moves, and C was made with none; name pivot or "
-             "motionfree in contactProblem(...)");
+  if (!scene.moving)
+    args.refuse(of_moving_obstacle,
+                "is of an obstacle that moves, and C was made with none; name pivot or "
+                "motionfree in contactProblem(...)");
 }
 
 Vectors::Vectors(const Call& call, const Scene& scene)
