@@ -160,22 +160,6 @@ inline void share(const Triplets& A, SharedScene& shared) {
   make_solver(shared);
 }
 
-/// As scales_of, but for the extent, which is that of the body.   Collective.
-inline Scales scales_of_all(const SharedScene& shared, const Vector& b) {
-  const Domain& domain = *shared.domain;
-  const Vector& D = shared.A->D;
-  Real load = 0, diagonal[] = {D.sum(), Real(D.size())};
-  for (Index i = 0; i < domain.dofs(); ++i)
-    if (domain.owns(i) && !shared.scene->held[i]) load = std::max(load, std::abs(b[i]));
-  domain.sum(diagonal, 2);
-  Scales s;
-  s.extent = 2 * shared.extent.radius;
-  s.stiffness = diagonal[0] / diagonal[1];
-  s.stiffest = domain.largest(D.size() > 0 ? D.maxCoeff() : 0);
-  s.moved = domain.largest(load) / s.stiffness;
-  return s;
-}
-
 /// As leftovers, of the bodies of all processes.   Collective.
 inline std::vector<Leftover> leftovers_of_all(const SharedScene& shared, const Vector& b) {
   constexpr Index of_body = 7;  // the largest entry; the least and the largest of each component
@@ -208,23 +192,10 @@ inline std::vector<Leftover> leftovers_of_all(const SharedScene& shared, const V
 /// As in one process.   Collective.
 inline Real check_data(const SharedScene& shared, const Vector& b, const Vector& u0) {
   const Domain& domain = *shared.domain;
-  const Scene& scene = *shared.scene;
-  const Scales s = scales_of_all(shared, b);
-  domain.agree([&] {
-    refuse_data_without_row(scene, b, s);
-    refuse_huge_data(scene, b, u0, s);
-  });
-  const long i = largest_data(scene, b, u0);
-  if (scene.at || !is_tiny(domain.largest(i < 0 ? 0 : std::abs(u0[i])), s)) return 0;
-  Real most = 0;
-  const std::vector<Leftover> all = leftovers_of_all(shared, b);
-  domain.agree([&] {
-    for (const Leftover& left : all) {
-      if (i >= 0) refuse_tiny_data(scene, b, u0, i, s, left);
-      most = std::max(most, left.most);
-    }
-  });
-  return most;
+  return check_data(
+      *shared.scene, b, u0,
+      {*shared.A, 2 * shared.extent.radius, [&](Index i) { return domain.owns(i); },
+       [&](const auto& body) { domain.agree(body); }, [&] { return leftovers_of_all(shared, b); }});
 }
 
 /// The increment over the own dofs and nodes, from that of the local system.   Collective.
