@@ -46,15 +46,4 @@ Coupling on_all_dofs(const std::vector<char>& coupled, EntryList T, EntryList W)
   return {sparse(n, n, T), sparse(n, n, W)};
 }
 
-std::vector<ContactPoint> contact_points(const Mortar& mortar, const NodeDofs& dof) {
-  std::vector<ContactPoint> points;
-  for (const ContactNode& node : mortar.nodes()) {
-    ContactPoint point;
-    point.dof = dof[node.node];
-    for (int c = 0; c < 3; ++c) point.normal[c] = node.normal[c];
-    points.push_back(point);
-  }
-  return points;
-}
-
 }  // namespace frictioncg::mortar
