@@ -57,12 +57,6 @@ inline std::vector<Extent> extents_of_all(const Domain& domain,
   return extents;
 }
 
-/// The rigid motions of nodes, in the dofs of the script.
-inline Eigen::MatrixXd motions(const SharedScene& shared, const std::vector<NodePlace>& nodes,
-                               const Extent& extent) {
-  return rigid_modes(nodes, shared.scene->d, static_cast<Index>(shared.scene->ndof()), extent);
-}
-
 /// Of all processes, which call them alike.   Collective.
 inline Index count_bodies(const Domain& domain, const std::vector<NodePlace>& places) {
   return static_cast<Index>(domain.largest(count_bodies(places)));
@@ -76,17 +70,15 @@ inline Matrix body_motions(const SharedScene& shared, const std::vector<NodePlac
   return body_modes(bodies, extents, shared.scene->d, static_cast<Index>(shared.scene->ndof()));
 }
 
-/// Motions in the dofs of the script, as those of the own dofs.
-inline Eigen::MatrixXd own_modes(const SharedScene& shared, const Eigen::MatrixXd& M) {
-  const Eigen::MatrixXd local = shared.scene->system->basis().W * M;
-  return local(shared.numbering().own, Eigen::all);
-}
-
 /// Gives the own system the motions of the bodies; finds the extent.   Collective.
 inline void set_motions(SharedScene& shared, System& own) {
   const std::vector<NodePlace> places = shared.scene->places();
   shared.extent = extents_of_all(*shared.domain, {places}).front();
-  const Eigen::MatrixXd modes = own_modes(shared, motions(shared, places, shared.extent));
+  const Scene& scene = *shared.scene;
+  const Eigen::MatrixXd local =
+      scene.system->basis().W *
+      rigid_modes(places, scene.d, static_cast<Index>(scene.ndof()), shared.extent);
+  const Eigen::MatrixXd modes = local(shared.numbering().own, Eigen::all);
   own.rigid_modes = [modes] { return modes; };
   if (shared.interface)  // of many bodies they take much memory
     own.body_modes = [&shared] {
@@ -201,15 +193,9 @@ inline Real check_data(const SharedScene& shared, const Vector& b, const Vector&
 /// The increment over the own dofs and nodes, from that of the local system.   Collective.
 inline Increment own_increment(const SharedScene& shared, const LocalIncrement& local,
                                const LocalLoad& load) {
-  const auto of_nodes = [&](const Vector& all) -> Vector {
-    return all.size() > 0 ? Vector(all(shared.numbering().own_nodes)) : all;
-  };
   Increment own = local.increment;
-  own.gap = of_nodes(local.increment.gap);
-  own.mu = of_nodes(local.increment.mu);
-  own.g = of_nodes(local.increment.g);
-  own.cohesion = of_nodes(local.increment.cohesion);
-  own.cap = of_nodes(local.increment.cap);
+  for (Vector* v : {&own.gap, &own.mu, &own.g, &own.cohesion, &own.cap})
+    if (v->size() > 0) *v = Vector((*v)(shared.numbering().own_nodes));
   LocalLoad own_load;
   own_load.external = shared.A->own_part(load.external);
   own_load.total = shared.A->own_part(load.total);
