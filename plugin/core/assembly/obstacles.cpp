@@ -9,19 +9,12 @@ constexpr Real nothing = 1e-12;
 
 /// The extents of the contact points of each obstacle; 1 for a single one.
 std::vector<Real> extents(const RigidObstacles& obstacles, Index count) {
-  std::vector<Eigen::Vector3d> least(count), most(count);
-  std::vector<char> seen(count, 0);
-  for (std::size_t p = 0; p < obstacles.arm.size(); ++p) {
-    const Index o = obstacles.of_point[p];
-    if (o < 0) continue;
-    const Eigen::Vector3d& x = obstacles.arm[p];
-    least[o] = seen[o] ? Eigen::Vector3d(least[o].cwiseMin(x)) : x;
-    most[o] = seen[o] ? Eigen::Vector3d(most[o].cwiseMax(x)) : x;
-    seen[o] = 1;
-  }
+  std::vector<Eigen::AlignedBox3d> box(count);
+  for (std::size_t p = 0; p < obstacles.arm.size(); ++p)
+    if (const Index o = obstacles.of_point[p]; o >= 0) box[o].extend(obstacles.arm[p]);
   std::vector<Real> extent(count, 1);
   for (Index o = 0; o < count; ++o)
-    if (seen[o] && most[o] != least[o]) extent[o] = (most[o] - least[o]).norm() / 2;
+    if (!box[o].isEmpty() && box[o].min() != box[o].max()) extent[o] = box[o].sizes().norm() / 2;
   return extent;
 }
 
