@@ -6,8 +6,6 @@ namespace frictioncg {
 
 namespace {
 
-using Vec3 = Eigen::Vector3d;
-
 /// A normal further from the mean one than 45 degrees (their cosine) is no normal of a surface.
 constexpr Real leaning = M_SQRT1_2;
 /// A jump of the curvature begins to count from the first share of the curvature on, and counts in

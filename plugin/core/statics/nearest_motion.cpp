@@ -45,10 +45,6 @@ std::string describe_one(const std::vector<NodePlace>& nodes, int d, const Vecto
 
 constexpr Real stiff_turn = 30;  ///< rotation over strain: loads that turn a body far strain it
 
-}  // namespace
-
-namespace {
-
 /// visit(dof, values): a row of the modes for each component of each node.
 template <class Visit>
 void for_each_row(const std::vector<NodePlace>& nodes, int d, const Extent& extent,
