@@ -10,4 +10,12 @@ inline double cpu_seconds() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
+/// Adds the time it lives to one of the phases.
+struct Stopwatch {
+  explicit Stopwatch(double& phase) : seconds(phase), start(cpu_seconds()) {}
+  ~Stopwatch() { seconds += cpu_seconds() - start; }
+  double& seconds;
+  const double start;
+};
+
 }  // namespace frictioncg

@@ -87,11 +87,7 @@ struct StepCounts {
 
   Index operator[](StepLabel label) const { return count[static_cast<int>(label)]; }
   void add(StepLabel label) { ++count[static_cast<int>(label)]; }
-  Index total() const {
-    Index sum = 0;
-    for (Index n : count) sum += n;
-    return sum;
-  }
+  Index total() const { return std::accumulate(count.begin(), count.end(), Index(0)); }
   StepCounts& operator+=(const StepCounts& other) {
     for (int k = 0; k < step_labels; ++k) count[k] += other.count[k];
     return *this;

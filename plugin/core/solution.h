@@ -40,13 +40,10 @@ struct Times {
   double order = 0, factor = 0, condense = 0;  ///< 0 where the factor was kept from before
   double contact = 0, back_substitution = 0, certificate = 0;
 
-  Times& operator+=(const Times& t) {
-    order += t.order;
-    factor += t.factor;
-    condense += t.condense;
-    contact += t.contact;
-    back_substitution += t.back_substitution;
-    certificate += t.certificate;
+  Times& operator+=(const Times& other) {
+    for (double Times::*phase : {&Times::order, &Times::factor, &Times::condense, &Times::contact,
+                                 &Times::back_substitution, &Times::certificate})
+      this->*phase += other.*phase;
     return *this;
   }
 };

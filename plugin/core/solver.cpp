@@ -180,10 +180,7 @@ Solution Solver::by_condensation(const ContactProblem& problem, const Settings& 
   if (settings.newton) try_without_factor(problem, settings, observer, floating_, s);
   if (!factor_reported_) {
     factor_reported_ = true;
-    const EliminationTimes& t = condensed_->elimination().times();
-    s.times.order += t.order;
-    s.times.factor += t.factor;
-    s.times.condense += t.condense;
+    s.times += condensed_->elimination().times();
   }
   if (observer) observer->iterate(s.iterations, StepLabel::newton, s.x);
   return s;

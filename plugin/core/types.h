@@ -37,6 +37,21 @@ inline Arrays arrays_of(const Matrix& A) {
   return {A.outerIndexPtr(), A.innerIndexPtr(), A.valuePtr()};
 }
 
+/// Entries of a matrix in any order; those of one place add.
+using EntryList = std::vector<Eigen::Triplet<Real, Index>>;
+inline Matrix sparse(Index rows, Index columns, const EntryList& entries) {
+  Matrix M(rows, columns);
+  M.setFromTriplets(entries.begin(), entries.end());
+  return M;
+}
+
+/// Each value once, in ascending order.
+template <class T>
+void sort_once(std::vector<T>& values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+}
+
 /// The input breaks a rule of the interface; what() is one sentence for the user.
 struct IllegalInput : std::runtime_error {
   using std::runtime_error::runtime_error;

@@ -27,18 +27,23 @@ const char* assemble(const DofCount& dofs) {
 void refuse_other_order(const Triplets& A, const DofCount& dofs) {
   const long second = dofs.count - dofs.first;
   bool crosses_first = false, crosses_second = false;
-  for (std::size_t k = 0; k < A.size; ++k) {
-    if (A.a[k] == 0) continue;
-    const long i = A.i[k] - A.base, j = A.j[k] - A.base;
+  for_each_entry(A, [&](Index i, Index j, Real) {
     crosses_first = crosses_first || (i < dofs.first) != (j < dofs.first);
     crosses_second = crosses_second || (i < second) != (j < second);
-  }
+  });
   if (crosses_first && !crosses_second) refuse_order(dofs);
 }
 
 /// Before a script runs.
 void forbid(Parameter p, const std::string& rule) {
   CompileError(std::string(operator_name) + ": " + name_of(p) + " " + rule);
+}
+
+/// Those of several that are there.
+template <std::size_t count>
+void forbid(const Arguments& args, const Parameter (&of)[count], const char* rule) {
+  for (Parameter p : of)
+    if (args.has(p)) forbid(p, rule);
 }
 
 /// Before FreeFEM looks for the type of domain, which frictionCG-mpi alone has.
@@ -211,23 +216,20 @@ std::vector<long> Labels::read(Stack stack, const char* what) const {
 }
 
 Arguments::Arguments(const basicAC_F0& args, int d, bool two_bodies) : Arguments(args) {
-  for (Parameter p : {p_maxgap, p_smooth, p_distance})
-    if (!two_bodies && has(p))
-      forbid(p,
-             "belongs to contact of two bodies; name slave and master, as in "
-             "frictionalContactCG(A, b, Vh, slave, master, ...)");
-  for (Parameter p : of_obstacle_beside_pairs)
-    if (!two_bodies && has(p))
-      forbid(p,
-             "belongs to an obstacle beside pairs of bodies; with one body the labels after Vh "
-             "touch it, and gap, normal and force are its own");
-  for (Parameter p : of_obstacle_beside_pairs)
-    if (has(p) && !has(p_obstacle)) forbid(p, "needs the labels that touch it, as in obstacle=1");
-  for (Parameter p : of_moving_obstacle)
-    if (two_bodies && has(p))
-      forbid(p,
-             "belongs to one body and an obstacle; of two bodies each moves by its own "
-             "displacement");
+  if (!two_bodies) {
+    forbid(*this, {p_maxgap, p_smooth, p_distance},
+           "belongs to contact of two bodies; name slave and master, as in "
+           "frictionalContactCG(A, b, Vh, slave, master, ...)");
+    forbid(*this, of_obstacle_beside_pairs,
+           "belongs to an obstacle beside pairs of bodies; with one body the labels after Vh "
+           "touch it, and gap, normal and force are its own");
+  }
+  if (!has(p_obstacle))
+    forbid(*this, of_obstacle_beside_pairs, "needs the labels that touch it, as in obstacle=1");
+  if (two_bodies)
+    forbid(*this, of_moving_obstacle,
+           "belongs to one body and an obstacle; of two bodies each moves by its own "
+           "displacement");
   refuse_force_of_nowhere();
   if (has(p_pivot)) components(p_pivot, d, "[x, y, z]", "[x, y]");
   for (Parameter p : {p_normal, p_obstaclenormal})
@@ -243,11 +245,9 @@ Arguments::Arguments(const basicAC_F0& args, int d, bool two_bodies) : Arguments
 
 Arguments Arguments::of_increment(const basicAC_F0& args) {
   const Arguments a = of_contactproblem(args);
-  for (Parameter p : of_geometry)
-    if (a.has(p))
-      forbid(p,
-             "belongs to the contactproblem; give it there, or with a new matrix, as in "
-             "frictionalContactCG(C, A, b, ...)");
+  forbid(a, of_geometry,
+         "belongs to the contactproblem; give it there, or with a new matrix, as in "
+         "frictionalContactCG(C, A, b, ...)");
   return a;
 }
 
@@ -303,13 +303,12 @@ std::string Arguments::text(Stack stack, Parameter p) const { return *value<stri
 
 Arguments Arguments::of_contactproblem(const basicAC_F0& args, bool renewed) {
   const Arguments a(args);
-  for (Parameter p : {p_mu2, p_direction, p_domain, p_obstacle, p_pivot, p_obstacles, p_motionfree})
-    if (a.has(p)) forbid(p, "belongs to the contactproblem; give it there");
-  for (Parameter p : {p_at, p_forceold})
-    if (!renewed && a.has(p))
-      forbid(p,
-             "belongs to the contactproblem; give it there, or with another matrix, as in "
-             "frictionalContactCG(C, A, b, at=U)");
+  forbid(a, {p_mu2, p_direction, p_domain, p_obstacle, p_pivot, p_obstacles, p_motionfree},
+         "belongs to the contactproblem; give it there");
+  if (!renewed)
+    forbid(a, {p_at, p_forceold},
+           "belongs to the contactproblem; give it there, or with another matrix, as in "
+           "frictionalContactCG(C, A, b, at=U)");
   a.refuse_force_of_nowhere();
   return a;
 }

@@ -79,6 +79,12 @@ class Arguments {
   bool has_any(const Parameter (&of)[count]) const {
     return std::any_of(of, of + count, [this](Parameter p) { return has(p); });
   }
+  /// Refuses those of several that are there.
+  template <std::size_t count>
+  void refuse(const Parameter (&of)[count], const char* why) const {
+    for (Parameter p : of)
+      if (has(p)) frictioncg::refuse(name_of(p), " ", why);
+  }
   Parameter start() const { return has(p_start) ? p_start : p_init; }
   /// The dimension of normal or obstaclenormal, as given.
   int dimension(Parameter p) const { return vectors_[p][2] ? 3 : 2; }

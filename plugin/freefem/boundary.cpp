@@ -1,6 +1,6 @@
 #include "boundary.h"
 
-#include "../core/assembly/mortar/surface.h"
+#include "../core/assembly/mortar/validation.h"
 #include "../core/assembly/smooth_normals.h"
 
 namespace frictioncg {
@@ -139,7 +139,6 @@ void add_points(const SharedNode& node, int d, std::vector<BoundaryNode>& points
   if (averaged) groups = {node.facets};
   const Vec3 mean = mean_normal(node.facets);
   for (const FacetGroup& group : groups) {
-    const AdjacentFacet& first = group.front();
     BoundaryNode p;
     p.point.dof = node.dof;
     if (averaged) {
@@ -152,10 +151,7 @@ void add_points(const SharedNode& node, int d, std::vector<BoundaryNode>& points
     p.x = node.x + node.aside;
     p.moved = node.moved;
     p.aside = node.aside;
-    p.label = first.label;
-    p.element = first.element;
-    p.facet = first.facet;
-    p.hat = first.hat;
+    p.set_place(group.front());
     p.mean = mean;
     p.averaged = averaged;
     p.facets = group;
@@ -171,13 +167,7 @@ std::array<Index, 3> shifted(Index offset, int d, std::array<Index, 3> dof) {
   return dof;
 }
 
-std::string coordinates(const Vec3& x, int dimension) {
-  std::ostringstream s;
-  s << "(" << x[0] << ", " << x[1];
-  if (dimension == 3) s << ", " << x[2];
-  s << ")";
-  return s.str();
-}
+std::string coordinates(const Vec3& x, int dimension) { return mortar::place(dimension, x); }
 
 std::string place(const BoundaryNode& node, int dimension) {
   return coordinates(node.x, dimension) + " on label " + std::to_string(node.label);
@@ -197,6 +187,12 @@ void merge_equal_normals(std::vector<BoundaryNode>& points) {
     if (!merged) kept.push_back(p);
   }
   points = std::move(kept);
+}
+
+std::vector<ContactPoint> points_of(const std::vector<BoundaryNode>& nodes) {
+  std::vector<ContactPoint> points;
+  for (const BoundaryNode& n : nodes) points.push_back(n.point);
+  return points;
 }
 
 std::vector<BoundaryNode> contact_points(int d, const Boundary& boundary, std::size_t count) {

@@ -71,6 +71,13 @@ struct BoundaryNode {
   std::shared_ptr<BoundaryNode> begun;  ///< itself where the increment began; null: here
   bool is_begun = false;                ///< it is such a one
   const BoundaryNode& deciding() const { return begun ? *begun : *this; }
+  /// As the facet sees it: label, and where expressions are evaluated.
+  void set_place(const AdjacentFacet& f) {
+    label = f.label;
+    element = f.element;
+    facet = f.facet;
+    hat = f.hat;
+  }
 };
 
 /// A node of a boundary with a label: its share is the integral of its trace.
@@ -94,6 +101,9 @@ std::string place(const BoundaryNode& node, int dimension);
 /// surface which the facets stand for. Where there are more normals than the node can obey (the tip
 /// of a pyramid), one mean normal stands for all.
 std::vector<BoundaryNode> contact_points(int d, const Boundary& boundary, std::size_t count);
+
+/// The points alone.
+std::vector<ContactPoint> points_of(const std::vector<BoundaryNode>& nodes);
 
 /// Given normals may agree where those of the mesh do not: keeps one point for each normal of a
 /// node, as they are where that is decided. The points of a node follow each other.

@@ -96,13 +96,11 @@ void follow_free_motions(Stack stack, const Expression A, Scene& scene) {
   if (!has_curved_obstacle(scene)) return;
   const Triplets matrix = matrix_of(stack, A, scene.dofs);
   const std::vector<NodePlace> places = scene.places();
-  std::vector<ContactPoint> points;
-  Index bodies = 0;
-  for (const BoundaryNode& p : scene.nodes) points.push_back(p.point);
-  for (const NodePlace& p : places) bodies = std::max(bodies, p.body + 1);
-  follow_free_motions(
-      scene, places, extent_of(places), bodies, any_begun(scene.nodes),
-      [&](FreedomOfBodies& freedom) { freedom.add(matrix, Dirichlet(matrix, points), places); });
+  const auto add = [&](FreedomOfBodies& freedom) {
+    freedom.add(matrix, Dirichlet(matrix, points_of(scene.nodes)), places);
+  };
+  follow_free_motions(scene, places, extent_of(places), count_bodies(places),
+                      any_begun(scene.nodes), add);
 }
 
 /// Points that have been found anew take from those before what no such call names.
@@ -245,11 +243,10 @@ void check_vectors(const Call& call, const DofCount& dofs) {
 }
 
 void refuse_motions(const Arguments& args, const Scene& scene) {
-  for (Parameter p : of_moving_obstacle)
-    if (!scene.moving && args.has(p))
-      refuse(name_of(p),
-             " is of an obstacle that moves, and C was made with none; name pivot or "
-             "motionfree in contactProblem(...)");
+  if (!scene.moving)
+    args.refuse(of_moving_obstacle,
+                "is of an obstacle that moves, and C was made with none; name pivot or "
+                "motionfree in contactProblem(...)");
 }
 
 Vectors::Vectors(const Call& call, const Scene& scene)

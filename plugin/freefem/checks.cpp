@@ -6,21 +6,36 @@ namespace frictioncg {
 
 namespace {
 
-Scales scales_of(const Scene& scene, const Vector& b) {
+/// What the data of a call may be compared with.
+struct Scales {
+  Real extent = 0;     ///< of the contact boundary [length]
+  Real moved = 0;      ///< what the load would move by the diagonal of A alone; 0 without a load
+  Real stiffness = 0;  ///< mean of the diagonal of A on free dofs
+  Real stiffest = 0;   ///< the largest of it
+};
+
+Scales scales_of(const Scene& scene, const Vector& b, const Together& all) {
+  const Vector& D = all.system.D;
+  Real load = 0, diagonal[] = {D.sum(), Real(D.size())};
+  for (Index i = 0; i < scene.ndof(); ++i)
+    if (!scene.held[i] && all.owns(i)) load = std::max(load, std::abs(b[i]));
+  all.system.sum(diagonal, 2);
   Scales s;
-  if (scene.nodes.empty()) s.extent = 2 * extent_of(scene.places()).radius;  // nothing faces
-  for (const BoundaryNode& n : scene.nodes) {
-    s.extent = std::max(s.extent, length(n.x - scene.nodes.front().x));
-    s.extent = std::max(s.extent, std::pow(n.weight, 1.0 / (scene.d - 1)));
-  }
-  Real load = 0;
-  for (long i = 0; i < scene.ndof(); ++i)
-    if (!scene.held[i]) load = std::max(load, std::abs(b[i]));
-  const Vector& D = scene.system->system()->D;
-  s.stiffness = D.mean();
-  s.stiffest = D.size() > 0 ? D.maxCoeff() : 0;
-  s.moved = load / s.stiffness;
+  s.extent = all.extent;
+  s.stiffness = diagonal[0] / diagonal[1];
+  s.stiffest = all.system.largest(D.size() > 0 ? D.maxCoeff() : 0);
+  s.moved = all.system.largest(load) / s.stiffness;
   return s;
+}
+
+Real contact_extent(const Scene& scene) {
+  if (scene.nodes.empty()) return 2 * extent_of(scene.places()).radius;  // nothing faces
+  Real extent = 0;
+  for (const BoundaryNode& n : scene.nodes) {
+    extent = std::max(extent, length(n.x - scene.nodes.front().x));
+    extent = std::max(extent, std::pow(n.weight, 1.0 / (scene.d - 1)));
+  }
+  return extent;
 }
 
 /// A dof in words: u1, and (0, 0.5).
@@ -45,8 +60,8 @@ std::string lacks_data(const std::string& labels, const std::string& component,
 }
 
 /// The nodes of this process by body.
-std::map<Index, Leftover> leftovers(const Scene& scene, const Vector& b) {
-  std::map<Index, Leftover> bodies;
+std::vector<Leftover> leftovers(const Scene& scene, const Vector& b) {
+  std::vector<Leftover> bodies(count_bodies(scene.places()));
   for (const NodePlace& n : scene.places()) bodies[n.body].add(scene, b, n);
   return bodies;
 }
@@ -204,11 +219,9 @@ class BlockOrder {
     std::vector<Row> rows(A.n);
     std::vector<char> counts(A.n, 0);
     for (long i = 0; i < A.n; i += step) counts[i] = 1;
-    for (std::size_t k = 0; k < A.size; ++k) {
-      const long i = A.row(k), j = A.col(k);
-      if (counts[i]) add(i, j, A.a[k], shift, rows[i]);
-      if (A.half && i != j && counts[j]) add(j, i, A.a[k], shift, rows[j]);
-    }
+    for_each_entry(A, [&](Index i, Index j, Real a) {
+      if (counts[i]) add(i, j, a, shift, rows[i]);
+    });
     constexpr Real rounding = 1e-9;
     std::array<BlockFit, 2> fit;
     for (long i = 0; i < A.n; ++i) {
@@ -236,8 +249,8 @@ class BlockOrder {
   std::vector<Eigen::Vector3d> x_;
 };
 
-}  // namespace
-
+/// Refuses Dirichlet data in b, tgv u_D, where A has no Dirichlet row: they would be a load that
+/// moves the body 1e10 times its own size and more. Larger than tgv makes them is a mere overflow.
 void refuse_data_without_row(const Scene& scene, const Vector& b, const Scales& s) {
   constexpr Real absurd = 1e10, overflow = 1e60;
   for (long i = 0; i < scene.ndof(); ++i) {
@@ -250,6 +263,7 @@ void refuse_data_without_row(const Scene& scene, const Vector& b, const Scales& 
   }
 }
 
+/// The dof held whose data are largest, or -1 where all are 0.
 long largest_data(const Scene& scene, const Vector& b, const Vector& u0) {
   long most = -1;
   for (long i = 0; i < scene.ndof(); ++i)
@@ -264,6 +278,11 @@ void refuse_huge_data(const Scene& scene, const Vector& b, const Vector& u0, con
   if (i >= 0 && is_huge(std::abs(u0[i]), s)) refuse_data(b, u0, i, different_tgv);
 }
 
+/// Data that are next to nothing are 0 where b = A U + r leaves the rest: what the other entries of
+/// the row make of a displacement U, at every node, of its own size at each. Refused is what they
+/// cannot make (U as large as a thousand bodies), what is the same at all nodes (data of another
+/// tgv), and loads at some nodes only, 0 at most of them (b without the on() of A). i: the dof of
+/// the largest data.
 void refuse_tiny_data(const Scene& scene, const Vector& b, const Vector& u0, long i,
                       const Scales& s, const Leftover& left) {
   constexpr Real bodies = 1e3;
@@ -274,18 +293,31 @@ void refuse_tiny_data(const Scene& scene, const Vector& b, const Vector& u0, lon
   refuse_data(b, u0, i, "b " + lacks_data("...", dof.component, " at " + dof.place));
 }
 
-Real check_data(const Scene& scene, const Vector& b, const Vector& u0) {
-  const Scales s = scales_of(scene, b);
-  refuse_data_without_row(scene, b, s);
-  refuse_huge_data(scene, b, u0, s);
+}  // namespace
+
+Real check_data(const Scene& scene, const Vector& b, const Vector& u0, const Together& all) {
+  const Scales s = scales_of(scene, b, all);
+  all.agree([&] {
+    refuse_data_without_row(scene, b, s);
+    refuse_huge_data(scene, b, u0, s);
+  });
   const long i = largest_data(scene, b, u0);
-  if (i < 0 || scene.at || !is_tiny(std::abs(u0[i]), s)) return 0;
+  if (scene.at || !is_tiny(all.system.largest(i < 0 ? 0 : std::abs(u0[i])), s)) return 0;
   Real most = 0;
-  for (const auto& [body, left] : leftovers(scene, b)) {
-    refuse_tiny_data(scene, b, u0, i, s, left);
-    most = std::max(most, left.most);
-  }
+  const std::vector<Leftover> bodies = all.leftovers();
+  all.agree([&] {
+    for (const Leftover& left : bodies) {
+      if (i >= 0) refuse_tiny_data(scene, b, u0, i, s, left);
+      most = std::max(most, left.most);
+    }
+  });
   return most;
+}
+
+Real check_data(const Scene& scene, const Vector& b, const Vector& u0) {
+  return check_data(scene, b, u0,
+                    {*scene.system->system(), contact_extent(scene), [](Index) { return true; },
+                     [](const auto& body) { body(); }, [&] { return leftovers(scene, b); }});
 }
 
 void check_one_value(const Scene& scene, const Vector& b, long verb) {

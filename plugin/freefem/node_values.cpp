@@ -86,9 +86,7 @@ Vector forces_at_nodes(Stack stack, const Arguments& args, Parameter p, const Sc
 /// A vertex of a facet as a place where to evaluate expressions.
 BoundaryNode vertex_of(const AdjacentFacet& facet, int v) {
   BoundaryNode node;
-  node.label = facet.label;
-  node.element = facet.element;
-  node.facet = facet.facet;
+  node.set_place(facet);
   node.hat = Vec3(v == 1, v == 2, v == 3);
   const Vec3 n = facet.normal / length(facet.normal);
   node.point.normal = {n[0], n[1], n[2]};

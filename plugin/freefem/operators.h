@@ -273,9 +273,9 @@ inline void refuse_what_C_lacks(const Arguments& args, const Scene& scene) {
   if (!scene.pairing && args.has(p_distance))
     throw IllegalInput("distance is that of two bodies; C has one, and an obstacle");
   refuse_motions(args, scene);
-  for (Parameter p : {p_obstaclegap, p_obstaclenormal, p_obstacleforce})
-    if (scene.beside_pairs == 0 && args.has(p))
-      refuse(name_of(p), " is that of an obstacle beside pairs; C was made without obstacle=");
+  if (scene.beside_pairs == 0)
+    args.refuse({p_obstaclegap, p_obstaclenormal, p_obstacleforce},
+                "is that of an obstacle beside pairs; C was made without obstacle=");
 }
 
 /// u[] = frictionalContactCG(C, b, ...)

@@ -150,13 +150,11 @@ void FreedomOfBodies::add(const Triplets& A, const Dirichlet& dirichlet,
   for (const NodePlace& p : places)
     for (int c = 0; p.body < bodies_ && c < d_; ++c) of[p.dof[c]] = p.body;
   Vector D = Vector::Zero(A.n);
-  for (std::size_t e = 0; e < A.size; ++e) {
-    const Index i = A.row(e), j = A.col(e);
-    if (of[i] < 0 || of[i] != of[j] || dirichlet.holds(i) || dirichlet.holds(j)) continue;
-    Aw.row(i) += A.a[e] * w.row(j);
-    if (A.half && i != j) Aw.row(j) += A.a[e] * w.row(i);
-    if (i == j) D[i] += A.a[e];
-  }
+  for_each_entry(A, [&](Index i, Index j, Real a) {
+    if (of[i] < 0 || of[i] != of[j] || dirichlet.holds(i) || dirichlet.holds(j)) return;
+    Aw.row(i) += a * w.row(j);
+    if (i == j) D[i] += a;
+  });
   for (Index i = 0; i < A.n; ++i) {
     if (of[i] < 0 || (own && !own(i))) continue;
     const auto add_to = [&](DenseMatrix& sum, const auto& row) {
@@ -208,8 +206,7 @@ std::vector<BoundaryNode> Pairing::face(const Triplets& A, int d, mortar::Option
                                         const std::vector<BoundaryNode>& on_obstacle,
                                         const std::function<std::vector<NodePlace>()>& places,
                                         bool again) {
-  std::vector<ContactPoint> obstacle;
-  for (const BoundaryNode& n : on_obstacle) obstacle.push_back(n.point);
+  const std::vector<ContactPoint> obstacle = points_of(on_obstacle);
   dirichlet_ = std::make_shared<const Dirichlet>(A, obstacle);
   bool asked = false;
   add_bodies(A, d, places, options, asked);
@@ -288,14 +285,12 @@ Real Pairing::distance(std::size_t point) const {
 }
 
 Matrix Pairing::stiffness(Index n, int d) const {
-  std::vector<Eigen::Triplet<Real, Index>> entries;
+  EntryList entries;
   mortar_->stiffness().for_each_symmetric(d, [&](Index i, int a, Index j, int b, Real s) {
     const Index k = between_.dof[i][a], l = between_.dof[j][b];
     if (!dirichlet_->holds(k) && !dirichlet_->holds(l)) entries.emplace_back(k, l, s);
   });
-  Matrix S(n, n);
-  S.setFromTriplets(entries.begin(), entries.end());
-  return S;
+  return sparse(n, n, entries);
 }
 
 mortar::Change Pairing::change(const std::vector<mortar::Vec3>& v, int d) const {
@@ -381,10 +376,7 @@ BoundaryNode Pairing::slave_node(Index i, long label) const {
   const Vec3 n = facet->normal / length(facet->normal);
   node.point.normal = {n[0], n[1], n[2]};
   node.x = shared.x;
-  node.label = facet->label;
-  node.element = facet->element;
-  node.facet = facet->facet;
-  node.hat = facet->hat;
+  node.set_place(*facet);
   return node;
 }
 

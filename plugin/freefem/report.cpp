@@ -88,13 +88,9 @@ constexpr const char* negative_energy = "A has negative energy, p'Ap < 0, for p 
 
 /// Diagonal of the box around the contact nodes.
 Real contact_extent(const Scene& scene) {
-  if (scene.nodes.empty()) return 0;
-  Vec3 least = scene.nodes.front().x, most = least;
-  for (const BoundaryNode& n : scene.nodes) {
-    least = least.cwiseMin(n.x);
-    most = most.cwiseMax(n.x);
-  }
-  return length(most - least);
+  Eigen::AlignedBox3d box;
+  for (const BoundaryNode& n : scene.nodes) box.extend(n.x);
+  return box.isEmpty() ? 0 : length(box.sizes());
 }
 
 /// What stands behind a status: a proof, the layer that answered, or nothing to move.

@@ -85,16 +85,17 @@ std::array<std::vector<long>, 2> by_mesh(const Space& V1, const Space& V2,
   return labels;
 }
 
-/// The contact points of an obstacle beside two bodies in spaces of their own.
-std::vector<BoundaryNode> obstacle_points(const Space& V1, const Space& V2,
+/// The contact points of an obstacle beside two bodies in spaces of their own, or in one: V2 null.
+std::vector<BoundaryNode> obstacle_points(const Space& V1, const Space* V2,
                                           const PairLabels& labels,
                                           const std::vector<long>& obstacle) {
-  const auto [first, second] = by_mesh(V1, V2, obstacle);
+  const auto [first, second] = V2 ? by_mesh(V1, *V2, obstacle) : std::array{obstacle, obstacle};
   refuse_second_role(first, labels.slave, "slave");
   refuse_second_role(second, labels.master, "master");
+  if (!V2) return obstacle_points(V1, before_obstacle, obstacle);
   std::vector<BoundaryNode> points =
       obstacle_points(V1, {"V1", "the mesh of V1", obstacle_inside}, first);
-  for (BoundaryNode& p : obstacle_points(V2, {"V2", "the mesh of V2", obstacle_inside}, second)) {
+  for (BoundaryNode& p : obstacle_points(*V2, {"V2", "the mesh of V2", obstacle_inside}, second)) {
     p.point.dof = shifted(V1.dofs(), V1.d, p.point.dof);
     p.space = 1;
     if (p.begun) p.begun->space = 1;
@@ -122,23 +123,21 @@ std::shared_ptr<Scene> Scene::posed_anew() const {
 
 void Scene::face(const Triplets& A, const mortar::Options& options, const Vector& u_old,
                  bool again) {
-  const double start = cpu_seconds();
+  const Stopwatch watch(copy_seconds);
   const std::vector<BoundaryNode> of_obstacle = std::move(nodes);
   nodes = pairing->face(A, d, options, u_old, of_obstacle, places, again);
   nodes.insert(nodes.end(), of_obstacle.begin(), of_obstacle.end());
   beside_pairs = of_obstacle.size();
-  copy_seconds = cpu_seconds() - start;
 }
 
 void Scene::assemble(const Triplets& A) {
-  const double start = cpu_seconds();
+  const Stopwatch watch(copy_seconds);
   make_system(A, nullptr);
   solver = std::make_unique<Solver>(system->system());
-  copy_seconds += cpu_seconds() - start;
 }
 
 void Scene::assemble_after(Scene& before, const Triplets& A, bool alone) {
-  const double start = cpu_seconds();
+  const Stopwatch watch(copy_seconds);
   make_system(A, before.system.get());
   if (alone) {
     before.solver->renew(system->system());
@@ -146,12 +145,10 @@ void Scene::assemble_after(Scene& before, const Triplets& A, bool alone) {
   } else {
     solver = std::make_unique<Solver>(system->system());
   }
-  copy_seconds += cpu_seconds() - start;
 }
 
 void Scene::make_system(const Triplets& A, const LocalSystem* before) {
-  std::vector<ContactPoint> points;
-  for (const BoundaryNode& n : nodes) points.push_back(n.point);
+  std::vector<ContactPoint> points = points_of(nodes);
   const Index n = static_cast<Index>(ndof());
   const auto modes = [places = places, d = d, n] { return rigid_modes(places(), d, n); };
   const auto each = [places = places, d = d, n] { return body_modes(places(), d, n); };
@@ -204,41 +201,28 @@ std::shared_ptr<Scene> obstacle_scene(const SpacePtr& Vh, std::vector<BoundaryNo
   return scene;
 }
 
-std::shared_ptr<Scene> pair_scene(const SpacePtr& Vh, const PairLabels& labels,
-                                  const std::vector<long>& obstacle) {
-  auto scene = std::make_shared<Scene>();
-  scene->dofs = dofs_of(*Vh);
-  refuse_second_role(obstacle, labels.slave, "slave");
-  refuse_second_role(obstacle, labels.master, "master");
-  scene->nodes = obstacle_points(*Vh, before_obstacle, obstacle);
-  const SpaceInWords words{"Vh", "the mesh", pair_inside};
-  InterfaceBuilder faces(labels.pairs, labels.of_part);
-  faces.add_slave(Vh, Vh->boundary(labels.slave, words));
-  faces.add_master(*Vh, Vh->boundary(labels.master, words), 0);
-  scene->pairing.emplace(faces.take());
-  observe(Vh, *scene);
-  return scene;
-}
-
 std::shared_ptr<Scene> pair_scene(const SpacePtr& V1, const SpacePtr& V2, const PairLabels& labels,
                                   const std::vector<long>& obstacle) {
   auto scene = std::make_shared<Scene>();
-  const Index offset = V1->dofs();
+  const Space& of_master = V2 ? *V2 : *V1;
+  const Index offset = V2 ? V1->dofs() : 0;
+  const SpaceInWords one{"Vh", "the mesh", pair_inside}, slave{"V1", "the mesh of V1", pair_inside},
+      master{"V2", "the mesh of V2", pair_inside};
   scene->dofs = dofs_of(*V1, V2.get());
-  scene->nodes = obstacle_points(*V1, *V2, labels, obstacle);
+  scene->nodes = obstacle_points(*V1, V2.get(), labels, obstacle);
   InterfaceBuilder faces(labels.pairs, labels.of_part);
-  faces.add_slave(V1, V1->boundary(labels.slave, {"V1", "the mesh of V1", pair_inside}));
-  faces.add_master(*V2, V2->boundary(labels.master, {"V2", "the mesh of V2", pair_inside}), offset);
+  faces.add_slave(V1, V1->boundary(labels.slave, V2 ? slave : one));
+  faces.add_master(of_master, of_master.boundary(labels.master, V2 ? master : one), offset);
   scene->pairing.emplace(faces.take());
   observe(V1, *scene);
+  if (!V2) return scene;
   for (Index node : V2->mesh_nodes()) scene->mesh_node.push_back(V1->nodes() + node);
   scene->go_to = [V1, V2](Stack stack, const BoundaryNode& node) {
     return (node.space == 0 ? V1 : V2)->go_to(stack, node);
   };
   scene->places = once([of_first = scene->places, V2, offset, d = scene->d] {
     std::vector<NodePlace> places = of_first();
-    Index bodies = 0;
-    for (const NodePlace& n : places) bodies = std::max(bodies, n.body + 1);
+    const Index bodies = count_bodies(places);
     for (NodePlace n : V2->places()) {
       n.body += bodies;
       n.dof = shifted(offset, d, n.dof);
@@ -288,8 +272,7 @@ std::shared_ptr<Scene> scene_of(const Site& site, Stack stack, const std::vector
     });
   return scene_at(stage, [=, pair = PairLabels(slave, master)](const Stage& U) {
     check_stage(U, dofs);
-    return V2 ? pair_scene(V1->at(U), V2->at(U, V1->dofs()), pair, obstacle)
-              : pair_scene(V1->at(U), pair, obstacle);
+    return pair_scene(V1->at(U), V2 ? V2->at(U, V1->dofs()) : nullptr, pair, obstacle);
   });
 }
 

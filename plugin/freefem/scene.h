@@ -163,12 +163,8 @@ struct PairLabels {
   bool of_part = false;  ///< of meshes that other processes have parts of
 };
 
-/// Two bodies in one space: two parts of a mesh, or the faces of a crack; obstacle: labels beside
-/// them.
-std::shared_ptr<Scene> pair_scene(const SpacePtr& Vh, const PairLabels& labels,
-                                  const std::vector<long>& obstacle = {});
-
-/// Two bodies in spaces of their own: the dofs of V2 follow those of V1.
+/// Two bodies in spaces of their own, the dofs of V2 after those of V1; or, where V2 is null, in
+/// one space: two parts of a mesh, or the faces of a crack. obstacle: labels beside them.
 std::shared_ptr<Scene> pair_scene(const SpacePtr& V1, const SpacePtr& V2, const PairLabels& labels,
                                   const std::vector<long>& obstacle = {});
 void check_stage(const Stage& stage, const DofCount& dofs);

@@ -19,22 +19,19 @@ struct Dimension;
 /// How the dofs of an element come from values at points: one entry per dof and point that has a
 /// part in it. A dof is a nodal value where it has one entry, of coefficient 1.
 struct Interpolation {
-  std::vector<int> dof, component, point;
-  std::vector<double> coefficient;
+  struct Entry {
+    int dof, component, point;
+    double coefficient;
+  };
+  std::vector<Entry> entries;
   std::vector<R3> hat;  ///< the points, on the reference element
   void clear() {
-    dof.clear();
-    component.clear();
-    point.clear();
-    coefficient.clear();
+    entries.clear();
     hat.clear();
   }
   void add(int i, int c, int p, double a) {
-    if (a == 0) return;  // P3 and beyond list every order of an edge's points, all but one by 0
-    dof.push_back(i);
-    component.push_back(c);
-    point.push_back(p);
-    coefficient.push_back(a);
+    // P3 and beyond list every order of an edge's points, all but one by 0
+    if (a != 0) entries.push_back({i, c, p, a});
   }
 };
 
@@ -286,10 +283,10 @@ class SpaceOn final : public Space {
       if (!news) continue;
       const typename D::Element K(space()[k]);
       D::interpolate(K, ip);
-      for (std::size_t e = 0; e < ip.dof.size(); ++e) {
-        const int v = corner_at(as_vector(ip.hat[ip.point[e]]), D::d), c = ip.component[e];
-        if (v < 0 || c >= D::d || ip.coefficient[e] != 1) continue;
-        (*displacement)[mesh()(k, v)][c] = (*stage_.at)[offset_ + K(ip.dof[e])];
+      for (const auto& e : ip.entries) {
+        const int v = corner_at(as_vector(ip.hat[e.point]), D::d);
+        if (v < 0 || e.component >= D::d || e.coefficient != 1) continue;
+        (*displacement)[mesh()(k, v)][e.component] = (*stage_.at)[offset_ + K(e.dof)];
         known[mesh()(k, v)] = 1;
       }
     }
@@ -307,18 +304,17 @@ FacetNodes facet_nodes(const SpaceOn<FESpaceType>& Vh, int k, int facet) {
   Interpolation ip;
   D::interpolate(K, ip);
   std::map<int, int> uses;  // dof -> interpolation points it is made from
-  for (int i : ip.dof) ++uses[i];
+  for (const auto& e : ip.entries) ++uses[e.dof];
   FacetNodes found;
-  for (std::size_t e = 0; e < ip.dof.size(); ++e) {
-    const int i = ip.dof[e];
-    if (!D::on_facet(facet, K.DFOnWhat(i))) continue;
-    if (uses[i] != 1 || ip.coefficient[e] != 1)
+  for (const auto& e : ip.entries) {
+    if (!D::on_facet(facet, K.DFOnWhat(e.dof))) continue;
+    if (uses[e.dof] != 1 || e.coefficient != 1)
       refuse_space("has degrees of freedom that are not nodal values");
-    const R3& hat = ip.hat[ip.point[e]];
+    const R3& hat = ip.hat[e.point];
     FacetNodes::Node& n = found.at(hat);
     n.x = Vh.place(k, hat);
-    n.dof[ip.component[e]] = K(i);
-    n.corner = D::is_corner(K.DFOnWhat(i));
+    n.dof[e.component] = K(e.dof);
+    n.corner = D::is_corner(K.DFOnWhat(e.dof));
   }
   check_trace<FESpaceType>(found);
   return found;
@@ -330,10 +326,10 @@ SharedNode SpaceOn<FESpaceType>::node_at_vertex(Index element, int vertex) const
   Interpolation ip;
   D::interpolate(K, ip);
   SharedNode node;
-  for (std::size_t k = 0; k < ip.dof.size(); ++k) {
-    const R3& hat = ip.hat[ip.point[k]];
-    if (corner_at(as_vector(hat), D::d) != vertex || ip.coefficient[k] != 1) continue;
-    node.dof[ip.component[k]] = K(ip.dof[k]);
+  for (const auto& e : ip.entries) {
+    const R3& hat = ip.hat[e.point];
+    if (corner_at(as_vector(hat), D::d) != vertex || e.coefficient != 1) continue;
+    node.dof[e.component] = K(e.dof);
     node.x = as_vector(place(element, hat));
   }
   node.moved = as_vector(moved(node.dof));
@@ -354,8 +350,8 @@ std::vector<NodePlace> SpaceOn<FESpaceType>::places() const {
     if (!news) continue;
     D::interpolate(K, ip);
     at_point.assign(ip.hat.size(), NodePlace());
-    for (std::size_t e = 0; e < ip.dof.size(); ++e)
-      if (ip.coefficient[e] == 1) at_point[ip.point[e]].dof[ip.component[e]] = K(ip.dof[e]);
+    for (const auto& e : ip.entries)
+      if (e.coefficient == 1) at_point[e.point].dof[e.component] = K(e.dof);
     for (std::size_t p = 0; p < at_point.size(); ++p) {
       NodePlace& n = at_point[p];
       bool whole = true;
@@ -402,8 +398,8 @@ Vector SpaceOn<FESpaceType>::unit_load(const std::vector<char>& of) const {
       return hat.x + hat.y + hat.z == 0.5;  // in the middle of an edge, which no bubble is
     });
     const Real content = std::abs(D::content(vertices_of(k)));
-    for (std::size_t e = 0; e < ip.dof.size(); ++e)
-      load[K(ip.dof[e])] += content * D::integral(quadratic, at_corner(ip.point[e]));
+    for (const auto& e : ip.entries)
+      load[K(e.dof)] += content * D::integral(quadratic, at_corner(e.point));
   }
   return load;
 }

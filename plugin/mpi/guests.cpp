@@ -1,7 +1,5 @@
 #include "guests.h"
 
-#include <unordered_set>
-
 namespace frictioncg {
 
 InterfaceBasis::InterfaceBasis(const WholeInterface& interface, const mortar::Mortar& mortar) {
@@ -12,16 +10,6 @@ InterfaceBasis::InterfaceBasis(const WholeInterface& interface, const mortar::Mo
     W.push_back(mortar.inverse_basis(held));
   }
 }
-
-namespace {
-
-template <class T>
-void sort_once(std::vector<T>& values) {
-  std::sort(values.begin(), values.end());
-  values.erase(std::unique(values.begin(), values.end()), values.end());
-}
-
-}  // namespace
 
 /// How a part grows.
 class Growth {
@@ -47,9 +35,11 @@ class Growth {
                               const std::vector<std::vector<Entry>>& rows) const;
   void add_received(const std::vector<char>& replaced);
   void add_addend();
-  bool is_whole(Number row) const { return whole_.count(row) > 0; }
+  bool is_whole(Number row) const {
+    return std::binary_search(whole_rows_.begin(), whole_rows_.end(), row);
+  }
   void add_row(const Matrix& M, const std::vector<Index>& first, Index node, Index component,
-               std::vector<Eigen::Triplet<Real, Index>>& entries) const;
+               EntryList& entries) const;
   bool owns(Number node) const { return numbers_.owner(node) == part_.rank(); }
 
   const Domain& part_;
@@ -60,8 +50,7 @@ class Growth {
   GrownPart& grown_;
   std::vector<Entry> received_;        ///< of rows of others
   std::vector<Number> received_rows_;  ///< dofs
-  std::vector<Number> whole_rows_;     ///< of the interface: own ones, and those received
-  std::unordered_set<Number> whole_;   ///< the same
+  std::vector<Number> whole_rows_;     ///< of the interface: own ones, and those received; sorted
   std::vector<Number> guests_;         ///< nodes in ascending order: by owners
 };
 
@@ -123,7 +112,7 @@ void Growth::exchange_rows(const Triplets& A, const Dirichlet& of_A) {
         received_.push_back({i, static_cast<Number>(in[0]), in[1]});
     }
   whole_rows_.insert(whole_rows_.end(), received_rows_.begin(), received_rows_.end());
-  whole_.insert(whole_rows_.begin(), whole_rows_.end());
+  sort_once(whole_rows_);
 }
 
 /// Row i for the owners of all p that T_ip or W_ip couple it to: the number, how many entries,
@@ -261,7 +250,7 @@ void Growth::add_addend() {
 /// A row that is not whole here is one of the identity: no own row of T'AT sees it. first: dof of
 /// each node of the interface, or -1.
 void Growth::add_row(const Matrix& M, const std::vector<Index>& first, Index node, Index component,
-                     std::vector<Eigen::Triplet<Real, Index>>& entries) const {
+                     EntryList& entries) const {
   const Index i = first[node] + component;
   bool whole = true;
   for (Matrix::InnerIterator e(M, node); e; ++e) whole = whole && first[e.col()] >= 0;
@@ -274,9 +263,8 @@ void Growth::fill_coupling() {
   std::vector<Index> first;
   for (Number node : interface_.number)
     first.push_back(numbers_.is_here(node) ? numbers_.dof(node, 0) : -1);
-  std::vector<Eigen::Triplet<Real, Index>> T, W;
-  const Index n = grown_.domain->dofs();
-  std::vector<char> coupled(n, 0);
+  EntryList T, W;
+  std::vector<char> coupled(grown_.domain->dofs(), 0);
   for (Index i = 0; i < interface_.nodes(); ++i) {
     if (first[i] < 0) continue;
     for (Index c = 0; c < interface_.d; ++c) {
@@ -285,14 +273,7 @@ void Growth::fill_coupling() {
       add_row(basis_.W[c], first, i, c, W);
     }
   }
-  for (Index i = 0; i < n; ++i) {
-    if (coupled[i]) continue;
-    T.emplace_back(i, i, 1);
-    W.emplace_back(i, i, 1);
-  }
-  for (Matrix* M : {&grown_.coupling.T, &grown_.coupling.W}) M->resize(n, n);
-  grown_.coupling.T.setFromTriplets(T.begin(), T.end());
-  grown_.coupling.W.setFromTriplets(W.begin(), W.end());
+  grown_.coupling = mortar::on_all_dofs(coupled, std::move(T), std::move(W));
 }
 
 }  // namespace frictioncg

@@ -5,16 +5,6 @@
 
 namespace frictioncg {
 
-/// Calls visit(row, column, value) for each entry that is not 0, of both triangles.
-template <class Visit>
-void for_each_entry(const Triplets& A, const Visit& visit) {
-  for (std::size_t k = 0; k < A.size; ++k) {
-    if (A.a[k] == 0) continue;
-    visit(A.row(k), A.col(k), A.a[k]);
-    if (A.half && A.row(k) != A.col(k)) visit(A.col(k), A.row(k), A.a[k]);
-  }
-}
-
 /// A mortar's change of basis, component by component, over the nodes of the whole interface.
 struct InterfaceBasis {
   std::vector<Matrix> T, W;

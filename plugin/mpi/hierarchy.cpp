@@ -90,21 +90,14 @@ void SharedHierarchy::fill_empty_rows(const Level& level) {
   check(MatDiagonalSet(level.truncated.get(), diagonal.get(), INSERT_VALUES));
 }
 
-/// 0 on fixed dofs.
-void SharedHierarchy::drop_fixed(Vector& v) const {
-  const Eigen::Index interior = v.size() - Eigen::Index(fixed_.size());
-  for (std::size_t c = 0; c < fixed_.size(); ++c)
-    if (fixed_[c]) v[interior + Eigen::Index(c)] = 0;
-}
-
 void SharedHierarchy::apply(const Vector& r, Vector& z) {
   const Timed timed(Phase::cycle);
   free_ = r;
-  drop_fixed(free_);
+  drop_fixed(fixed_, free_);
   A_->to_slots(free_, r_.get());
   check(PCApply(cycle_.get(), r_.get(), z_.get()));
   A_->from_slots(z_.get(), z);
-  drop_fixed(z);
+  drop_fixed(fixed_, z);
 }
 
 Real SharedHierarchy::operator_complexity() const {

@@ -32,7 +32,6 @@ class SharedHierarchy final : public Hierarchy {
   void truncate_levels();
   void fill_empty_rows(const Level& level);
   void set_mask(const std::vector<char>& fixed);
-  void drop_fixed(Vector& v) const;
 
   std::shared_ptr<const SharedMatrix> A_;
   std::vector<Level> level_;  ///< from the finest to the coarsest

@@ -21,29 +21,21 @@ inline std::string in_brackets(const std::vector<long>& labels) {
 
 /// Obstacles beside pairs, and those that move, are of one process.
 inline void refuse_obstacles(const Arguments& args) {
-  for (Parameter p : of_obstacle_beside_pairs)
-    if (args.has(p))
-      refuse(name_of(p),
-             " is of one process; with domain= a call has pairs or an obstacle, not "
-             "both: mesh the obstacle as a master that Dirichlet conditions hold");
-  for (Parameter p : of_moving_obstacle)
-    if (args.has(p))
-      refuse(name_of(p),
-             " is of an obstacle that moves, which one process alone has; leave out "
-             "domain=, or search over gap");
+  args.refuse(of_obstacle_beside_pairs,
+              "is of one process; with domain= a call has pairs or an obstacle, not both: mesh the "
+              "obstacle as a master that Dirichlet conditions hold");
+  args.refuse(of_moving_obstacle,
+              "is of an obstacle that moves, which one process alone has; leave out domain=, or "
+              "search over gap");
 }
 
 /// What several processes do not do is refused by name.
 inline void refuse_options(const Arguments& args, bool two_bodies) {
-  const auto refuse = [&](Parameter p, const char* why) {
-    if (args.has(p)) frictioncg::refuse(name_of(p), " ", why);
-  };
-  const char* const own =
-      "belongs to methods of one process; with domain= there is multigrid alone";
-  for (Parameter p : {p_newton, p_reg, p_regeps, p_precon, p_omega, p_step, p_memory})
-    refuse(p, own);
-  if (!two_bodies) refuse(p_distance, "is that of two bodies; there is one, and an obstacle");
-  refuse(p_times, "is of one process; measure around the call, by mpiWtime()");
+  args.refuse({p_newton, p_reg, p_regeps, p_precon, p_omega, p_step, p_memory},
+              "belongs to methods of one process; with domain= there is multigrid alone");
+  if (!two_bodies)
+    args.refuse({p_distance}, "is that of two bodies; there is one, and an obstacle");
+  args.refuse({p_times}, "is of one process; measure around the call, by mpiWtime()");
 }
 
 /// Multigrid is what method="auto" stands for.

@@ -83,12 +83,6 @@ inline Vector with_guests(const SharedScene& shared, const Vector& of_script) {
   return all;
 }
 
-/// A displacement as one from where the geometry is.   Collective.
-inline Vector from_geometry(const SharedScene& shared, const Vector& field) {
-  if (!shared.scene->at) return field;
-  return field - with_guests(shared, *shared.scene->at);
-}
-
 /// The load of a call, of A less the stiffness of forceold where the matrix is that.   Collective.
 inline Vector load_of(const Call& call, const SharedScene& shared) {
   Vector b = with_guests(shared, call.b);
@@ -98,16 +92,12 @@ inline Vector load_of(const Call& call, const SharedScene& shared) {
   return b;
 }
 
-/// A displacement in local dofs, ghosts by their owners: the rows of W are whole for own dofs
-/// alone. Collective.
-inline Vector local_state(const SharedScene& shared, const Vector& u) {
-  const Vector local = shared.scene->slip_from(with_guests(shared, u));
-  return shared.A->on_local(shared.A->own_part(local));
-}
-
-/// Where friction counts slips from, in local dofs; empty where the call does not say. Collective.
+/// Where friction counts slips from, in local dofs; empty where the call does not say. Ghosts by
+/// their owners: the rows of W are whole for own dofs alone.   Collective.
 inline Vector slip_from(const Call& call, const SharedScene& shared) {
-  return call.args.has(p_uold) ? local_state(shared, call.u_old) : Vector();
+  if (!call.args.has(p_uold)) return {};
+  const Vector local = shared.scene->slip_from(with_guests(shared, call.u_old));
+  return shared.A->on_local(shared.A->own_part(local));
 }
 
 /// Poses the increment under a load (patched).   Collective.
@@ -200,7 +190,9 @@ inline Vector solve_together(Stack stack, const Call& call, SharedScene& shared,
     solution = newton_step(std::move(solution), now.u0, call, shared, laws, problem);
   Solution local = on_local_dofs(shared, solution);
   const Vector field = shared.scene->system->to_global(local.x, now.u0);
-  const std::string turned = runaway(shared, solution, from_geometry(shared, field));
+  Vector from_geometry = field;
+  if (shared.scene->at) from_geometry -= with_guests(shared, *shared.scene->at);
+  const std::string turned = runaway(shared, solution, from_geometry);
   if (!turned.empty()) solution.status = local.status = Status::runaway;
   if (verb > 0) report_end(solution);
   const std::string blamed = turned.empty() ? blamed_motion(shared, solution) : turned;

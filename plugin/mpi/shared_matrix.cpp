@@ -39,8 +39,7 @@ void add_node(const Numbering& numbering, const System& local, const std::vector
   for (Index p : dofs)
     for (Matrix::InnerIterator e(local.entries(), p); e; ++e)
       touched.push_back(numbering.slot[e.col()] / d);
-  std::sort(touched.begin(), touched.end());
-  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  sort_once(touched);
   const Real filler = local.weight[dofs.front()];
   for (Index s = 0; s < d; ++s) {
     const std::size_t begin = rows.columns.size();

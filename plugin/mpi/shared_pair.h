@@ -227,10 +227,8 @@ inline void assemble_grown(const GrownPart& grown, bool stiffened, SharedScene& 
   const Triplets A = grown.matrix(stiffened);
   shared.patch = std::make_unique<PatchedMatrix>(domain, A, *grown.dirichlet);
   domain.agree([&] {
-    std::vector<ContactPoint> points;
-    for (const BoundaryNode& n : scene.nodes) points.push_back(n.point);
-    scene.system = std::make_unique<LocalSystem>(A, scene.d, std::move(points), scene.mesh_node,
-                                                 *grown.dirichlet, grown.coupling);
+    scene.system = std::make_unique<LocalSystem>(A, scene.d, points_of(scene.nodes),
+                                                 scene.mesh_node, *grown.dirichlet, grown.coupling);
   });
   make_solver(shared);
 }

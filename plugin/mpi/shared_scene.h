@@ -57,17 +57,9 @@ inline std::vector<Extent> extents_of_all(const Domain& domain,
   return extents;
 }
 
-/// The rigid motions of nodes, in the dofs of the script.
-inline Eigen::MatrixXd motions(const SharedScene& shared, const std::vector<NodePlace>& nodes,
-                               const Extent& extent) {
-  return rigid_modes(nodes, shared.scene->d, static_cast<Index>(shared.scene->ndof()), extent);
-}
-
 /// Of all processes, which call them alike.   Collective.
 inline Index count_bodies(const Domain& domain, const std::vector<NodePlace>& places) {
-  Index count = 0;
-  for (const NodePlace& n : places) count = std::max(count, n.body + 1);
-  return static_cast<Index>(domain.largest(count));
+  return static_cast<Index>(domain.largest(count_bodies(places)));
 }
 
 /// Those of each body alone, whichever process has nodes of it.   Collective.
@@ -78,30 +70,27 @@ inline Matrix body_motions(const SharedScene& shared, const std::vector<NodePlac
   return body_modes(bodies, extents, shared.scene->d, static_cast<Index>(shared.scene->ndof()));
 }
 
-/// Motions in the dofs of the script, as those of the own dofs.
-inline Eigen::MatrixXd own_modes(const SharedScene& shared, const Eigen::MatrixXd& M) {
-  const Eigen::MatrixXd local = shared.scene->system->basis().W * M;
-  return local(shared.numbering().own, Eigen::all);
-}
-
 /// Gives the own system the motions of the bodies; finds the extent.   Collective.
 inline void set_motions(SharedScene& shared, System& own) {
   const std::vector<NodePlace> places = shared.scene->places();
   shared.extent = extents_of_all(*shared.domain, {places}).front();
-  const Eigen::MatrixXd modes = own_modes(shared, motions(shared, places, shared.extent));
+  const Scene& scene = *shared.scene;
+  const Eigen::MatrixXd local =
+      scene.system->basis().W *
+      rigid_modes(places, scene.d, static_cast<Index>(scene.ndof()), shared.extent);
+  const Eigen::MatrixXd modes = local(shared.numbering().own, Eigen::all);
   own.rigid_modes = [modes] { return modes; };
   if (shared.interface)  // of many bodies they take much memory
     own.body_modes = [&shared] {
       const Matrix M =
           shared.scene->system->basis().W * body_motions(shared, shared.scene->places());
       const std::vector<Index>& rows = shared.numbering().own;
-      Matrix chosen(static_cast<Index>(rows.size()), M.cols());
-      for (Index r = 0; r < chosen.rows(); ++r) {
-        chosen.startVec(r);
-        for (Matrix::InnerIterator m(M, rows[r]); m; ++m) chosen.insertBack(r, m.col()) = m.value();
-      }
-      chosen.finalize();
-      return chosen;
+      const Index count = static_cast<Index>(rows.size());
+      EntryList chosen;
+      for (Index r = 0; r < count; ++r)
+        for (Matrix::InnerIterator m(M, rows[r]); m; ++m)
+          chosen.emplace_back(r, m.col(), m.value());
+      return sparse(count, M.cols(), chosen);
     };
 }
 
@@ -138,9 +127,8 @@ inline void follow_free_motions_of_all(const Triplets& A, SharedScene& shared) {
   const auto sum = [&](Real* values, Index count) { domain.sum(values, count); };
   const auto add = [&](FreedomOfBodies& freedom) {
     domain.agree([&] {
-      std::vector<ContactPoint> points;
-      for (const BoundaryNode& p : scene.nodes) points.push_back(p.point);
-      freedom.add(A, Dirichlet(A, points), places, [&](Index i) { return domain.owns(i); });
+      freedom.add(A, Dirichlet(A, points_of(scene.nodes)), places,
+                  [&](Index i) { return domain.owns(i); });
     });
     freedom.sum(sum);
   };
@@ -158,30 +146,10 @@ inline void share(const Triplets& A, SharedScene& shared) {
   follow_free_motions_of_all(A, shared);
   add_ghost_points(domain, scene);
   std::unique_ptr<Dirichlet> own;
-  domain.agree([&] {
-    std::vector<ContactPoint> points;
-    for (const BoundaryNode& n : scene.nodes) points.push_back(n.point);
-    own = std::make_unique<Dirichlet>(A, points);
-  });
+  domain.agree([&] { own = std::make_unique<Dirichlet>(A, points_of(scene.nodes)); });
   shared.patch = std::make_unique<PatchedMatrix>(domain, A, *own);
   domain.agree([&] { scene.assemble(shared.patch->triplets(A)); });
   make_solver(shared);
-}
-
-/// As scales_of, but for the extent, which is that of the body.   Collective.
-inline Scales scales_of_all(const SharedScene& shared, const Vector& b) {
-  const Domain& domain = *shared.domain;
-  const Vector& D = shared.A->D;
-  Real load = 0, diagonal[] = {D.sum(), Real(D.size())};
-  for (Index i = 0; i < domain.dofs(); ++i)
-    if (domain.owns(i) && !shared.scene->held[i]) load = std::max(load, std::abs(b[i]));
-  domain.sum(diagonal, 2);
-  Scales s;
-  s.extent = 2 * shared.extent.radius;
-  s.stiffness = diagonal[0] / diagonal[1];
-  s.stiffest = domain.largest(D.size() > 0 ? D.maxCoeff() : 0);
-  s.moved = domain.largest(load) / s.stiffness;
-  return s;
 }
 
 /// As leftovers, of the bodies of all processes.   Collective.
@@ -216,37 +184,18 @@ inline std::vector<Leftover> leftovers_of_all(const SharedScene& shared, const V
 /// As in one process.   Collective.
 inline Real check_data(const SharedScene& shared, const Vector& b, const Vector& u0) {
   const Domain& domain = *shared.domain;
-  const Scene& scene = *shared.scene;
-  const Scales s = scales_of_all(shared, b);
-  domain.agree([&] {
-    refuse_data_without_row(scene, b, s);
-    refuse_huge_data(scene, b, u0, s);
-  });
-  const long i = largest_data(scene, b, u0);
-  if (scene.at || !is_tiny(domain.largest(i < 0 ? 0 : std::abs(u0[i])), s)) return 0;
-  Real most = 0;
-  const std::vector<Leftover> all = leftovers_of_all(shared, b);
-  domain.agree([&] {
-    for (const Leftover& left : all) {
-      if (i >= 0) refuse_tiny_data(scene, b, u0, i, s, left);
-      most = std::max(most, left.most);
-    }
-  });
-  return most;
+  return check_data(
+      *shared.scene, b, u0,
+      {*shared.A, 2 * shared.extent.radius, [&](Index i) { return domain.owns(i); },
+       [&](const auto& body) { domain.agree(body); }, [&] { return leftovers_of_all(shared, b); }});
 }
 
 /// The increment over the own dofs and nodes, from that of the local system.   Collective.
 inline Increment own_increment(const SharedScene& shared, const LocalIncrement& local,
                                const LocalLoad& load) {
-  const auto of_nodes = [&](const Vector& all) -> Vector {
-    return all.size() > 0 ? Vector(all(shared.numbering().own_nodes)) : all;
-  };
   Increment own = local.increment;
-  own.gap = of_nodes(local.increment.gap);
-  own.mu = of_nodes(local.increment.mu);
-  own.g = of_nodes(local.increment.g);
-  own.cohesion = of_nodes(local.increment.cohesion);
-  own.cap = of_nodes(local.increment.cap);
+  for (Vector* v : {&own.gap, &own.mu, &own.g, &own.cohesion, &own.cap})
+    if (v->size() > 0) *v = Vector((*v)(shared.numbering().own_nodes));
   LocalLoad own_load;
   own_load.external = shared.A->own_part(load.external);
   own_load.total = shared.A->own_part(load.total);

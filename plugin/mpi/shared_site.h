@@ -120,8 +120,7 @@ class SharedSite final : public Site {
       labels.slave = slave;
       labels.master = master;
       labels.of_part = true;
-      scene = V2 ? pair_scene(V1->at(stage), V2->at(stage, V1->dofs()), labels)
-                 : pair_scene(V1->at(stage), labels);
+      scene = pair_scene(V1->at(stage), V2 ? V2->at(stage, V1->dofs()) : nullptr, labels);
       scene->at = stage.at;
       places = scene->places();
     });

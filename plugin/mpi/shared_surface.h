@@ -143,8 +143,8 @@ inline Index name_bodies(const Domain& domain, std::vector<NodePlace> places, Sc
   for (const NodePlace& n : places) {
     dofs.push_back(n.dof[0]);
     parts.of.push_back(n.body);
-    parts.count = std::max(parts.count, n.body + 1);
   }
+  parts.count = count_bodies(places);
   const Bodies bodies = join_parts(domain, dofs, parts);
   for (std::size_t k = 0; k < places.size(); ++k) places[k].body = bodies.of[k];
   scene.places = [places = std::move(places)] { return places; };

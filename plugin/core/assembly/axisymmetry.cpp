@@ -27,12 +27,9 @@ int radial_component(const Triplets& A, const std::vector<Index>& node) {
   for (Index i = 1; i < A.n; ++i)
     if (node[i] == node[i - 1]) component[i] = component[i - 1] + 1;
   std::vector<Row> rows(A.n);
-  for (std::size_t k = 0; k < A.size; ++k) {
-    const Index i = A.row(k), j = A.col(k);
-    if (component[i] != component[j]) continue;
-    rows[i].add(A.a[k]);
-    if (A.half && i != j) rows[j].add(A.a[k]);
-  }
+  for_each_entry(A, [&](Index i, Index j, Real a) {
+    if (component[i] == component[j]) rows[i].add(a);
+  });
   Index nodes = 0, strained[2] = {0, 0};
   for (Index i = 0; i + 1 < A.n; ++i) {
     if (component[i] != 0 || component[i + 1] != 1) continue;

@@ -15,13 +15,11 @@ constexpr Real dependent = 1e-3;
 /// Two normals are one where the sine of their angle is below this: rounding makes it.
 constexpr Real parallel = 1e-12;
 
-using Entries = std::vector<Eigen::Triplet<Real>>;
-
 Real cleaned(Real component) { return std::abs(component) > aligned ? component : 0; }
 
 /// Nearly all rows are rows of the identity, 1 at column unit[i]; where that is -1 the row has the
 /// entries given for it, of which equal places add.
-Matrix with_unit_rows(const std::vector<Index>& unit, Index columns, Entries& entries) {
+Matrix with_unit_rows(const std::vector<Index>& unit, Index columns, EntryList& entries) {
   std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) {
     return std::make_pair(a.row(), a.col()) < std::make_pair(b.row(), b.col());
   });
@@ -230,7 +228,7 @@ void Frames::fill(Index n) {
     of_u[basis_.origin[p]] = p;
   }
   for (Index k = 0; k < dirichlet_.size(); ++k) of_u[dirichlet_.dof(k)] = w + k;
-  Entries T, W;
+  EntryList T, W;
   for (const Frame& f : frames_)
     for (int c = 0; c < d_; ++c) {
       const bool held = dirichlet_.holds(f.dof[c]);

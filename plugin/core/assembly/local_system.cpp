@@ -62,12 +62,11 @@ void LocalSystem::make_basis(const Triplets& A, int dimension) {
 
 /// W (0, q) for each free component, q_k of its local dof 1.
 Matrix LocalSystem::border(Index n) const {
-  std::vector<Eigen::Triplet<Real, Index>> q;
+  EntryList q;
   for (Index p = 0; p < basis_->first.front(); ++p)
     if (const Index i = basis_->origin[p]; i >= n)
       q.emplace_back(i, static_cast<Index>(q.size()), basis_->T.coeff(i, p));
-  Matrix Q(basis_->T.rows(), static_cast<Index>(q.size()));
-  Q.setFromTriplets(q.begin(), q.end());
+  const Matrix Q = sparse(basis_->T.rows(), static_cast<Index>(q.size()), q);
   return q.empty() ? Matrix() : Matrix(basis_->W * Q);
 }
 

@@ -7,23 +7,14 @@ namespace {
 /// A component moves no node where it moves each by less than this share of its unit.
 constexpr Real nothing = 1e-12;
 
-using Entries = std::vector<Eigen::Triplet<Real, Index>>;
-
 /// The extents of the contact points of each obstacle; 1 for a single one.
 std::vector<Real> extents(const RigidObstacles& obstacles, Index count) {
-  std::vector<Eigen::Vector3d> least(count), most(count);
-  std::vector<char> seen(count, 0);
-  for (std::size_t p = 0; p < obstacles.arm.size(); ++p) {
-    const Index o = obstacles.of_point[p];
-    if (o < 0) continue;
-    const Eigen::Vector3d& x = obstacles.arm[p];
-    least[o] = seen[o] ? Eigen::Vector3d(least[o].cwiseMin(x)) : x;
-    most[o] = seen[o] ? Eigen::Vector3d(most[o].cwiseMax(x)) : x;
-    seen[o] = 1;
-  }
+  std::vector<Eigen::AlignedBox3d> box(count);
+  for (std::size_t p = 0; p < obstacles.arm.size(); ++p)
+    if (const Index o = obstacles.of_point[p]; o >= 0) box[o].extend(obstacles.arm[p]);
   std::vector<Real> extent(count, 1);
   for (Index o = 0; o < count; ++o)
-    if (seen[o] && most[o] != least[o]) extent[o] = (most[o] - least[o]).norm() / 2;
+    if (!box[o].isEmpty() && box[o].min() != box[o].max()) extent[o] = box[o].sizes().norm() / 2;
   return extent;
 }
 
@@ -54,7 +45,7 @@ Matrix displacements(const Basis& basis, int d, const std::vector<ContactPoint>&
                      const std::vector<ContactNode>& nodes, const RigidObstacles& obstacles) {
   const std::vector<Index> point_of = points_of_dofs(basis, points, nodes);
   const Index each = rigid_components(d);
-  Entries entries;
+  EntryList entries;
   for (Index p = 0; p < basis.local_dofs(); ++p) {
     const Index point = point_of[p];
     const Index o = point < 0 ? -1 : obstacles.of_point[point];
@@ -68,9 +59,7 @@ Matrix displacements(const Basis& basis, int d, const std::vector<ContactPoint>&
       if (moved != 0) entries.emplace_back(p, o * each + k, moved);
     }
   }
-  Matrix C(basis.T.cols(), obstacles.dofs());
-  C.setFromTriplets(entries.begin(), entries.end());
-  return C;
+  return sparse(basis.T.cols(), obstacles.dofs(), entries);
 }
 
 /// The nearest of several obstacles along one direction would change as one of them moves.
@@ -93,7 +82,7 @@ void refuse_useless(const Matrix& C, const Vector& unit, const RigidObstacles& o
 }
 
 /// Entries of M, columns from `at` on moved by `by`.
-void copy(const Matrix& M, Index at, Index by, Entries& entries) {
+void copy(const Matrix& M, Index at, Index by, EntryList& entries) {
   for (Index i = 0; i < M.rows(); ++i)
     for (Matrix::InnerIterator e(M, i); e; ++e)
       entries.emplace_back(i, e.col() < at ? e.col() : e.col() + by, e.value());
@@ -130,7 +119,7 @@ Basis with_obstacles(const Basis& standing, int d, const std::vector<ContactPoin
   for (Index first : standing.first) moving.first.push_back(first + free);
 
   // u = T_w (w + C q) + T_D u_D
-  Entries T, W;
+  EntryList T, W;
   copy(standing.T, interior, free, T);
   const Matrix TC = standing.T * C;
   for (Index i = 0; i < n; ++i)

@@ -6,8 +6,6 @@ namespace frictioncg {
 
 namespace {
 
-using Vec3 = Eigen::Vector3d;
-
 /// The vertices leave some of the curvature open where the least diagonal of R is below this share
 /// of the largest; a third and twice of it do as well on random triangulations and single layers.
 constexpr Real open = 1e-2;

@@ -5,6 +5,8 @@
 
 namespace frictioncg {
 
+using Vec3 = Eigen::Vector3d;
+
 /// The smooth surface near the origin, in axes s1, s2, n:
 ///   z = (c x^2 + 2 d x y + f y^2 + k z^2)/2,   k = (k1|k1| + k2|k2|)/(|k1| + |k2|),
 /// k1, k2 the principal curvatures: circles, spheres and cylinders are among them.

@@ -6,8 +6,6 @@ namespace frictioncg {
 
 namespace {
 
-using Vec3 = Eigen::Vector3d;
-
 /// A normal further from the mean one than 45 degrees (their cosine) is no normal of a surface.
 constexpr Real leaning = M_SQRT1_2;
 /// A jump of the curvature begins to count from the first share of the curvature on, and counts in
@@ -24,11 +22,6 @@ constexpr Real alike = 1e-5;
 
 /// From 0 at `from` to 1 at `to`.
 Real ramp(Real x, Real from, Real to) { return std::clamp<Real>((x - from) / (to - from), 0, 1); }
-
-void unite(std::vector<Index>& v) {
-  std::sort(v.begin(), v.end());
-  v.erase(std::unique(v.begin(), v.end()), v.end());
-}
 
 class Estimator {
  public:
@@ -68,7 +61,7 @@ class Estimator {
       for (int v = 0; v < s_.d; ++v)
         if (s_.facets[f].vertex[v] != fan.vertex && fan_at_[f][v] >= 0)
           next.push_back(fan_at_[f][v]);
-    unite(next);
+    sort_once(next);
     return next;
   }
   /// Ridges of a fan with one facet of it.
@@ -119,7 +112,7 @@ class Estimator {
       for (Index r : next_[q])
         if (wide && s_.fans[r].vertex != i) vertices.push_back(s_.fans[r].vertex);
     }
-    unite(vertices);
+    sort_once(vertices);
     std::vector<Vec3> around;
     for (Index j : vertices) around.push_back(s_.X[j] - s_.X[i]);
     return osculating_quadric(s_.d, around, mean);

@@ -10,18 +10,16 @@ constexpr Real asymmetry = 1e-9;
 /// Entries are fetched from memory so many before their turn.
 constexpr Index ahead = 24;
 
-using Entry = Eigen::Triplet<Real, Index>;
-
 /// What one pass over the triplets tells: those that touch a dof that is held or whose factor is
 /// not 1, in the local dofs, those of A_local and those of K; and how many entries lie in each row
 /// and column of A_local, at [1 ..].
 struct Others {
-  std::vector<Entry> local, couplings;
+  EntryList local, couplings;
   std::vector<Index> rows, columns;
 
   Others(const Triplets& A, const Basis& basis, const Images& images)
       : rows(basis.local_dofs() + 1, 0), columns(rows), w_(basis.local_dofs()) {
-    std::vector<Entry> B;  // what touches a row of T with several entries
+    EntryList B;  // what touches a row of T with several entries
     const Index* plain = images.plain.data();
     for (std::size_t k = 0; k < A.size; ++k) {
       const Index i = A.row(k), j = A.col(k);
@@ -44,7 +42,7 @@ struct Others {
       if (A.half && i != j) add(j, i, Q, P);
     }
     if (!B.empty()) add_product(B, basis);
-    for (const Entry& e : local) count(e.row(), e.col());
+    for (const auto& e : local) count(e.row(), e.col());
   }
 
  private:
@@ -59,10 +57,8 @@ struct Others {
       couplings.emplace_back(p, q - w_, a);
   }
   /// T'BT
-  void add_product(const std::vector<Entry>& B, const Basis& basis) {
-    Matrix touching(basis.T.rows(), basis.T.rows());
-    touching.setFromTriplets(B.begin(), B.end());
-    const Matrix right = touching * basis.T;
+  void add_product(const EntryList& B, const Basis& basis) {
+    const Matrix right = sparse(basis.T.rows(), basis.T.rows(), B) * basis.T;
     const Matrix product = Matrix(basis.T.transpose()) * right;
     for (Index p = 0; p < w_; ++p)
       for (Matrix::InnerIterator e(product, p); e; ++e)
@@ -71,7 +67,7 @@ struct Others {
   const Index w_;
 };
 
-void check_size(const Triplets& A, const std::vector<Entry>& products) {
+void check_size(const Triplets& A, const EntryList& products) {
   const std::size_t most = (A.half ? 2 : 1) * A.size + products.size();
   if (most > static_cast<std::size_t>(std::numeric_limits<Index>::max()))
     throw IllegalInput("A has more than 2^31 - 1 entries; this build indexes them by 32 bits");
@@ -82,8 +78,7 @@ void check_size(const Triplets& A, const std::vector<Entry>& products) {
 class Entries {
  public:
   /// zeros: those of A are entries, too
-  Entries(const Triplets& A, const Images& images, const std::vector<Entry>& others,
-          bool zeros = false)
+  Entries(const Triplets& A, const Images& images, const EntryList& others, bool zeros = false)
       : A_(A), plain_(images.plain.data()), others_(others), zeros_(zeros) {}
 
   /// visit(number, row, column) in the order of the numbers
@@ -123,7 +118,7 @@ class Entries {
 
   const Triplets& A_;
   const Index* plain_;
-  const std::vector<Entry>& others_;
+  const EntryList& others_;
   const bool zeros_;
 };
 

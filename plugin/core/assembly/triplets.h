@@ -24,4 +24,14 @@ struct Triplets {
   bool is_whole(Index row) const { return !whole || whole[row] != 0; }
 };
 
+/// Calls visit(row, column, value) for each entry that is not 0, of both triangles.
+template <class Visit>
+void for_each_entry(const Triplets& A, const Visit& visit) {
+  for (std::size_t k = 0; k < A.size; ++k) {
+    if (A.a[k] == 0) continue;
+    visit(A.row(k), A.col(k), A.a[k]);
+    if (A.half && A.row(k) != A.col(k)) visit(A.col(k), A.row(k), A.a[k]);
+  }
+}
+
 }  // namespace frictioncg

@@ -19,14 +19,6 @@ constexpr int passes = 4;        ///< of the refinement: each gains the digits t
 constexpr Real worth = 0.3;      ///< a pass that reduces the residual less is the last
 constexpr Real doubtful = 1e-6;  ///< residual above which Newton has not answered, whatever it says
 
-/// Adds the time it lives to one of the phases.
-struct Stopwatch {
-  explicit Stopwatch(double& phase) : seconds(phase), start(cpu_seconds()) {}
-  ~Stopwatch() { seconds += cpu_seconds() - start; }
-  double& seconds;
-  const double start;
-};
-
 }  // namespace
 
 Vector CondensedProblem::residual(const Vector& x) const {

@@ -16,58 +16,17 @@ constexpr Real small_pivot = 1e-6;
 constexpr Index most_motions = 6;  ///< of one body
 constexpr Index panel_width = 64;
 
+/// The contact dofs, last, get the shift, and are chained: so each is the parent of the one before
+/// in the elimination tree. roots: as in Elimination.
+UpperTriangle triangle_of(const System& s, const std::vector<Index>& roots) {
+  std::vector<char> chained(s.dofs(), 0);
+  std::fill(chained.begin() + std::min(s.interior() + 1, s.dofs()), chained.end(), 1);
+  UpperTriangle A(s, chained, roots);
+  for (Index j = s.interior(); j < s.dofs(); ++j) A.diagonal(j) += sigma * s.D[j];
+  return A;
+}
+
 }  // namespace
-
-/// Rows of A up to the diagonal: by columns, the upper triangle that CHOLMOD reads. The contact
-/// dofs, last, get the shift, and are chained by entries (zero if need be) next to the diagonal: so
-/// each is the parent of the one before in the elimination tree. `roots` are interior dofs that
-/// shall be children of the first contact dof.
-struct Elimination::UpperTriangle {
-  std::vector<Index> column, row;
-  std::vector<Real> value;
-  cholmod_sparse view{};
-
-  explicit UpperTriangle(const System& s, const std::vector<Index>& roots = {}) {
-    const Index n = s.dofs(), interior = s.interior();
-    const Index* begin = s.entries().outerIndexPtr();
-    const Index* col = s.entries().innerIndexPtr();
-    const Real* a = s.entries().valuePtr();
-    column.reserve(n + 1);
-    row.reserve(s.entries().nonZeros() / 2 + n);
-    value.reserve(s.entries().nonZeros() / 2 + n);
-    column.push_back(0);
-    for (Index j = 0; j < n; ++j) {
-      for (Index k = begin[j]; k < begin[j + 1] && col[k] < j; ++k) {
-        row.push_back(col[k]);
-        value.push_back(a[k]);
-      }
-      if (j == interior) insert(roots);
-      if (j > interior && (row.size() == std::size_t(column[j]) || row.back() != j - 1)) {
-        row.push_back(j - 1);
-        value.push_back(0);
-      }
-      row.push_back(j);
-      value.push_back(j < interior ? s.D[j] : (1 + sigma) * s.D[j]);
-      column.push_back(static_cast<Index>(row.size()));
-    }
-    view = symmetric_view(n, column, row, value.data());
-  }
-
-  /// A spring to the ground at dof i.
-  void support(Index i, Real stiffness) { value[column[i + 1] - 1] += stiffness; }
-
- private:
-  /// Zero entries in these rows of the column under construction, which stays sorted.
-  void insert(const std::vector<Index>& rows) {
-    for (Index r : rows) {
-      const auto begin = row.begin() + column.back();
-      const auto at = std::lower_bound(begin, row.end(), r);
-      if (at != row.end() && *at == r) continue;
-      value.insert(value.begin() + (at - row.begin()), 0);
-      row.insert(at, r);
-    }
-  }
-};
 
 Elimination::Outcome Elimination::factor(const System& system, double memory_bound, bool again) {
   const bool laid_out = again && L_;
@@ -81,7 +40,7 @@ Elimination::Outcome Elimination::factor(const System& system, double memory_bou
 
   double start = cpu_seconds();
   if (!laid_out) roots_.clear();
-  UpperTriangle A(system, roots_);
+  UpperTriangle A = triangle_of(system, roots_);
   if (!laid_out && !analyze(system, A)) return Outcome::too_large;
   memory_needed_ += sizeof(Real) * double(L_->xsize);
   times_.order = cpu_seconds() - start;
@@ -109,7 +68,7 @@ bool Elimination::analyze(const System& system, UpperTriangle& A) {
   if (contact_is_last()) return true;
   // Several bodies: a postordering may end one body, its contact included, before the next.
   roots_ = last_of_each_part(system, order);
-  A = UpperTriangle(system, roots_);
+  A = triangle_of(system, roots_);
   if (!fits()) return false;
   if (!contact_is_last())
     throw std::logic_error("elimination: the contact dofs are not last in the factor");
@@ -143,7 +102,7 @@ bool Elimination::factorize(const System& system, UpperTriangle& A) {
     }
     if (i >= interior_ || springs_.size() == most_springs) return false;
     springs_.push_back(i);
-    A.support(i, sigma * system.D[i]);
+    A.diagonal(i) += sigma * system.D[i];  // a spring to the ground
   }
 }
 

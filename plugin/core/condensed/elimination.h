@@ -1,12 +1,8 @@
 #pragma once
 #include "condensed/sparse_factor.h"
+#include "solution.h"
 
 namespace frictioncg {
-
-/// CPU seconds of each phase.
-struct EliminationTimes {
-  double order = 0, factor = 0, condense = 0;
-};
 
 /// Elimination of the interior of one system:  S x_C = f - r_C  on the contact dofs.
 ///   S = A_CC - A_CI A_II^{-1} A_IC,  f = F_C - A_CI A_II^{-1} F_I
@@ -41,10 +37,9 @@ class Elimination : private SparseFactor {
   Vector extend(const Vector& w_C) { return back_substitute(Vector::Zero(n_), w_C); }
   /// n x k: rigid motions of A that vanish on the contact dofs.
   const DenseMatrix& floating() const { return floating_; }
-  const EliminationTimes& times() const { return times_; }
+  const Times& times() const { return times_; }  ///< of order, factor and condense
 
  private:
-  struct UpperTriangle;
   bool analyze(const System& system, UpperTriangle& A);
   bool contact_is_last() const;
   bool factorize(const System& system, UpperTriangle& A);
@@ -56,12 +51,12 @@ class Elimination : private SparseFactor {
   Vector back_substitute(Vector y, const Vector& x_C);
 
   Index n_ = 0, interior_ = 0;
-  std::vector<Index> roots_;    ///< of UpperTriangle
+  std::vector<Index> roots_;    ///< interior dofs that shall be children of the first contact dof
   std::vector<Index> springs_;  ///< dofs of the interior that stand in for supports
   double memory_needed_ = 0;
   DenseMatrix S_, floating_;
   Vector y_;  ///< n, L^{-1} P F
-  EliminationTimes times_;
+  Times times_;
 };
 
 }  // namespace frictioncg

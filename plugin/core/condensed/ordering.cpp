@@ -41,8 +41,7 @@ struct NodeGraph {
     std::vector<Index> node_of(n);
     number_nodes(s, node_of);
     const Index nodes = static_cast<Index>(first_dof.size()) - 1;
-    const Index* begin = s.entries().outerIndexPtr();
-    const Index* col = s.entries().innerIndexPtr();
+    const auto [begin, col, a] = arrays_of(s.entries());
     std::vector<Index> seen_by(nodes, -1);
     column.reserve(nodes + 1);
     column.push_back(0);
@@ -139,8 +138,7 @@ std::vector<Index> by_nodes(const System& s, cholmod_common& common) {
 }
 
 std::vector<Index> last_of_each_part(const System& s, const std::vector<Index>& order) {
-  const Index* row = s.entries().outerIndexPtr();
-  const Index* col = s.entries().innerIndexPtr();
+  const auto [row, col, a] = arrays_of(s.entries());
   std::vector<char> seen(s.interior(), 0);
   std::vector<Index> roots, stack;
   for (Index k = s.interior() - 1; k >= 0; --k) {

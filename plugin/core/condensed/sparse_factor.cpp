@@ -2,6 +2,42 @@
 
 namespace frictioncg {
 
+UpperTriangle::UpperTriangle(const System& s, const std::vector<char>& chained,
+                             const std::vector<Index>& roots) {
+  const Index n = s.dofs();
+  const auto [begin, col, a] = arrays_of(s.entries());
+  column.reserve(n + 1);
+  row.reserve(s.entries().nonZeros() / 2 + n);
+  value.reserve(s.entries().nonZeros() / 2 + n);
+  column.push_back(0);
+  for (Index j = 0; j < n; ++j) {
+    for (Index k = begin[j]; k < begin[j + 1] && col[k] < j; ++k) {
+      row.push_back(col[k]);
+      value.push_back(a[k]);
+    }
+    if (j == s.interior()) insert(roots);
+    if (chained[j] && (row.size() == std::size_t(column[j]) || row.back() != j - 1)) {
+      row.push_back(j - 1);
+      value.push_back(0);
+    }
+    row.push_back(j);
+    value.push_back(s.D[j]);
+    column.push_back(static_cast<Index>(row.size()));
+  }
+  view = symmetric_view(n, column, row, value.data());
+}
+
+/// Zero entries in these rows of the column under construction, which stays sorted.
+void UpperTriangle::insert(const std::vector<Index>& rows) {
+  for (Index r : rows) {
+    const auto begin = row.begin() + column.back();
+    const auto at = std::lower_bound(begin, row.end(), r);
+    if (at != row.end() && *at == r) continue;
+    value.insert(value.begin() + (at - row.begin()), 0);
+    row.insert(at, r);
+  }
+}
+
 SparseFactor::SparseFactor(int supernodal) {
   cholmod_start(&common_);
   common_.print = 0;

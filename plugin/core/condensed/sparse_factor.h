@@ -3,6 +3,22 @@
 
 namespace frictioncg {
 
+/// Rows of A up to the diagonal: by columns, the upper triangle that CHOLMOD reads.
+struct UpperTriangle {
+  std::vector<Index> column, row;
+  std::vector<Real> value;
+  cholmod_sparse view{};
+
+  /// Entries that are there, zero if need be: of the dofs that are chained, next to the diagonal;
+  /// in the column of the first contact dof, those of the roots.
+  UpperTriangle(const System& system, const std::vector<char>& chained,
+                const std::vector<Index>& roots = {});
+  Real& diagonal(Index j) { return value[column[j + 1] - 1]; }
+
+ private:
+  void insert(const std::vector<Index>& rows);
+};
+
 /// A session of CHOLMOD, and in it one factor L L' of a matrix in an order that is given.
 class SparseFactor {
  protected:

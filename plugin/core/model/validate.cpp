@@ -126,23 +126,19 @@ void validate(const Increment& increment, const System& system) {
     require_each(
         "gap", increment.gap, "contact node", [](Real g) { return g > -INFINITY; },
         "a gap is a length, or infinite where the node cannot touch");
+  const auto require = [&](const char* name, const Vector& values, const char* rule) {
+    require_size(name, Index(values.size()), system.nodes(), "contact node");
+    require_each(name, values, "contact node", is_nonnegative, rule);
+  };
   if (increment.law == Law::coulomb) {
-    require_size("mu", Index(increment.mu.size()), system.nodes(), "contact node");
-    require_each("mu", increment.mu, "contact node", is_nonnegative,
-                 "a friction coefficient is a number >= 0: give 0 where nothing rubs");
+    require("mu", increment.mu,
+            "a friction coefficient is a number >= 0: give 0 where nothing rubs");
     for (const auto& [name, values] :
-         {std::pair{"cohesion", &increment.cohesion}, {"cap", &increment.cap}}) {
-      if (values->size() == 0) continue;
-      require_size(name, Index(values->size()), system.nodes(), "contact node");
-      require_each(name, *values, "contact node", is_nonnegative,
-                   "what bounds friction is a force >= 0");
-    }
+         {std::pair{"cohesion", &increment.cohesion}, {"cap", &increment.cap}})
+      if (values->size() > 0) require(name, *values, "what bounds friction is a force >= 0");
   }
-  if (increment.law == Law::tresca) {
-    require_size("g", Index(increment.g.size()), system.nodes(), "contact node");
-    require_each("g", increment.g, "contact node", is_nonnegative,
-                 "a sliding limit is a force >= 0: give 0 where nothing rubs");
-  }
+  if (increment.law == Law::tresca)
+    require("g", increment.g, "a sliding limit is a force >= 0: give 0 where nothing rubs");
   validate_load(increment, system);
   const Vector norms =
       Eigen::Vector3d(increment.load_norm, increment.rounding, increment.force_scale);

@@ -129,11 +129,10 @@ Aggregates aggregate(const BlockGraph& graph, const std::vector<float>& strength
   }
 }
 
-template BlockGraph make_graph(const SymmetricBlocks<2>&);
-template BlockGraph make_graph(const SymmetricBlocks<3>&);
-template BlockGraph make_graph(const SymmetricBlocks<6>&);
-template std::vector<float> coupling_strength(const SymmetricBlocks<2>&);
-template std::vector<float> coupling_strength(const SymmetricBlocks<3>&);
-template std::vector<float> coupling_strength(const SymmetricBlocks<6>&);
+#define FRICTIONCG_INSTANTIATE(B)                            \
+  template BlockGraph make_graph(const SymmetricBlocks<B>&); \
+  template std::vector<float> coupling_strength(const SymmetricBlocks<B>&);
+FRICTIONCG_BLOCKS(FRICTIONCG_INSTANTIATE)
+#undef FRICTIONCG_INSTANTIATE
 
 }  // namespace frictioncg

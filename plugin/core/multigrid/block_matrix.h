@@ -133,4 +133,8 @@ struct Prolongation {
   const float* at(std::size_t k) const { return value.data() + k * entries; }
 };
 
+// X of the sizes that levels have, and of those of the prolongations between them.
+#define FRICTIONCG_BLOCKS(X) X(2) X(3) X(6)
+#define FRICTIONCG_PROLONGATIONS(X) X(2, 3) X(3, 3) X(3, 6) X(6, 6)
+
 }  // namespace frictioncg

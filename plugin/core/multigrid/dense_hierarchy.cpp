@@ -20,9 +20,7 @@ void DenseHierarchy::truncate(const std::vector<char>& fixed,
 void DenseHierarchy::apply(const Vector& r, Vector& z) {
   z = r;
   solver_.solve(z);
-  const Eigen::Index interior = A_.rows() - Eigen::Index(fixed_.size());
-  for (std::size_t c = 0; c < fixed_.size(); ++c)
-    if (fixed_[c]) z[interior + Eigen::Index(c)] = 0;
+  drop_fixed(fixed_, z);
 }
 
 double DenseHierarchy::bytes() const {

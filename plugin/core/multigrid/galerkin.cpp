@@ -32,8 +32,7 @@ SymmetricBlocks<K> galerkin_pattern(const SymmetricBlocks<B>& A, const Prolongat
   }
   SymmetricBlocks<K> coarse;
   for (std::vector<Index>& columns : lower) {
-    std::sort(columns.begin(), columns.end());
-    columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
+    sort_once(columns);
     coarse.col.insert(coarse.col.end(), columns.begin(), columns.end());
     coarse.row.push_back(to_block_index(coarse.col.size()));
     std::vector<Index>().swap(columns);
@@ -118,10 +117,7 @@ void GalerkinProduct<B, K>::add(const SymmetricBlocks<B>& A, const Prolongation<
   template SymmetricBlocks<K> galerkin_pattern(const SymmetricBlocks<B>&,  \
                                                const Prolongation<B, K>&); \
   template class GalerkinProduct<B, K>;
-FRICTIONCG_INSTANTIATE(2, 3)
-FRICTIONCG_INSTANTIATE(3, 3)
-FRICTIONCG_INSTANTIATE(3, 6)
-FRICTIONCG_INSTANTIATE(6, 6)
+FRICTIONCG_PROLONGATIONS(FRICTIONCG_INSTANTIATE)
 #undef FRICTIONCG_INSTANTIATE
 
 }  // namespace frictioncg

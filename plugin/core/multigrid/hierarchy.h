@@ -10,6 +10,13 @@ struct TangentialStiffness {
   Eigen::Matrix2d M;  ///< symmetric positive semi-definite [force/length]
 };
 
+/// v is 0 on those of its last dofs that are fixed.
+inline void drop_fixed(const std::vector<char>& fixed, Vector& v) {
+  const Eigen::Index interior = v.size() - Eigen::Index(fixed.size());
+  for (std::size_t c = 0; c < fixed.size(); ++c)
+    if (fixed[c]) v[interior + Eigen::Index(c)] = 0;
+}
+
 /// Smoothed aggregation with rigid-body modes for A, in single precision: a symmetric positive
 /// definite approximate inverse, one cycle. Structure and prolongations come from A once; contact
 /// dofs are then cut out or put back on every level at the price of their own rows:

@@ -63,10 +63,7 @@ void make_next(Level<B, K>& level, Level<K, K>& next, std::vector<float>& contac
   template double Level<B, K>::bytes() const;                           \
   template Modes<K> coarsen(Level<B, K>&, const Modes<K>&, Coarsening); \
   template void make_next(Level<B, K>&, Level<K, K>&, std::vector<float>&);
-FRICTIONCG_INSTANTIATE(2, 3)
-FRICTIONCG_INSTANTIATE(3, 3)
-FRICTIONCG_INSTANTIATE(3, 6)
-FRICTIONCG_INSTANTIATE(6, 6)
+FRICTIONCG_PROLONGATIONS(FRICTIONCG_INSTANTIATE)
 #undef FRICTIONCG_INSTANTIATE
 
 }  // namespace frictioncg

@@ -110,8 +110,7 @@ void aggregates_beside(Index i, const BlockGraph& graph, const Aggregates& aggre
   columns.assign(1, aggregates.of[i]);
   for (Index e = graph.begin[i]; e < graph.begin[i + 1]; ++e)
     columns.push_back(aggregates.of[graph.neighbour[e]]);
-  std::sort(columns.begin(), columns.end());
-  columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
+  sort_once(columns);
 }
 
 template <int B, int K>
@@ -186,16 +185,12 @@ void invert_diagonal(SymmetricBlocks<B>& A, Index row) {
   template Tentative<B, K> make_tentative<B, K>(const Aggregates&, const Modes<K>&);     \
   template Prolongation<B, K> smooth<B, K>(const SymmetricBlocks<B>&, const BlockGraph&, \
                                            const Aggregates&, const std::vector<float>&, float);
-FRICTIONCG_INSTANTIATE(2, 3)
-FRICTIONCG_INSTANTIATE(3, 3)
-FRICTIONCG_INSTANTIATE(3, 6)
-FRICTIONCG_INSTANTIATE(6, 6)
+FRICTIONCG_PROLONGATIONS(FRICTIONCG_INSTANTIATE)
 #undef FRICTIONCG_INSTANTIATE
-template float spectral_radius(const SymmetricBlocks<2>&, int);
-template float spectral_radius(const SymmetricBlocks<3>&, int);
-template float spectral_radius(const SymmetricBlocks<6>&, int);
-template void invert_diagonal(SymmetricBlocks<2>&, Index);
-template void invert_diagonal(SymmetricBlocks<3>&, Index);
-template void invert_diagonal(SymmetricBlocks<6>&, Index);
+#define FRICTIONCG_INSTANTIATE(B)                                 \
+  template float spectral_radius(const SymmetricBlocks<B>&, int); \
+  template void invert_diagonal(SymmetricBlocks<B>&, Index);
+FRICTIONCG_BLOCKS(FRICTIONCG_INSTANTIATE)
+#undef FRICTIONCG_INSTANTIATE
 
 }  // namespace frictioncg

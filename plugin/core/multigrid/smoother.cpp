@@ -108,17 +108,12 @@ void prolong(const Prolongation<R, C>& P, const float* coarse, float* fine) {
   template void sweep_forward(const SymmetricBlocks<B>&, float*, float*);  \
   template void sweep_backward(const SymmetricBlocks<B>&, float*, float*); \
   template void subtract_product(const SymmetricBlocks<B>&, const float*, const float*, float*);
-FRICTIONCG_INSTANTIATE(2)
-FRICTIONCG_INSTANTIATE(3)
-FRICTIONCG_INSTANTIATE(6)
+FRICTIONCG_BLOCKS(FRICTIONCG_INSTANTIATE)
 #undef FRICTIONCG_INSTANTIATE
 #define FRICTIONCG_INSTANTIATE(R, C)                                                       \
   template void restrict_to(const Prolongation<R, C>&, const float*, std::vector<float>&); \
   template void prolong(const Prolongation<R, C>&, const float*, float*);
-FRICTIONCG_INSTANTIATE(2, 3)
-FRICTIONCG_INSTANTIATE(3, 3)
-FRICTIONCG_INSTANTIATE(3, 6)
-FRICTIONCG_INSTANTIATE(6, 6)
+FRICTIONCG_PROLONGATIONS(FRICTIONCG_INSTANTIATE)
 #undef FRICTIONCG_INSTANTIATE
 
 }  // namespace frictioncg

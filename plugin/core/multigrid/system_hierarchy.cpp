@@ -1,5 +1,4 @@
 #include "multigrid/bordered_hierarchy.h"
-#include "multigrid/dense_hierarchy.h"
 
 namespace frictioncg {
 
@@ -23,21 +22,20 @@ std::unique_ptr<Hierarchy> make_hierarchy(const System& system, const HierarchyO
   const bool fits =
       modes.rows() == system.dofs() && modes.cols() == (system.dimension == 2 ? 3 : 6);
   if (!fits) return nullptr;
-  if (system.dofs() <= options.dense) return std::make_unique<DenseHierarchy>(system.entries());
-  if (const Index k = static_cast<Index>(system.border.cols())) {
-    const Index end = system.interior(), behind = system.contact_dofs();
-    std::vector<Index> mesh_node = system.mesh_node;
-    mesh_node.erase(mesh_node.begin() + end - k, mesh_node.begin() + end);
-    Eigen::MatrixXd of_bodies(system.dofs() - k, modes.cols());
-    of_bodies << modes.topRows(end - k), modes.bottomRows(behind);
-    const NodeBlocks blocks = make_node_blocks(mesh_node, system.dimension, end - k);
-    HierarchyOptions within = options;
-    within.multiplies = false;  // by the whole of A alone
-    return std::make_unique<BorderedHierarchy>(
-        system, make_levels(without_border(system), blocks, of_bodies, within));
+  const Index k = static_cast<Index>(system.border.cols()), end = system.interior();
+  if (k == 0 || system.dofs() <= options.dense) {
+    const NodeBlocks blocks = make_node_blocks(system.mesh_node, system.dimension, end);
+    return make_hierarchy(system.entries(), blocks, modes, options);
   }
-  const NodeBlocks blocks = make_node_blocks(system.mesh_node, system.dimension, system.interior());
-  return make_levels(system.entries(), blocks, modes, options);
+  std::vector<Index> mesh_node = system.mesh_node;
+  mesh_node.erase(mesh_node.begin() + end - k, mesh_node.begin() + end);
+  Eigen::MatrixXd of_bodies(system.dofs() - k, modes.cols());
+  of_bodies << modes.topRows(end - k), modes.bottomRows(system.contact_dofs());
+  const NodeBlocks blocks = make_node_blocks(mesh_node, system.dimension, end - k);
+  HierarchyOptions within = options;
+  within.multiplies = false;  // by the whole of A alone
+  return std::make_unique<BorderedHierarchy>(
+      system, make_levels(without_border(system), blocks, of_bodies, within));
 }
 
 }  // namespace frictioncg

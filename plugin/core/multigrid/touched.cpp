@@ -82,10 +82,7 @@ void Touched<B>::clear(SymmetricBlocks<B>& A) const {
 template class Touched<2>;
 template class Touched<3>;
 template class Touched<6>;
-FRICTIONCG_INSTANTIATE(2, 3)
-FRICTIONCG_INSTANTIATE(3, 3)
-FRICTIONCG_INSTANTIATE(3, 6)
-FRICTIONCG_INSTANTIATE(6, 6)
+FRICTIONCG_PROLONGATIONS(FRICTIONCG_INSTANTIATE)
 #undef FRICTIONCG_INSTANTIATE
 
 }  // namespace frictioncg

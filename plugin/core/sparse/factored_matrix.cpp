@@ -16,39 +16,17 @@ constexpr Real least_shift = 1e-14, most_shift = 1e-8, stiffer = 100;
 /// 20 times as long.
 FactoredMatrix::FactoredMatrix(SystemPtr system) : SparseFactor(CHOLMOD_AUTO) {
   renew(std::move(system));
-  lay_out(view_, by_nodes(*system_, common_));
+  lay_out(now_->view, by_nodes(*system_, common_));
 }
 
 void FactoredMatrix::renew(SystemPtr system) {
   system_ = std::move(system);
   fixed_.clear();
-  for (std::vector<Index>* v : {&column_, &row_}) v->clear();
-  value_.clear();
-  copy_upper_triangle();
-  now_ = value_;
-  view_ = symmetric_view(system_->dofs(), column_, row_, now_.data());
-}
-
-/// Rows of A up to the diagonal.
-void FactoredMatrix::copy_upper_triangle() {
-  const System& s = *system_;
-  std::vector<char> second(s.dofs(), 0);  // tangents of a node
-  for (Index i = 0; i < s.nodes(); ++i)
-    if (s.tangents(i) == 2) second[s.first[i] + 2] = 1;
-  column_.push_back(0);
-  for (Index j = 0; j < s.dofs(); ++j) {
-    for (Matrix::InnerIterator a(s.entries(), j); a && a.col() < j; ++a) {
-      row_.push_back(static_cast<Index>(a.col()));
-      value_.push_back(a.value());
-    }
-    if (second[j] && (Index(row_.size()) == column_[j] || row_.back() != j - 1)) {
-      row_.push_back(j - 1);
-      value_.push_back(0);
-    }
-    row_.push_back(j);
-    value_.push_back(s.D[j]);
-    column_.push_back(static_cast<Index>(row_.size()));
-  }
+  std::vector<char> second(system_->dofs(), 0);  // tangents of a node
+  for (Index i = 0; i < system_->nodes(); ++i)
+    if (system_->tangents(i) == 2) second[system_->first[i] + 2] = 1;
+  now_.emplace(*system_, second);
+  value_ = now_->value;
 }
 
 void FactoredMatrix::truncate(const std::vector<char>& fixed,
@@ -56,22 +34,24 @@ void FactoredMatrix::truncate(const std::vector<char>& fixed,
   const Index n = system_->dofs(), interior = system_->interior();
   fixed_ = fixed;
   springs_ = !springs.isZero(0);
-  now_ = value_;
+  UpperTriangle& A = *now_;
+  A.value = value_;
   for (const TangentialStiffness& w : W) {
-    diagonal(w.first) += w.M(0, 0);
-    diagonal(w.first + 1) += w.M(1, 1);
-    now_[column_[w.first + 2] - 2] += w.M(0, 1);
+    A.diagonal(w.first) += w.M(0, 0);
+    A.diagonal(w.first + 1) += w.M(1, 1);
+    A.value[A.column[w.first + 2] - 2] += w.M(0, 1);
   }
-  for (Index c = 0; c < springs.size(); ++c) diagonal(interior + c) += springs[c];
+  for (Index c = 0; c < springs.size(); ++c) A.diagonal(interior + c) += springs[c];
   for (Index j = interior; j < n; ++j)
-    for (Index k = column_[j]; k < column_[j + 1] - 1; ++k)
-      if (fixed[j - interior] || (row_[k] >= interior && fixed[row_[k] - interior])) now_[k] = 0;
+    for (Index k = A.column[j]; k < A.column[j + 1] - 1; ++k)
+      if (fixed[j - interior] || (A.row[k] >= interior && fixed[A.row[k] - interior]))
+        A.value[k] = 0;
   const Serial serial;
   for (Real shift = 0, next = least_shift; shift <= most_shift; next *= stiffer) {
-    check(cholmod_factorize(&view_, L_, &common_), common_);
+    check(cholmod_factorize(&A.view, L_, &common_), common_);
     definite_ = common_.status != CHOLMOD_NOT_POSDEF;
     if (definite_) return;
-    for (Index j = 0; j < n; ++j) diagonal(j) += (next - shift) * system_->D[j];
+    for (Index j = 0; j < n; ++j) A.diagonal(j) += (next - shift) * system_->D[j];
     shift = next;
   }
 }
@@ -80,8 +60,7 @@ void FactoredMatrix::apply(const Vector& r, Vector& z) {
   z.setZero(r.size());
   if (!definite_) return;
   z = solve(CHOLMOD_A, r);
-  for (std::size_t c = 0; c < fixed_.size(); ++c)
-    if (fixed_[c]) z[system_->interior() + Index(c)] = 0;
+  drop_fixed(fixed_, z);
 }
 
 /// Supernodes keep zeros, what is without them the row of each entry.

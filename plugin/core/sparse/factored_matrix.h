@@ -28,13 +28,9 @@ class FactoredMatrix final : public Hierarchy, private SparseFactor {
   double bytes() const override;
 
  private:
-  void copy_upper_triangle();
-  Real& diagonal(Index j) { return now_[column_[j + 1] - 1]; }
-
   SystemPtr system_;
-  std::vector<Index> column_, row_;  ///< upper triangle; the two tangents of a node are coupled
-  std::vector<Real> value_, now_;
-  cholmod_sparse view_{};
+  std::vector<Real> value_;           ///< of A
+  std::optional<UpperTriangle> now_;  ///< truncated; the two tangents of a node are coupled
   std::vector<char> fixed_;
   bool definite_ = false, springs_ = false;
 };

@@ -213,7 +213,7 @@ class RigidMotions {
 /// Of one body of A: of each group of `each` candidates, the motions that it makes alone.
 Matrix alone(const std::vector<Index>& candidates, Index each, const DenseMatrix& in_A,
              const DenseMatrix& in_D) {
-  std::vector<Eigen::Triplet<Real, Index>> entries;
+  EntryList entries;
   const Index k = Index(candidates.size());
   Index count = 0;
   for (Index first = 0, end; first < k; first = end) {
@@ -224,9 +224,7 @@ Matrix alone(const std::vector<Index>& candidates, Index each, const DenseMatrix
     for (Index j = 0; j < Index(own.cols()); ++j, ++count)
       for (Index i = 0; i < size; ++i) entries.emplace_back(first + i, count, own(i, j));
   }
-  Matrix c(k, count);
-  c.setFromTriplets(entries.begin(), entries.end());
-  return c;
+  return sparse(k, count, entries);
 }
 
 /// What is left of candidates beside motions V (k x v), in the product of D; those of groups that V
@@ -273,15 +271,14 @@ DenseMatrix floating_motions(const System& system) {
   const std::vector<std::vector<Index>> accepted = motions.add(c);
   // then what is left in common
   for (Index body = 0; body < all.bodies.count; ++body) {
-    std::vector<Eigen::Triplet<Real, Index>> entries;
-    Matrix V(c[body].rows(), Index(accepted[body].size()));
-    for (Index i = 0; i < Index(V.rows()); ++i)
+    EntryList entries;
+    for (Index i = 0; i < Index(c[body].rows()); ++i)
       for (Matrix::InnerIterator x(c[body], i); x; ++x) {
         const auto at = std::lower_bound(accepted[body].begin(), accepted[body].end(), x.col());
         if (at != accepted[body].end() && *at == x.col())
           entries.emplace_back(i, Index(at - accepted[body].begin()), x.value());
       }
-    V.setFromTriplets(entries.begin(), entries.end());
+    const Matrix V = sparse(c[body].rows(), Index(accepted[body].size()), entries);
     const DenseMatrix R = beside(V, all.of_body[body], each, in_D[body]);
     c[body] = (R * candidates_of_a_body(R.transpose() * in_A[body] * R,
                                         R.transpose() * in_D[body] * R, in_D[body].trace()))

@@ -45,10 +45,6 @@ std::string describe_one(const std::vector<NodePlace>& nodes, int d, const Vecto
 
 constexpr Real stiff_turn = 30;  ///< rotation over strain: loads that turn a body far strain it
 
-}  // namespace
-
-namespace {
-
 /// visit(dof, values): a row of the modes for each component of each node.
 template <class Visit>
 void for_each_row(const std::vector<NodePlace>& nodes, int d, const Extent& extent,
@@ -73,6 +69,12 @@ Eigen::MatrixXd rigid_modes(const std::vector<NodePlace>& nodes, int d, Index n)
   return rigid_modes(nodes, d, n, extent_of(nodes));
 }
 
+Index count_bodies(const std::vector<NodePlace>& nodes) {
+  Index count = 0;
+  for (const NodePlace& n : nodes) count = std::max(count, n.body + 1);
+  return count;
+}
+
 std::map<Index, std::vector<NodePlace>> by_body(const std::vector<NodePlace>& nodes) {
   std::map<Index, std::vector<NodePlace>> bodies;
   for (const NodePlace& p : nodes) bodies[p.body].push_back(p);
@@ -82,15 +84,13 @@ std::map<Index, std::vector<NodePlace>> by_body(const std::vector<NodePlace>& no
 Matrix body_modes(const std::vector<std::vector<NodePlace>>& bodies,
                   const std::vector<Extent>& extents, int d, Index n) {
   const Index each = d == 2 ? 3 : 6;
-  std::vector<Eigen::Triplet<Real, Index>> entries;
+  EntryList entries;
   for (std::size_t k = 0; k < bodies.size(); ++k)
     for_each_row(bodies[k], d, extents[k], [&](Index dof, const auto& w) {
       for (Index j = 0; j < each; ++j)
         if (w[j] != 0) entries.emplace_back(dof, each * static_cast<Index>(k) + j, w[j]);
     });
-  Matrix modes(n, each * static_cast<Index>(bodies.size()));
-  modes.setFromTriplets(entries.begin(), entries.end());
-  return modes;
+  return sparse(n, each * static_cast<Index>(bodies.size()), entries);
 }
 
 Matrix body_modes(const std::vector<NodePlace>& nodes, int d, Index n) {

@@ -41,6 +41,9 @@ Eigen::MatrixXd rigid_modes(const std::vector<NodePlace>& nodes, int d, Index n,
                             const Extent& extent);
 Eigen::MatrixXd rigid_modes(const std::vector<NodePlace>& nodes, int d, Index n);
 
+/// How many bodies there are, numbered from 0.
+Index count_bodies(const std::vector<NodePlace>& nodes);
+
 /// The nodes of each body, by its number.
 std::map<Index, std::vector<NodePlace>> by_body(const std::vector<NodePlace>& nodes);
 

@@ -2,6 +2,22 @@
 
 namespace frictioncg::mortar::test {
 
+namespace {
+
+/// The contact points of a mortar, one per contact node, in their order; without friction as yet.
+std::vector<ContactPoint> contact_points(const Mortar& mortar, const NodeDofs& dof) {
+  std::vector<ContactPoint> points;
+  for (const ContactNode& node : mortar.nodes()) {
+    ContactPoint point;
+    point.dof = dof[node.node];
+    for (int c = 0; c < 3; ++c) point.normal[c] = node.normal[c];
+    points.push_back(point);
+  }
+  return points;
+}
+
+}  // namespace
+
 Answer solve_contact(const Scene& s, Real mu, const Settings& settings, bool unit_rows,
                      const Vector& u_old, bool bilateral) {
   const Assembled assembled(s, unit_rows);

@@ -4,9 +4,7 @@ namespace frictioncg::mortar {
 
 namespace {
 
-using Entries = std::vector<Eigen::Triplet<Real, Index>>;
-
-void add_component(const Matrix& of_nodes, const NodeDofs& dof, int c, Entries& entries) {
+void add_component(const Matrix& of_nodes, const NodeDofs& dof, int c, EntryList& entries) {
   for (Index i = 0; i < of_nodes.rows(); ++i)
     for (Matrix::InnerIterator it(of_nodes, i); it; ++it)
       entries.emplace_back(dof[i][c], dof[it.col()][c], it.value());
@@ -24,7 +22,7 @@ std::vector<unsigned char> held_components(int d, const NodeDofs& dof, const Dir
 
 Coupling couple(const Mortar& mortar, int d, const NodeDofs& dof, const Dirichlet& dirichlet,
                 Index n, const std::vector<char>& taken) {
-  Entries T, W;
+  EntryList T, W;
   std::vector<char> coupled(n, 0);
   for (int c = 0; c < d; ++c) {
     std::vector<char> held(dof.size());
@@ -35,26 +33,17 @@ Coupling couple(const Mortar& mortar, int d, const NodeDofs& dof, const Dirichle
     add_component(mortar.change_of_basis(held), dof, c, T);
     add_component(mortar.inverse_basis(held), dof, c, W);
   }
+  return on_all_dofs(coupled, std::move(T), std::move(W));
+}
+
+Coupling on_all_dofs(const std::vector<char>& coupled, EntryList T, EntryList W) {
+  const Index n = static_cast<Index>(coupled.size());
   for (Index i = 0; i < n; ++i) {
     if (coupled[i]) continue;
     T.emplace_back(i, i, 1);
     W.emplace_back(i, i, 1);
   }
-  Coupling coupling{Matrix(n, n), Matrix(n, n)};
-  coupling.T.setFromTriplets(T.begin(), T.end());
-  coupling.W.setFromTriplets(W.begin(), W.end());
-  return coupling;
-}
-
-std::vector<ContactPoint> contact_points(const Mortar& mortar, const NodeDofs& dof) {
-  std::vector<ContactPoint> points;
-  for (const ContactNode& node : mortar.nodes()) {
-    ContactPoint point;
-    point.dof = dof[node.node];
-    for (int c = 0; c < 3; ++c) point.normal[c] = node.normal[c];
-    points.push_back(point);
-  }
-  return points;
+  return {sparse(n, n, T), sparse(n, n, W)};
 }
 
 }  // namespace frictioncg::mortar

@@ -16,7 +16,7 @@ std::vector<unsigned char> held_components(int d, const NodeDofs& dof, const Dir
 Coupling couple(const Mortar& mortar, int d, const NodeDofs& dof, const Dirichlet& dirichlet,
                 Index n, const std::vector<char>& taken = {});
 
-/// The contact points of a mortar, one per contact node, in their order; without friction as yet.
-std::vector<ContactPoint> contact_points(const Mortar& mortar, const NodeDofs& dof);
+/// The same of entries of both: dofs that are not coupled have rows of the identity.
+Coupling on_all_dofs(const std::vector<char>& coupled, EntryList T, EntryList W);
 
 }  // namespace frictioncg::mortar

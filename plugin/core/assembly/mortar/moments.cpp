@@ -39,11 +39,9 @@ struct Arm {
   Vec3 across(const Vec3& n) const { return sum - sum.dot(n) * n; }
 };
 
-Matrix changed(const Matrix& P, const std::vector<Eigen::Triplet<Real, Index>>& change) {
+Matrix changed(const Matrix& P, const EntryList& change) {
   if (change.empty()) return P;
-  Matrix by(P.rows(), P.cols());
-  by.setFromTriplets(change.begin(), change.end());
-  return Matrix(P + by).pruned(1., 0.);
+  return Matrix(P + sparse(P.rows(), P.cols(), change)).pruned(1., 0.);
 }
 
 /// One row of P: its nodes on the master, seen along the normal.
@@ -184,7 +182,7 @@ Matrix along_normals(const Matrix& P, const Matrix& G, const std::vector<Contact
                      const std::vector<char>& of_master, const std::vector<Side>& masters,
                      const std::vector<Vec3>& X, RowChoices& choices) {
   std::map<Index, Lines> lines;  // by pair
-  std::vector<Eigen::Triplet<Real, Index>> change;
+  EntryList change;
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const ContactNode& node = nodes[k];
     if (!of_master[node.node]) continue;
@@ -231,7 +229,7 @@ Matrix across_gap(const Matrix& P, const Matrix& G, const std::vector<ContactNod
                   const Nodes& all, const FacedFacets& faced) {
   std::vector<char> has_law(all.X.size(), 0);
   for (const ContactNode& node : nodes) has_law[node.node] = 1;
-  std::vector<Eigen::Triplet<Real, Index>> change;
+  EntryList change;
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const Index i = nodes[k].node;
     const Vec3 e = Arm(G, static_cast<Index>(k), i, all.X).sum;

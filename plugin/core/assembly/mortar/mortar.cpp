@@ -15,14 +15,6 @@ constexpr Real negligible = 1e-15;
 /// The cells of a facet that is covered as a whole fill it up to this share: cutting rounds.
 constexpr Real uncovered = 1e-9;
 
-using Entries = std::vector<Eigen::Triplet<Real, Index>>;
-
-Matrix sparse(Index rows, Index columns, const Entries& entries) {
-  Matrix M(rows, columns);
-  M.setFromTriplets(entries.begin(), entries.end());
-  return M;
-}
-
 Matrix identity(Index n) { return Matrix(Vector::Ones(n).asDiagonal()); }
 
 }  // namespace
@@ -70,7 +62,7 @@ class Assembly {
   const Ownership& ownership_;
   WeightSlopes slopes_;
   Vector D_;
-  Entries N_, P_, removed_;                ///< the last: (i, r), int psi_i lambda_r
+  EntryList N_, P_, removed_;              ///< the last: (i, r), int psi_i lambda_r
   std::vector<char> takes_removed_;        ///< per node
   std::vector<Vec3> offset_;               ///< int psi_i (delta_m(chi) - delta_s)
   FacedFacets faced_;                      ///< per node
@@ -223,7 +215,7 @@ void Assembly::finish(RowChoices& choices, Mortar& mortar) {
   mortar.N_ = Matrix(inverse.asDiagonal() * sparse(n, n, N_)).pruned(1., negligible);
   mortar.P_ = Matrix(inverse.asDiagonal() * sparse(n, n, P_)).pruned(1., negligible);
   set_nodes(mortar);
-  Entries rows;
+  EntryList rows;
   for (std::size_t k = 0; k < mortar.nodes_.size(); ++k)
     rows.emplace_back(static_cast<Index>(k), mortar.nodes_[k].node, 1);
   const Matrix K = sparse(static_cast<Index>(mortar.nodes_.size()), n, rows);
@@ -292,7 +284,7 @@ void Mortar::assemble(Arrangement& of, const Options& options) {
 
 /// The identity with `half` of each end in the rows of mid-edges, of those held or of the others.
 Matrix Mortar::halving(const std::vector<char>& held, bool where_held, Real half) const {
-  Entries entries;
+  EntryList entries;
   for (Index i = 0; i < size_; ++i) entries.emplace_back(i, i, 1);
   for (const MidEdge& e : edges_) {
     if ((!held.empty() && held[e.node]) != where_held) continue;
@@ -321,7 +313,7 @@ Matrix Mortar::change_of_basis(const std::vector<char>& held) const {
 }
 
 Matrix Mortar::inverse_basis(const std::vector<char>& held) const {
-  Entries rows;
+  EntryList rows;
   std::vector<char> relative(size_, 0);
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
     const Index i = nodes_[k].node;

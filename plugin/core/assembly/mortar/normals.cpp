@@ -124,8 +124,6 @@ class Curves {
   }
   FanNormal at(Index f, const Vec3& lambda) const {
     FanNormal here;
-    here.normal.setZero();
-    here.turn = 0;
     for (int v = 0; v < side_.d; ++v) {
       here.normal += lambda[v] * smooth_.at(f, v).normal;
       here.turn = std::max(here.turn, smooth_.at(f, v).turn);

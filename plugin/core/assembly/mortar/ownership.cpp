@@ -19,6 +19,14 @@ Index label_position(const Surface& surface, long label) {
   return static_cast<Index>(at - surface.labels.begin());
 }
 
+/// visit(p, f, i): each vertex, node i, of each facet f of the side of each pair p.
+template <class Visit>
+void for_each_vertex(const std::vector<Side>& sides, const Visit& visit) {
+  for (std::size_t p = 0; p < sides.size(); ++p)
+    for (Index f = 0; f < sides[p].facets(); ++f)
+      for (int v = 0; v < sides[p].d; ++v) visit(p, f, sides[p].facet(f).node[v]);
+}
+
 /// The normals by which it is decided whether Dirichlet conditions hold them: those of the bodies
 /// as they are not deformed. Along a path a node on an axis or on a plane of symmetry keeps its
 /// law, whatever the normal of its facets, which lie on one side of it, does there.
@@ -124,40 +132,29 @@ void Ownership::go_on_from(const Ownership& begun) {
 
 void Ownership::own(const std::vector<Side>& slaves, const std::vector<Cover>& covers) {
   const std::vector<Index> decided = owner_;
-  for (std::size_t p = 0; p < slaves.size(); ++p)
-    for (Index f = 0; f < slaves[p].facets(); ++f) {
-      if (covers[p].cells[f].empty()) continue;
-      for (int v = 0; v < slaves[p].d; ++v) {
-        const Index i = slaves[p].facet(f).node[v];
-        state[i] = State::kept;
-        if (decided[i] >= 0 || (owner_[i] >= 0 && owner_[i] <= rank_[p][f])) continue;
-        owner_[i] = rank_[p][f];
-        pair[i] = static_cast<Index>(p);
-      }
-    }
-  for (std::size_t p = 0; p < slaves.size(); ++p)
-    for (Index f = 0; f < slaves[p].facets(); ++f)
-      for (int v = 0; v < slaves[p].d; ++v) {
-        const Index i = slaves[p].facet(f).node[v];
-        if (decided[i] < 0 && owner_[i] == rank_[p][f])
-          covered[i] += covers[p].fraction[f] * slaves[p].planes[f].measure;
-      }
+  for_each_vertex(slaves, [&](std::size_t p, Index f, Index i) {
+    if (covers[p].cells[f].empty()) return;
+    state[i] = State::kept;
+    if (decided[i] >= 0 || (owner_[i] >= 0 && owner_[i] <= rank_[p][f])) return;
+    owner_[i] = rank_[p][f];
+    pair[i] = static_cast<Index>(p);
+  });
+  for_each_vertex(slaves, [&](std::size_t p, Index f, Index i) {
+    if (decided[i] < 0 && owner_[i] == rank_[p][f])
+      covered[i] += covers[p].fraction[f] * slaves[p].planes[f].measure;
+  });
 }
 
 void Ownership::set_labels(const std::vector<Side>& slaves) {
   std::vector<Index> position(owner_.size(), std::numeric_limits<Index>::max());
-  for (std::size_t p = 0; p < slaves.size(); ++p)
-    for (Index f = 0; f < slaves[p].facets(); ++f) {
-      const Facet& facet = slaves[p].facet(f);
-      const Index at = label_position(slaves[p].surface, facet.label);
-      for (int v = 0; v < slaves[p].d; ++v) {
-        const Index i = facet.node[v];
-        if (owner_[i] != rank_[p][f]) continue;
-        if (at >= position[i]) continue;
-        position[i] = at;
-        label[i] = facet.label;
-      }
-    }
+  for_each_vertex(slaves, [&](std::size_t p, Index f, Index i) {
+    if (owner_[i] != rank_[p][f]) return;
+    const long of_facet = slaves[p].facet(f).label;
+    const Index at = label_position(slaves[p].surface, of_facet);
+    if (at >= position[i]) return;
+    position[i] = at;
+    label[i] = of_facet;
+  });
 }
 
 /// Given normals are asked for where something faces the slave, and leave it there.
@@ -189,15 +186,10 @@ void Ownership::find_faced(const std::vector<Side>& masters, const std::vector<C
 /// Removes the nodes that lie on a master. A facet of another pair's master counts only where
 /// something faces it: the rest of its label is no master.
 void Ownership::remove_shared(const std::vector<Side>& masters) {
-  for (std::size_t p = 0; p < masters.size(); ++p) {
-    const Side& master = masters[p];
-    for (Index f = 0; f < master.facets(); ++f)
-      for (int v = 0; v < master.d; ++v) {
-        const Index i = master.facet(f).node[v];
-        const bool used = faced_[p][f] || pair[i] == static_cast<Index>(p);
-        if (used && state[i] == State::kept) state[i] = State::shared;
-      }
-  }
+  for_each_vertex(masters, [&](std::size_t p, Index f, Index i) {
+    const bool used = faced_[p][f] || pair[i] == static_cast<Index>(p);
+    if (used && state[i] == State::kept) state[i] = State::shared;
+  });
 }
 
 void Ownership::take_off_slaves(const std::vector<Side>& masters,
