@@ -73,9 +73,11 @@ inline bool decided(const Solution& s) {
   return s.status == Status::converged || s.status == Status::no_equilibrium;
 }
 
-/// Bound on the iterations of a call that names none.
+/// Bound on the iterations of a call that names none.   Collective.
 inline Index default_iterations(const ContactProblem& problem) {
-  return 10000 + 20 * problem.nodes() + static_cast<Index>(20 * std::sqrt(problem.dofs()));
+  Real size[] = {Real(problem.nodes()), Real(problem.dofs())};
+  problem.system->sum(size, 2);
+  return 10000 + static_cast<Index>(20 * (size[0] + std::sqrt(size[1])));
 }
 
 /// Bound on the iterations of a call, all layers together.

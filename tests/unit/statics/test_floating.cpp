@@ -124,6 +124,35 @@ TEST(Floating, OfTwoCoupledBodiesThatFloatNoMotionIsFoundTwice) {
   for (const Real ratio : {1., 1e2, 1e4}) expect_floating(coupled(one, ratio, 0), 6);
 }
 
+TEST(Floating, WhatABodyDoesNotDoAloneItDoesWithAnother) {
+  BlockOptions o;
+  o.cells = 2;
+  const AssembledSystem one = assembled(problem_of(o).system);
+  const Index n = one.dofs();
+  const Eigen::MatrixXd M = one.rigid_modes();
+  AssembledSystem two = one;
+  std::vector<Eigen::Triplet<Real, Index>> entries;
+  for (Index i = 0; i < n; ++i) {
+    for (Matrix::InnerIterator e(one.A, i); e; ++e)
+      for (Index k : {Index(0), n}) entries.emplace_back(i + k, Index(e.col()) + k, e.value());
+    if (std::abs(M(i, 1)) < 0.5) continue;  // springs along y: each slides along x on its own
+    for (const auto& [row, column, sign] :
+         {std::tuple(i, i, 1), {i + n, i + n, 1}, {i, i + n, -1}, {i + n, i, -1}})
+      entries.emplace_back(row, column, sign * one.D[i]);
+  }
+  two.A = Matrix(2 * n, 2 * n);
+  two.A.setFromTriplets(entries.begin(), entries.end());
+  two.D = two.weight = two.A.diagonal();
+  two.first = {2 * n};
+  two.body_modes = [n, M] {
+    Eigen::MatrixXd both = Eigen::MatrixXd::Zero(2 * n, 6);
+    both.topLeftCorner(n, 3) = M;
+    both.bottomRightCorner(n, 3) = M;
+    return Matrix(both.sparseView());
+  };
+  expect_floating(two, 4);
+}
+
 TEST(Floating, OfTheInteriorAreThoseThatMoveNoContactDof) {
   Eigen::MatrixXd W(4, 3);
   W << 1, 2, 0, 3, 1, 1, 0, 1, 2, 0, 2, 4;  // rows 2 and 3 move by c_2 + 2 c_3
