@@ -73,6 +73,19 @@ inline bool decided(const Solution& s) {
   return s.status == Status::converged || s.status == Status::no_equilibrium;
 }
 
+/// A certificate below this is as good as the matrix allows: no other method is tried.
+constexpr Real at_rounding = 1e-10;
+
+/// Rounding that leaves more than this belongs to a field that has run away, and says nothing of
+/// another: 0.05 to 4 in degenerate scenes, up to 1e-4 on slender, nearly incompressible beams.
+constexpr Real runaway_rounding = 1e-3;
+
+/// Whether no method comes nearer to the laws.
+inline bool is_rounding(const Certificate& c) {
+  const bool known = c.attainable < runaway_rounding;
+  return c.residual <= std::max(at_rounding, known ? c.attainable : 0);
+}
+
 /// Bound on the iterations of a call that names none.   Collective.
 inline Index default_iterations(const ContactProblem& problem) {
   Real size[] = {Real(problem.nodes()), Real(problem.dofs())};

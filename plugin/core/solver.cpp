@@ -12,13 +12,6 @@ namespace frictioncg {
 
 namespace {
 
-/// A certificate below this is as good as the matrix allows: no other method is tried.
-constexpr Real rounding = 1e-10;
-
-/// Rounding that leaves more than this belongs to a field that has run away, and says nothing of
-/// another: 0.05 to 4 in degenerate scenes, up to 1e-4 on slender, nearly incompressible beams.
-constexpr Real runaway_rounding = 1e-3;
-
 /// Flops of a dense factor from which on another ordering of A is looked at.
 constexpr double worth_an_ordering = 1e8;
 
@@ -35,13 +28,7 @@ constexpr double far_dearer = 18, worth_a_try = 0.4;
 /// then cost so many times what it does as a rule, which is more than it ever does.
 constexpr double only_gradients = 1e6;
 
-/// Whether no method comes nearer to the laws.
-bool is_rounding(const Certificate& c) {
-  const bool known = c.attainable < runaway_rounding;
-  return c.residual <= std::max(rounding, known ? c.attainable : 0);
-}
-
-bool arrives(const Solution& s) { return decided(s) || s.certificate.residual <= rounding; }
+bool arrives(const Solution& s) { return decided(s) || s.certificate.residual <= at_rounding; }
 
 /// t, made after s did not arrive, takes its place where it decides or is nearer to the laws; what
 /// both took counts. Returns how t ended.

@@ -71,6 +71,7 @@ CentralPath::CentralPath(const ContactProblem& laws, std::unique_ptr<PathMatrix>
     rubs_[i] = closes_[i] || g_[i] > 0;
     symmetric_ = symmetric_ && !rubs_[i];
   }
+  true_gap_ = gap_;
 }
 
 /// Near the least of the energy, where every node sees a weak spring to its gap.
@@ -79,7 +80,7 @@ bool CentralPath::start() {
   springs.diagonal = Vector::Zero(f_.size());
   springs.diagonal.tail(problem_.contact_dofs()).setConstant(first_shift);
   if (!K_->factor(springs)) return false;
-  bring_near();
+  if (first_ == 0) bring_near();
   at_.y = pulled_to(gap_);
   at_.s = at_.N = at_.t = Vector::Zero(nodes_);
   at_.T = Vector::Zero(at_.y.size());
@@ -116,6 +117,20 @@ void CentralPath::bring_near() {
   for (Index i = 0; i < nodes_; ++i)
     if (closes_[i]) reach = std::max({reach, std::abs(y[normal(i)]), -gap_[i]});
   gap_ = gap_.cwiseMin(far * reach);
+}
+
+/// Where a gap that was taken for a nearer one is reached after all: another one, if need be the
+/// true one. False where none is.
+bool CentralPath::bring_further() {
+  Real reach = 0;
+  bool reached = false;
+  for (Index i = 0; i < nodes_; ++i) {
+    if (!closes_[i]) continue;
+    reach = std::max(reach, std::abs(at_.y[normal(i)]));
+    reached = reached || (gap_[i] < true_gap_[i] && at_.y[normal(i)] > gap_[i] / 2);
+  }
+  if (reached) gap_ = true_gap_.cwiseMin(far * reach);
+  return reached;
 }
 
 /// s and r_N from y, shifted to where both are positive and their products alike.
@@ -236,9 +251,14 @@ void CentralPath::move(Point& p, const Point& d, Real part) const {
 }
 
 Index CentralPath::follow(Index max_steps) {
-  if (problem_.increment.bilateral || !start()) return 0;
-  first_ = mean_product(at_);
-  return follow_to(far_down * first_, std::min(max_steps, most_steps));
+  if (problem_.increment.bilateral) return 0;
+  Index steps = 0;
+  do {
+    if (!start()) return 0;
+    first_ = mean_product(at_);
+    steps += follow_to(far_down * first_, std::min(max_steps - steps, most_steps));
+  } while (steps < max_steps && bring_further());
+  return steps;
 }
 
 Index CentralPath::go_on(Index max_steps) { return follow_to(0, std::min(max_steps, most_steps)); }

@@ -44,6 +44,7 @@ class CentralPath {
   Index follow_to(Real goal, Index most);
   Vector pulled_to(const Vector& gap) const;
   void bring_near();
+  bool bring_further();
   void make_positive();
   Real mean_product(const Point& p) const;
   bool factor();
@@ -66,6 +67,7 @@ class CentralPath {
   const Index nodes_, offset_;  ///< dofs that the path leaves out come first
   /// unit = D^{1/2}; the others in its units. g: given limits, or cohesion
   Vector unit_, f_, gap_, mu_, g_, cap_;
+  Vector true_gap_;  ///< m; gap_ may be nearer, where nothing reaches either
   std::vector<char> closes_, rubs_;
   bool symmetric_ = true;
   Vector alpha_, omega_;  ///< m: dr_N = alpha + omega dx_N

@@ -59,7 +59,7 @@ Solution SparseSolver::follow_path(const ContactProblem& problem, const Settings
   answered_ = false;
   Solution s = from_its_end(max_steps - steps);
   const Index left = max_steps - steps - s.iterations;
-  if (steps > 0 && !decided(s) && left > 0) {
+  if (steps > 0 && left > 0 && !decided(s) && !is_rounding(s.certificate)) {
     const Index more = path.go_on(left);
     steps += more;
     s = after(s, from_its_end(left - more));
