@@ -260,27 +260,34 @@ const DenseMatrix& CondensedSolver::rigid_motions_of_A(Run& run) {
 }
 
 /// An answer at which A has negative energy, in a motion of open nodes or one that slip goes on
-/// with, is none: it is where a body that buckles has not buckled.
+/// with, is none: it is where a body that buckles has not buckled. Nodes that slip and would turn
+/// back are held by friction.
 void CondensedSolver::look_for_negative_energy(Run& run) {
   const Branches branches = branches_of(run.problem, run.s.x, run.s.certificate);
   const Stopwatch watch(run.s.times.contact);
-  Vector p = negative_energy_of(branches, true);
-  if (p.size() > 0 && !goes_on(branches, p)) p = negative_energy_of(branches, false);
-  if (p.size() == 0) return;
-  run.s.status = Status::not_positive_definite;
-  run.s.negative = p;
+  for (const bool backwards : {false, true}) {
+    std::vector<char> slips(system_->nodes());
+    for (Index k = 0; k < system_->nodes(); ++k) slips[k] = !branches[k].stick;
+    Vector p = negative_energy_of(branches, slips);
+    while (p.size() > 0 && hold_turning_back(branches, backwards ? Vector(-p) : p, slips))
+      p = negative_energy_of(branches, slips);
+    if (p.size() == 0) continue;
+    run.s.status = Status::not_positive_definite;
+    run.s.negative = p;
+    return;
+  }
 }
 
-/// A motion of open nodes, and along slip or not, in which A has negative energy; or empty. Where A
-/// is positive definite it is so on fewer dofs.
-Vector CondensedSolver::negative_energy_of(const Branches& branches, bool along_slip) {
+/// A motion of open nodes, and of nodes that slip, in which A has negative energy; or empty. Where
+/// A is positive definite it is so on fewer dofs.
+Vector CondensedSolver::negative_energy_of(const Branches& branches,
+                                           const std::vector<char>& slips) {
   std::vector<char> is_open(system_->contact_dofs(), 0);
   std::vector<Index> open;
   bool known = positive_on_.size() == is_open.size();
   for (Index k = 0; k < system_->nodes(); ++k)
     for (Index i = system_->first[k]; i < system_->first[k + 1]; ++i) {
-      const bool slips = along_slip && i > system_->first[k] && !branches[k].stick;
-      if (branches[k].closed && !slips) continue;
+      if (branches[k].closed && !(i > system_->first[k] && slips[k])) continue;
       open.push_back(i - system_->interior());
       is_open[open.back()] = 1;
       known = known && positive_on_[open.back()];
@@ -299,20 +306,22 @@ Vector CondensedSolver::negative_energy_of(const Branches& branches, bool along_
   return {};
 }
 
-/// Whether p, or -p, goes on with the slip of all nodes that slip: friction holds it otherwise.
-bool CondensedSolver::goes_on(const Branches& branches, const Vector& p) const {
+/// Takes the nodes that p would turn back off those that slip. False where there are none, or p
+/// turns all of them back: -p goes on.
+bool CondensedSolver::hold_turning_back(const Branches& branches, const Vector& p,
+                                        std::vector<char>& slips) const {
   constexpr Real rounding = 1e-6;
-  Real forward = 0, back = 0;
-  for (Index k = 0; k < system_->nodes(); ++k) {
-    const Branch& n = branches[k];
-    if (!n.closed || n.stick) continue;
-    for (Index t = 0; t < system_->tangents(k); ++t) {
-      const Real along = n.d[t] * p[system_->first[k] + 1 + t];
-      forward = std::max(forward, along);
-      back = std::max(back, -along);
-    }
-  }
-  return std::min(forward, back) <= rounding * std::max(forward, back);
+  Vector along = Vector::Zero(system_->nodes());
+  for (Index k = 0; k < system_->nodes(); ++k)
+    if (branches[k].closed && slips[k])
+      for (Index t = 0; t < system_->tangents(k); ++t)
+        along[k] += branches[k].d[t] * p[system_->first[k] + 1 + t];
+  if (along.size() == 0) return false;
+  const Real forward = along.maxCoeff(), back = -along.minCoeff();
+  if (std::min(forward, back) <= rounding * std::max(forward, back)) return false;
+  for (Index k = 0; k < system_->nodes(); ++k)
+    if (along[k] < 0) slips[k] = 0;
+  return true;
 }
 
 /// Takes out of x the rigid motions that nothing determines, where the laws allow it.

@@ -47,8 +47,8 @@ class CondensedSolver {
   bool unheld_by_anything(Run& run, const CondensedProblem& condensed);
   const DenseMatrix& rigid_motions_of_A(Run& run);
   void look_for_negative_energy(Run& run);
-  Vector negative_energy_of(const Branches& branches, bool along_slip);
-  bool goes_on(const Branches& branches, const Vector& p) const;
+  Vector negative_energy_of(const Branches& branches, const std::vector<char>& slips);
+  bool hold_turning_back(const Branches& branches, const Vector& p, std::vector<char>& slips) const;
   void settle(Run& run);
   bool may_be_idle(const Branches& branches) const;
 
