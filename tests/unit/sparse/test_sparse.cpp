@@ -159,6 +159,9 @@ TEST(SparseRoute, IsWeighedForBeamsOfTheWholePlaneToo) {
   EXPECT_TRUE(std::isfinite(a.costs.sparse));
   EXPECT_EQ(a.route, Route::multigrid);
   EXPECT_EQ(a.costs.multigrid, b.costs.multigrid);
+  o.cells = {300, 10, 1};
+  o.size = {30, 1, 1};
+  EXPECT_TRUE(std::isfinite(estimate_costs(*SceneInBlocks(o).system).sparse));
   EXPECT_EQ(b.route, Route::condensed);
 }
 
