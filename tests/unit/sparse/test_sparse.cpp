@@ -80,6 +80,22 @@ TEST(FactoredMatrix, SaysWhereAMatrixIsNotDefiniteAndRecovers) {
   EXPECT_LT(left.norm(), 1e-11 * r.norm());
 }
 
+TEST(FactoredMatrix, KnowsWhatItWasTruncatedTo) {
+  const Posed posed = block(sheared_at_side(2)).system();
+  const SystemPtr system = posed.problem().system;
+  const std::vector<char> none(system->contact_dofs(), 0), all(system->contact_dofs(), 1);
+  FactoredMatrix factor(system);
+  factor.truncate(none, {}, Vector::Zero(system->contact_dofs()));
+  EXPECT_TRUE(factor.is_of(none));
+  EXPECT_FALSE(factor.is_of(all));
+  factor.truncate(none, {}, Vector::Ones(system->contact_dofs()));
+  EXPECT_FALSE(factor.is_of(none)) << "springs";
+  factor.truncate(none, {}, {});
+  EXPECT_TRUE(factor.is_of(none));
+  factor.renew(system);
+  EXPECT_FALSE(factor.is_of(none)) << "another matrix";
+}
+
 TEST(FactoredMatrix, TakesMoreMemoryThanItsEntriesDo) {
   SparseOptions beam;
   beam.d = 2;
@@ -159,8 +175,8 @@ TEST(SparseRoute, IsWeighedForBeamsOfTheWholePlaneToo) {
   EXPECT_TRUE(std::isfinite(a.costs.sparse));
   EXPECT_EQ(a.route, Route::multigrid);
   EXPECT_EQ(a.costs.multigrid, b.costs.multigrid);
-  o.cells = {300, 10, 1};
-  o.size = {30, 1, 1};
+  o.cells = {240, 10, 1};
+  o.size = {24, 1, 1};
   EXPECT_TRUE(std::isfinite(estimate_costs(*SceneInBlocks(o).system).sparse));
   EXPECT_EQ(b.route, Route::condensed);
 }
