@@ -230,7 +230,7 @@ Solution Solver::or_by(Way next, Solution s, const ContactProblem& problem,
   if (arrives(s)) {
     const bool doubtful = s.route == Route::sparse && s.certificate.residual <= settings.tol;
     if (!doubtful || sparse_->is_definite_at(problem, s)) return s;
-    return by_condensation(problem, settings, {}, observer);
+    return after(s, by_condensation(problem, settings, {}, observer));
   }
   const Settings rest = what_remains(problem, settings, s);
   const Status last = rest.nbiter > 0

@@ -265,10 +265,12 @@ const DenseMatrix& CondensedSolver::rigid_motions_of_A(Run& run) {
 void CondensedSolver::look_for_negative_energy(Run& run) {
   const Branches branches = branches_of(run.problem, run.s.x, run.s.certificate);
   const Stopwatch watch(run.s.times.contact);
+  std::vector<char> all(system_->nodes());
+  for (Index k = 0; k < system_->nodes(); ++k) all[k] = !branches[k].stick;
+  const Vector first = negative_energy_of(branches, all);
   for (const bool backwards : {false, true}) {
-    std::vector<char> slips(system_->nodes());
-    for (Index k = 0; k < system_->nodes(); ++k) slips[k] = !branches[k].stick;
-    Vector p = negative_energy_of(branches, slips);
+    std::vector<char> slips = all;
+    Vector p = first;
     while (p.size() > 0 && hold_turning_back(branches, backwards ? Vector(-p) : p, slips))
       p = negative_energy_of(branches, slips);
     if (p.size() == 0) continue;

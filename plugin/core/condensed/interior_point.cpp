@@ -261,7 +261,11 @@ Index CentralPath::follow(Index max_steps) {
   return steps;
 }
 
-Index CentralPath::go_on(Index max_steps) { return follow_to(0, std::min(max_steps, most_steps)); }
+Index CentralPath::go_on(Index max_steps) {
+  const Vector end = at_.y;
+  const Index steps = follow_to(0, std::min(max_steps, most_steps));
+  return at_.y == end ? 0 : steps;
+}
 
 Index CentralPath::follow_to(Real goal, Index most) {
   Real mark = mean_product(at_);
@@ -300,7 +304,9 @@ Attempt by_interior_point(const CondensedProblem& problem, Index max_steps) {
   if (a.steps == 0) return a;
   a.solved = newton_from(path.x(), problem, max_steps, a);
   if (a.solved) return a;
-  a.steps += path.go_on(max_steps - a.steps);
+  const Index more = path.go_on(max_steps - a.steps);
+  if (more == 0) return a;
+  a.steps += more;
   a.solved = newton_from(path.x(), problem, max_steps, a);
   return a;
 }

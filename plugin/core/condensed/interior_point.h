@@ -24,7 +24,8 @@ class CentralPath {
   /// Along the path towards its end; returns the steps it took. Where it cannot start, and for
   /// bilateral contact, none.
   Index follow(Index max_steps);
-  /// On from its end, as far as rounding lets it. Returns the number of steps.
+  /// On from its end, as far as rounding lets it. Returns the number of steps; 0 where they lead
+  /// nowhere.
   Index go_on(Index max_steps);
 
   Vector x() const { return at_.y.cwiseQuotient(unit_); }
@@ -73,7 +74,7 @@ class CentralPath {
   Vector alpha_, omega_;  ///< m: dr_N = alpha + omega dx_N
   Friction friction_;
   Point at_;
-  Real first_ = 0;  ///< mean product
+  Real first_ = 0;  ///< mean product at the start; 0 before it
 };
 
 /// The central path, and Newton's method on the laws themselves from the branches at its end.

@@ -62,7 +62,7 @@ Solution SparseSolver::follow_path(const ContactProblem& problem, const Settings
   if (steps > 0 && left > 0 && !decided(s) && !is_rounding(s.certificate)) {
     const Index more = path.go_on(left);
     steps += more;
-    s = after(s, from_its_end(left - more));
+    if (more > 0) s = after(s, from_its_end(left - more));
   }
   answered_ = s.status == Status::converged;
   s.iterations += steps;
