@@ -22,11 +22,11 @@ class BlockSum {
  public:
   void add(const float* a, const float* x) {
     if constexpr (C == 6) {
-      const Four head = load(x), tail{0, 0, x[4], x[5]};
+      const Four head = load<Four>(x), tail{0, 0, x[4], x[5]};
       for (int r = 0; r < R; ++r)
-        sum_[r] += load(row_of<6>(a, r)) * head + load(row_of<6>(a, r) + 2) * tail;
+        sum_[r] += load<Four>(row_of<6>(a, r)) * head + load<Four>(row_of<6>(a, r) + 2) * tail;
     } else if constexpr (in_lanes<R, C>) {
-      const Four v = load(x);
+      const Four v = load<Four>(x);
       for (int r = 0; r < R; ++r) sum_[r] += row_of_three(a, r) * v;
     } else {
       for (int r = 0; r < R; ++r)
@@ -53,7 +53,7 @@ inline void add_transposed_product(const float* a, const float* x, float* y) {
     for (int r = 0; r < R; ++r) sum.add(x[r], Six::load(row_of<6>(a, r)));
     sum.store(y);
   } else if constexpr (in_lanes<R, C>) {
-    Four sum = load(y);
+    Four sum = load<Four>(y);
     for (int r = 0; r < R; ++r) sum += x[r] * row_of_three(a, r);
     store(y, sum);
   } else {

@@ -13,9 +13,9 @@ struct Reals {
   Pair pair;
   Real third;
 
-  static Reals load(const Real* p) { return {load_pair(p), D == 3 ? p[2] : 0}; }
+  static Reals load(const Real* p) { return {frictioncg::load<Pair>(p), D == 3 ? p[2] : 0}; }
   void store(Real* p) const {
-    store_pair(p, pair);
+    frictioncg::store(p, pair);
     if (D == 3) p[2] = third;
   }
   Real sum() const { return pair[0] + pair[1] + third; }

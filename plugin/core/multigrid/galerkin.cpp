@@ -44,11 +44,13 @@ SymmetricBlocks<K> galerkin_pattern(const SymmetricBlocks<B>& A, const Prolongat
 }
 
 template <int B, int K>
-void GalerkinProduct<B, K>::start_row(const Prolongation<B, K>& P) {
+void GalerkinProduct<B, K>::start_row(const SymmetricBlocks<B>& A, const Prolongation<B, K>& P,
+                                      Index i) {
   if (Index(place_.size()) < P.columns) place_.resize(P.columns, -1);
   for (Index J : column_) place_[J] = -1;
   column_.clear();
   product_.clear();
+  multiply(0.5f, A.diagonal_at(i), P, i);
 }
 
 /// The present row of A P += factor a P_j
@@ -90,12 +92,10 @@ void GalerkinProduct<B, K>::scatter(const Prolongation<B, K>& P, Index i,
 }
 
 template <int B, int K>
-void GalerkinProduct<B, K>::add(const SymmetricBlocks<B>& A, const Prolongation<B, K>& P, Rows rows,
+void GalerkinProduct<B, K>::add(const SymmetricBlocks<B>& A, const Prolongation<B, K>& P,
                                 SymmetricBlocks<K>& coarse) {
-  for (Index i = rows.begin; i < rows.end; ++i) {
-    if (are_zero(P.at(P.row[i]), P.at(P.row[i + 1]))) continue;  // a node that sticks
-    start_row(P);
-    multiply(0.5f, A.diagonal_at(i), P, i);
+  for (Index i = 0; i < A.rows(); ++i) {
+    start_row(A, P, i);
     for (Index k = A.row[i]; k < A.row[i + 1]; ++k) multiply(1, A.at(k), P, A.col[k]);
     scatter(P, i, coarse);
   }
@@ -103,13 +103,14 @@ void GalerkinProduct<B, K>::add(const SymmetricBlocks<B>& A, const Prolongation<
 
 template <int B, int K>
 void GalerkinProduct<B, K>::add(const SymmetricBlocks<B>& A, const Prolongation<B, K>& P,
-                                const std::vector<Index>& rows, const std::vector<Index>& begin,
-                                const std::vector<Index>& lower, SymmetricBlocks<K>& coarse) {
-  for (std::size_t q = 0; q < rows.size(); ++q) {
-    start_row(P);
-    multiply(0.5f, A.diagonal_at(rows[q]), P, rows[q]);
-    for (Index k = begin[q]; k < begin[q + 1]; ++k) multiply(1, A.at(lower[k]), P, A.col[lower[k]]);
-    scatter(P, rows[q], coarse);
+                                const Touched<B>& of, SymmetricBlocks<K>& coarse) {
+  for (std::size_t q = 0; q < of.rows.size(); ++q) {
+    const Index i = of.rows[q];
+    if (are_zero(P.at(P.row[i]), P.at(P.row[i + 1]))) continue;  // a node that sticks
+    start_row(A, P, i);
+    for (Index k = of.begin[q]; k < of.begin[q + 1]; ++k)
+      multiply(1, A.at(of.lower[k]), P, A.col[of.lower[k]]);
+    scatter(P, i, coarse);
   }
 }
 

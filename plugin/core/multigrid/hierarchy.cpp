@@ -111,14 +111,13 @@ void HierarchyOf<D, K>::truncate(const std::vector<char>& fixed,
                                  const std::vector<TangentialStiffness>& W, const Vector& springs) {
   set_contact_rows(fixed, W, springs);
   coarse_.front().touched.clear(coarse_.front().A);
-  fine_product_.add(fine_.A, fine_.P, {blocks_.interior, blocks_.blocks}, coarse_.front().A);
+  fine_product_.add(fine_.A, fine_.P, fine_.touched, coarse_.front().A);
   for (std::size_t l = 0; l < coarse_.size(); ++l) {
     Coarse& level = coarse_[l];
     if (l + 1 < coarse_.size()) {
       Coarse& next = coarse_[l + 1];
       next.touched.clear(next.A);
-      product_.add(level.A, level.P, level.touched.rows, level.touched.begin, level.touched.lower,
-                   next.A);
+      product_.add(level.A, level.P, level.touched, next.A);
     }
     level.touched.add(1, level.base, level.A);
     for (const Index i : level.touched.rows) invert_diagonal(level.A, i);

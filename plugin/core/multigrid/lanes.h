@@ -4,25 +4,21 @@
 
 namespace frictioncg {
 
-// Four floats in one register where the machine has such, by the compiler's own vectors.
+// Four floats, or two doubles, in one register where the machine has such, by the compiler's own
+// vectors.
 using Four = float __attribute__((vector_size(16)));
-
-inline Four load(const float* p) {
-  Four v;
-  std::memcpy(&v, p, sizeof v);
-  return v;
-}
-inline void store(float* p, Four v) { std::memcpy(p, &v, sizeof v); }
-
-// Two doubles likewise.
 using Pair = double __attribute__((vector_size(16)));
 
-inline Pair load_pair(const double* p) {
-  Pair v;
+template <class Lanes, class T>
+inline Lanes load(const T* p) {
+  Lanes v;
   std::memcpy(&v, p, sizeof v);
   return v;
 }
-inline void store_pair(double* p, Pair v) { std::memcpy(p, &v, sizeof v); }
+template <class Lanes, class T>
+inline void store(T* p, Lanes v) {
+  std::memcpy(p, &v, sizeof v);
+}
 
 /// Row r of a block with rows of C
 template <int C, class T>
@@ -34,7 +30,9 @@ inline T* row_of(T* a, int r) {
 struct Six {
   Four head, tail;
 
-  static Six load(const float* p) { return {frictioncg::load(p), frictioncg::load(p + 2)}; }
+  static Six load(const float* p) {
+    return {frictioncg::load<Four>(p), frictioncg::load<Four>(p + 2)};
+  }
   void store(float* p) const {
     frictioncg::store(p, head);
     p[4] = tail[2];
@@ -53,8 +51,8 @@ constexpr std::size_t stride = B == 3 ? 4 : B;
 
 /// Row r of a 3 x 3 block, and a fourth entry that means nothing.
 inline Four row_of_three(const float* a, int r) {
-  if (r < 2) return load(row_of<3>(a, r));
-  const Four v = load(a + 5);
+  if (r < 2) return load<Four>(row_of<3>(a, r));
+  const Four v = load<Four>(a + 5);
   return Four{v[1], v[2], v[3], v[0]};
 }
 

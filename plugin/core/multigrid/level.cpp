@@ -45,13 +45,12 @@ void make_next(Level<B, K>& level, Level<K, K>& next, std::vector<float>& contac
   next.touched = Touched<K>::reached(level.A, level.touched, level.P, next.A);
   GalerkinProduct<B, K> product;
   level.touched.add(0, level.base, level.A);
-  product.add(level.A, level.P, {0, level.A.rows()}, next.A);
+  product.add(level.A, level.P, next.A);
   next.base = next.touched.read(next.A);
 
   level.touched.add(0, contact, level.A);
   next.touched.clear(next.A);
-  product.add(level.A, level.P, level.touched.rows, level.touched.begin, level.touched.lower,
-              next.A);
+  product.add(level.A, level.P, level.touched, next.A);
   level.touched.add(1, level.base, level.A);
   contact = next.touched.read(next.A);
   next.touched.add(1, next.base, next.A);
