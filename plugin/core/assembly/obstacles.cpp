@@ -126,8 +126,7 @@ Basis with_obstacles(const Basis& standing, int d, const std::vector<ContactPoin
     for (Matrix::InnerIterator e(TC, i); e; ++e)
       T.emplace_back(i, column[e.col()], e.value() / scale(static_cast<Index>(e.col())));
   for (Index k = 0; k < n_q; ++k) T.emplace_back(n + k, column[k], 1 / scale(k));
-  moving.T.resize(n + n_q, standing.T.cols() + n_q);
-  moving.T.setFromTriplets(T.begin(), T.end());
+  moving.T = sparse(n + n_q, static_cast<Index>(standing.T.cols()) + n_q, T);
 
   // w = W u - C q
   const auto row = [&](Index p) { return p < interior ? p : p + free; };
@@ -137,8 +136,7 @@ Basis with_obstacles(const Basis& standing, int d, const std::vector<ContactPoin
   }
   for (Index k = 0; k < n_q; ++k)
     if (obstacles.free[k]) W.emplace_back(column[k], n + k, unit[k]);
-  moving.W.resize(w + free, n + n_q);
-  moving.W.setFromTriplets(W.begin(), W.end());
+  moving.W = sparse(w + free, n + n_q, W);
   return moving;
 }
 

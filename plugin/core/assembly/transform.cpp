@@ -213,8 +213,7 @@ void transform(const Triplets& A, const Basis& basis, Matrix& K, const Make& mak
   const Images images(basis);
   const Others others(A, basis, images);
   check_size(A, others.local);
-  K.resize(w, basis.T.cols() - w);
-  K.setFromTriplets(others.couplings.begin(), others.couplings.end());
+  K = sparse(w, static_cast<Index>(basis.T.cols()) - w, others.couplings);
   make(images, others);
 }
 

@@ -26,6 +26,16 @@ UpperTriangle triangle_of(const System& s, const std::vector<Index>& roots) {
   return A;
 }
 
+/// The arrays of a supernodal factor, by CHOLMOD's names.
+struct Supernodes {
+  const Index *super, *pi, *px, *s;
+  Real* x;
+};
+Supernodes supernodes_of(const cholmod_factor& L) {
+  return {static_cast<Index*>(L.super), static_cast<Index*>(L.pi), static_cast<Index*>(L.px),
+          static_cast<Index*>(L.s), static_cast<Real*>(L.x)};
+}
+
 }  // namespace
 
 Elimination::Outcome Elimination::factor(const System& system, double memory_bound, bool again) {
@@ -108,11 +118,8 @@ bool Elimination::factorize(const System& system, UpperTriangle& A) {
 
 /// The interior dof without a spring whose pivot is least, over D; -1 where none is small.
 Index Elimination::dof_of_smallest_pivot(const System& system) const {
-  const Index* super = static_cast<Index*>(L_->super);
-  const Index* pi = static_cast<Index*>(L_->pi);
-  const Index* px = static_cast<Index*>(L_->px);
+  const auto [super, pi, px, s, x] = supernodes_of(*L_);
   const Index* place = static_cast<Index*>(L_->Perm);
-  const Real* x = static_cast<Real*>(L_->x);
   Real least = small_pivot;
   Index found = -1;
   for (std::size_t k = 0; k < L_->nsuper; ++k)
@@ -152,11 +159,7 @@ bool Elimination::contact_is_last() const {
 /// Visits the entries (row, column, value) of L_CC, by the supernodes that end in the contact dofs.
 template <class Visit>
 void Elimination::for_each_trailing(Visit visit) const {
-  const Index* super = static_cast<Index*>(L_->super);
-  const Index* pi = static_cast<Index*>(L_->pi);
-  const Index* px = static_cast<Index*>(L_->px);
-  const Index* s = static_cast<Index*>(L_->s);
-  const Real* x = static_cast<Real*>(L_->x);
+  const auto [super, pi, px, s, x] = supernodes_of(*L_);
   for (Index k = static_cast<Index>(L_->nsuper) - 1; k >= 0 && super[k + 1] > interior_; --k) {
     const Index rows = pi[k + 1] - pi[k];
     for (Index j = std::max(super[k], interior_); j < super[k + 1]; ++j)
@@ -169,18 +172,14 @@ void Elimination::for_each_trailing(Visit visit) const {
 /// other half.
 void Elimination::form_S(const Vector& D_C) {
   S_.setZero(n_ - interior_, n_ - interior_);
-  const Index* super = static_cast<Index*>(L_->super);
-  const Index* pi = static_cast<Index*>(L_->pi);
-  const Index* px = static_cast<Index*>(L_->px);
-  const Index* s = static_cast<Index*>(L_->s);
+  const auto [super, pi, px, s, x] = supernodes_of(*L_);
   DenseMatrix panel, product;
   for (Index k = static_cast<Index>(L_->nsuper) - 1; k >= 0 && super[k + 1] > interior_; --k) {
     const Index first = std::max(super[k], interior_) - super[k], all = pi[k + 1] - pi[k];
     const Index columns = super[k + 1] - super[k] - first, rows = all - first;
     const Index* place = s + pi[k] + first;  // of the rows, contact dofs only
     const Eigen::Map<const DenseMatrix, 0, Eigen::OuterStride<>> L(
-        static_cast<Real*>(L_->x) + px[k] + first * (all + 1), rows, columns,
-        Eigen::OuterStride<>(all));
+        x + px[k] + first * (all + 1), rows, columns, Eigen::OuterStride<>(all));
     for (Index begin = 0; begin < rows; begin += panel_width) {
       const Index height = std::min(panel_width, rows - begin);
       const Index depth = std::min(begin + height, columns);
