@@ -203,10 +203,11 @@ inline AnyType result(Stack stack, const Vector& field) {
 }
 
 /// u[] = frictionalContactCG(A, b, site, ...).
+template <class SiteType>
 class SolveOnce : public E_F0mps {
  public:
   using Result = KN_<double>;
-  SolveOnce(const basicAC_F0& args, std::shared_ptr<const Site> site)
+  SolveOnce(const basicAC_F0& args, std::shared_ptr<const SiteType> site)
       : arguments_(args, site->d, site->two_bodies()),
         A_(to<Matrice_Creuse<double>*>(args[0])),
         b_(to<KN_<double>>(args[1])),
@@ -226,7 +227,7 @@ class SolveOnce : public E_F0mps {
  protected:
   Arguments arguments_;
   Expression A_, b_;
-  std::shared_ptr<const Site> site_;
+  std::shared_ptr<const SiteType> site_;
 };
 
 /// A temporary, to the end of the statement; variables take copies.
@@ -238,10 +239,11 @@ inline AnyType variable(Stack stack, PosedProblem posed) {
 
 /// contactproblem C = contactProblem(A, site, ...): FreeFEM's grammar takes no fespace in
 /// C(A, Vh, ...).
+template <class SiteType>
 class Construct : public E_F0mps {
  public:
   using Result = ContactProblemVariable*;
-  Construct(const basicAC_F0& args, std::shared_ptr<const Site> site)
+  Construct(const basicAC_F0& args, std::shared_ptr<const SiteType> site)
       : arguments_(args, site->d, site->two_bodies()),
         A_(to<Matrice_Creuse<double>*>(args[0])),
         site_(std::move(site)) {
@@ -264,7 +266,7 @@ class Construct : public E_F0mps {
  protected:
   Arguments arguments_;
   Expression A_;
-  std::shared_ptr<const Site> site_;
+  std::shared_ptr<const SiteType> site_;
 };
 
 /// What a call names that the scene of its contactproblem does not have.

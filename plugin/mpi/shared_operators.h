@@ -58,53 +58,45 @@ inline std::shared_ptr<const Domain> opened(Opening& opening, Stack stack, const
 }
 
 /// u[] = frictionalContactCG(A, b, Vh, labels, ..., domain=C).
-class SharedSolveOnce : public SolveOnce {
+class SharedSolveOnce : public SolveOnce<SharedSite> {
  public:
-  SharedSolveOnce(const basicAC_F0& args, std::shared_ptr<const SharedSite> site)
-      : SolveOnce(args, site), part_(std::move(site)) {}
+  using SolveOnce::SolveOnce;
   AnyType operator()(Stack stack) const override {
-    Opening opening(operator_name, form_of(operator_name, *part_), arguments_);
-    const auto domain = opened(opening, stack, arguments_, *part_);
+    Opening opening(operator_name, form_of(operator_name, *site_), arguments_);
+    const auto domain = opened(opening, stack, arguments_, *site_);
     if (!domain && !opening.failed())
       return solved_alone([&] { return SolveOnce::operator()(stack); });
     opening.alone([&] {
-      refuse_options(arguments_, part_->two_bodies());
+      refuse_options(arguments_, site_->two_bodies());
       opening.call = std::make_unique<Call>(stack, arguments_, b_);
       set_method(opening.call->settings);
     });
     return opening.together_with(domain.get(), [&] {
       PointLaws laws;
-      const auto shared = read_shared(stack, arguments_, A_, *part_, domain, false, opening, laws);
+      const auto shared = read_shared(stack, arguments_, A_, *site_, domain, false, opening, laws);
       return result(stack,
                     solve_together(stack, *opening.call, *shared, with_ghosts(laws, *shared)));
     });
   }
-
- private:
-  std::shared_ptr<const SharedSite> part_;  ///< the site
 };
 
 /// contactproblem P = contactProblem(A, Vh, labels, ..., domain=C).
-class SharedConstruct : public Construct {
+class SharedConstruct : public Construct<SharedSite> {
  public:
-  SharedConstruct(const basicAC_F0& args, std::shared_ptr<const SharedSite> site)
-      : Construct(args, site), part_(std::move(site)) {}
+  using Construct::Construct;
   AnyType operator()(Stack stack) const override {
-    Opening opening(constructor_name, form_of(constructor_name, *part_), arguments_);
-    const auto domain = opened(opening, stack, arguments_, *part_);
+    Opening opening(constructor_name, form_of(constructor_name, *site_), arguments_);
+    const auto domain = opened(opening, stack, arguments_, *site_);
     if (!domain && !opening.failed())
       return solved_alone([&] { return Construct::operator()(stack); });
     return opening.together_with(domain.get(), [&] {
       PosedProblem posed;
-      posed.shared = read_shared(stack, arguments_, A_, *part_, domain, true, opening, posed.laws);
+      posed.shared = read_shared(stack, arguments_, A_, *site_, domain, true, opening, posed.laws);
       posed.scene = posed.shared->scene;
       posed.laws = with_ghosts(posed.laws, *posed.shared);
       return variable(stack, std::move(posed));
     });
   }
-
- private:
-  std::shared_ptr<const SharedSite> part_;  ///< the site
 };
 
 /// u[] = frictionalContactCG(P, b, ...), on a contactproblem of one process or of all.
