@@ -299,8 +299,6 @@ double Arguments::component(Stack stack, Parameter p, int c) const {
   return evaluated(name_of(p), [&] { return GetAny<double>((*vectors_[p][c])(stack)); });
 }
 
-std::string Arguments::text(Stack stack, Parameter p) const { return *value<string*>(stack, p); }
-
 Arguments Arguments::of_contactproblem(const basicAC_F0& args, bool renewed) {
   const Arguments a(args);
   forbid(a, {p_mu2, p_direction, p_domain, p_obstacle, p_pivot, p_obstacles, p_motionfree},

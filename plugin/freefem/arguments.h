@@ -103,7 +103,7 @@ class Arguments {
   }
   template <class T, std::size_t count>
   T chosen(Stack stack, Parameter p, const Choice<T> (&choices)[count], T otherwise) const {
-    return has(p) ? choose(name_of(p), text(stack, p), choices) : otherwise;
+    return has(p) ? choose(name_of(p), *value<std::string*>(stack, p), choices) : otherwise;
   }
   Vector vector(Stack stack, Parameter p) const;               ///< empty where it is not given
   std::vector<long> integers(Stack stack, Parameter p) const;  ///< likewise
@@ -118,7 +118,6 @@ class Arguments {
   explicit Arguments(const basicAC_F0& args);
   void read_names(const basicAC_F0& args);
   void components(Parameter p, int d, const char* in_3d, const char* in_2d);
-  std::string text(Stack stack, Parameter p) const;
   Expression named_[parameter_count];
   Components vectors_[parameter_count]{};
   std::optional<Labels> obstacle_;

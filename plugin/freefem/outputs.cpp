@@ -26,15 +26,13 @@ NodeState state_in_corner(const Scene& scene, const std::vector<NodeState>& stat
   return closed == scene.d ? NodeState::stick : NodeState::slip;
 }
 
-/// The mid-edges of a P2 slave that something faces, which carry no law, between their ends: by the
-/// dofs of component c.
-template <class Between>
-void fill_slave_edges(const Scene& scene, Between between) {
+/// visit(middle, a, b, e): the dofs of each mid-edge e of a P2 slave that something faces, which
+/// carries no law, and of its ends.
+template <class Visit>
+void for_each_slave_edge(const Scene& scene, const Visit& visit) {
   if (!scene.pairing) return;
-  const Interface& faces = scene.pairing->between();
-  for (const mortar::MidEdge& e : scene.pairing->edges())
-    for (int c = 0; c < scene.d; ++c)
-      between(faces.dof[e.node][c], faces.dof[e.a][c], faces.dof[e.b][c]);
+  const mortar::NodeDofs& dof = scene.pairing->between().dof;
+  for (const mortar::MidEdge& e : scene.pairing->edges()) visit(dof[e.node], dof[e.a], dof[e.b], e);
 }
 
 /// The state at each dof of a contact node; zero elsewhere (ndof). Mid-edges of a P2 slave have
@@ -46,21 +44,12 @@ std::vector<long> state_at_dofs(const Scene& scene, const std::vector<NodeState>
     const long at_node = static_cast<long>(state_in_corner(scene, state, k));
     for (int c = 0; c < scene.d; ++c) at[scene.contact_point(k).point.dof[c]] = at_node;
   }
-  fill_slave_edges(scene, [&at](Index middle, Index a, Index b) {
-    at[middle] = at[a] > 0 && at[b] > 0 ? std::min(at[a], at[b]) : std::max(at[a], at[b]);
+  for_each_slave_edge(scene, [&](const auto& middle, const auto& a, const auto& b, const auto&) {
+    const long one = at[a[0]], other = at[b[0]];
+    const long freer = one > 0 && other > 0 ? std::min(one, other) : std::max(one, other);
+    for (int c = 0; c < scene.d; ++c) at[middle[c]] = freer;
   });
   return at;
-}
-
-/// Makes unit vectors of the sums at the mid-edges of a P2 slave.
-void normalize_slave_edges(const Scene& scene, Vector& n) {
-  if (!scene.pairing) return;
-  const Interface& faces = scene.pairing->between();
-  for (const mortar::MidEdge& e : scene.pairing->edges()) {
-    double length = 0;
-    for (int c = 0; c < scene.d; ++c) length = std::hypot(length, n[faces.dof[e.node][c]]);
-    for (int c = 0; c < scene.d && length > 0; ++c) n[faces.dof[e.node][c]] /= length;
-  }
 }
 
 /// The outward normal of the laws at each contact node, by components; zero elsewhere (ndof). In a
@@ -77,8 +66,12 @@ Vector normals_at_dofs(const Scene& scene, const Vector& r) {
     for (int c = 0; c < scene.d; ++c)
       n[point.dof[c]] = corner ? -force[point.dof[c]] / pressed : point.normal[c];
   }
-  fill_slave_edges(scene, [&n](Index middle, Index a, Index b) { n[middle] = n[a] + n[b]; });
-  normalize_slave_edges(scene, n);
+  for_each_slave_edge(scene, [&](const auto& middle, const auto& a, const auto& b, const auto&) {
+    Vec3 mean = Vec3::Zero();
+    for (int c = 0; c < scene.d; ++c) mean[c] = n[a[c]] + n[b[c]];
+    mean.normalize();
+    for (int c = 0; c < scene.d; ++c) n[middle[c]] = mean[c];
+  });
   return n;
 }
 
@@ -93,9 +86,9 @@ Vector distance_at_dofs(const Scene& scene, const PointLaws& laws) {
       distance[scene.contact_point(k).point.dof[c]] =
           scene.on_obstacle(k) ? gap[point] : scene.pairing->distance(point);
   }
-  for (const mortar::MidEdge& e : scene.pairing->edges())
-    for (int c = 0; c < scene.d; ++c)
-      distance[scene.pairing->between().dof[e.node][c]] = e.distance;
+  for_each_slave_edge(scene, [&](const auto& middle, const auto&, const auto&, const auto& e) {
+    for (int c = 0; c < scene.d; ++c) distance[middle[c]] = e.distance;
+  });
   return distance;
 }
 

@@ -3,7 +3,6 @@
 #include <iostream>
 #include <iterator>
 
-#include "../core/assembly/mortar/validation.h"
 #include "node_values.h"
 
 namespace frictioncg {
@@ -313,12 +312,16 @@ Progress::Progress(const ContactProblem& problem, long verb, bool keep_history)
 
 void Progress::iterate(Index iteration, StepLabel label, const Vector& x) {
   const double now = cpu_seconds();
-  // certify is a matter of all processes
-  const bool speaks = problem_.system->largest(is_time_to_speak()) > 0;
+  const bool due = verb_ > 0 && ((first_ && verb_ > 1) || since(spoken_) >= interval());
+  const bool speaks = problem_.system->largest(due) > 0;  // certify is a matter of all processes
   if (keep_history_ || speaks) {
     const double residual = certify(problem_, x).residual;
     if (keep_history_) rows_.push_back({now - start_, double(iteration), residual, double(label)});
-    if (verb_ > 0 && speaks) say(iteration, label, residual);
+    if (verb_ > 0 && speaks) {
+      first_ = false;
+      speak() << "iteration " << iteration << " (" << step_names[static_cast<int>(label)]
+              << "), certificate " << residual << ", " << since(begun_) << " s" << std::endl;
+    }
   }
   start_ += cpu_seconds() - now;
 }
@@ -340,19 +343,9 @@ double Progress::since(Clock::time_point t) {
   return std::chrono::duration<double>(Clock::now() - t).count();
 }
 
-bool Progress::is_time_to_speak() const {
-  return verb_ > 0 && ((first_ && verb_ > 1) || since(spoken_) >= interval());
-}
-
 std::ostream& Progress::speak() {
   spoken_ = Clock::now();
-  return std::cout << " -- " << operator_name << ": ";
-}
-
-void Progress::say(Index iteration, StepLabel label, double residual) {
-  first_ = false;
-  speak() << "iteration " << iteration << " (" << step_names[static_cast<int>(label)]
-          << "), certificate " << residual << ", " << since(begun_) << " s" << std::endl;
+  return line();
 }
 
 void warn_of_averages(const Scene& scene) {
@@ -449,7 +442,7 @@ void report_plan(const Arguments& args, const Scene& scene, const ContactProblem
   if (problem.increment.bilateral) std::cout << ", bilateral";
   if (scene.system->rotated() && !scene.pairing) std::cout << ", frames rotated";
   if (const Index corners = nodes_in_corners(scene))
-    std::cout << ", " << corners << (corners == 1 ? " node" : " nodes") << " in a corner";
+    std::cout << ", " << counted(corners, "node") << " in a corner";
   if (plan.nodes == 0)
     std::cout << (scene.nodes.empty() ? "; nothing faces the slave"
                                       : "; Dirichlet conditions hold every normal displacement")

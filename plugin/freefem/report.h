@@ -70,9 +70,7 @@ class Progress final : public Observer {
   using Clock = std::chrono::steady_clock;
   static double since(Clock::time_point t);
   double interval() const { return verb_ == 1 ? 5 : 1; }
-  bool is_time_to_speak() const;
   std::ostream& speak();
-  void say(Index iteration, StepLabel label, double residual);
 
   const ContactProblem& problem_;
   long verb_;
