@@ -8,18 +8,13 @@ Vector as_vector(const std::vector<Real>& values) {
   return Eigen::Map<const Vector>(values.data(), static_cast<Index>(values.size()));
 }
 
-/// The two surfaces of a pair, slave first.
-mortar::Surface& side_of(mortar::Pair& pair, int side) {
-  return side == 0 ? pair.slave : pair.master;
-}
-
 }  // namespace
 
 WholeInterface::WholeInterface(const Domain& domain, const NodeNumbers& numbers, Index dimension,
                                const InterfacePart& part)
     : d(dimension), pairs(part.pairs) {
   for (mortar::Pair& pair : pairs)
-    for (int side = 0; side < 2; ++side) side_of(pair, side).facets.clear();
+    for (mortar::Surface* side : {&pair.slave, &pair.master}) side->facets.clear();
   gather_nodes(domain, numbers, part);
   gather_facets(domain, numbers, part);
   drop_other_bodies();
@@ -90,8 +85,8 @@ void WholeInterface::gather_facets(const Domain& domain, const NodeNumbers& numb
 
 void WholeInterface::add_facet(const Real*& in) {
   const auto node = [&](Real sent) { return at.at(static_cast<NodeNumbers::Number>(sent)); };
-  mortar::Surface& surface =
-      side_of(pairs[static_cast<std::size_t>(in[0])], static_cast<int>(in[1]));
+  mortar::Pair& pair = pairs[static_cast<std::size_t>(in[0])];
+  mortar::Surface& surface = in[1] == 0 ? pair.slave : pair.master;
   mortar::Facet f;
   f.label = static_cast<long>(in[2]);
   f.outward = {in[3], in[4], in[5]};
@@ -120,9 +115,9 @@ void WholeInterface::find_own(const Domain& domain, const NodeNumbers& numbers) 
     if (i >= 0 && numbers.owner(number[i]) == domain.rank())
       own_dof_[i] = numbers.dof(number[i], 0);
   };
-  for (mortar::Pair& pair : pairs)
-    for (int side = 0; side < 2; ++side)
-      for (const mortar::Facet& f : side_of(pair, side).facets) {
+  for (const mortar::Pair& pair : pairs)
+    for (const mortar::Surface* side : {&pair.slave, &pair.master})
+      for (const mortar::Facet& f : side->facets) {
         std::for_each(f.node.begin(), f.node.end(), add);
         add(f.behind);
       }
