@@ -1,6 +1,6 @@
 #include "boundary.h"
 
-#include "../core/assembly/mortar/validation.h"
+#include "../core/assembly/mortar/surface.h"
 #include "../core/assembly/smooth_normals.h"
 
 namespace frictioncg {
@@ -130,10 +130,9 @@ class SurfaceNormals {
 };
 
 /// The contact points of a node: one per normal. Where there are more normals than the node can
-/// obey (the tip of a pyramid), one mean normal stands for all.   normal_of: group -> FanNormal
-template <class NormalOf>
-void add_points(const SharedNode& node, int d, std::vector<BoundaryNode>& points,
-                const NormalOf& normal_of) {
+/// obey (the tip of a pyramid), one mean normal stands for all.
+void add_points(const SharedNode& node, std::size_t i, int d, const SurfaceNormals& normal,
+                std::vector<BoundaryNode>& points) {
   std::vector<FacetGroup> groups = groups_by_normal(node.facets);
   const bool averaged = !independent(groups, d);
   if (averaged) groups = {node.facets};
@@ -141,13 +140,9 @@ void add_points(const SharedNode& node, int d, std::vector<BoundaryNode>& points
   for (const FacetGroup& group : groups) {
     BoundaryNode p;
     p.point.dof = node.dof;
-    if (averaged) {
-      p.point.normal = {mean[0], mean[1], mean[2]};
-    } else {
-      const auto found = normal_of(group);
-      p.point.normal = {found.normal[0], found.normal[1], found.normal[2]};
-      p.turn = found.turn;
-    }
+    const FanNormal found = averaged ? FanNormal{mean, 0} : normal(i, group);
+    p.point.normal = found.normal;
+    p.turn = found.turn;
     p.x = node.x + node.aside;
     p.moved = node.moved;
     p.aside = node.aside;
@@ -167,10 +162,8 @@ std::array<Index, 3> shifted(Index offset, int d, std::array<Index, 3> dof) {
   return dof;
 }
 
-std::string coordinates(const Vec3& x, int dimension) { return mortar::place(dimension, x); }
-
 std::string place(const BoundaryNode& node, int dimension) {
-  return coordinates(node.x, dimension) + " on label " + std::to_string(node.label);
+  return mortar::place(dimension, node.x) + " on label " + std::to_string(node.label);
 }
 
 void merge_equal_normals(std::vector<BoundaryNode>& points) {
@@ -179,8 +172,7 @@ void merge_equal_normals(std::vector<BoundaryNode>& points) {
     std::size_t q = kept.size();
     bool merged = false;
     while (!merged && q-- > 0 && kept[q].point.dof[0] == p.point.dof[0])
-      if (similar(as_vector(kept[q].deciding().point.normal),
-                  as_vector(p.deciding().point.normal))) {
+      if (similar(kept[q].deciding().point.normal, p.deciding().point.normal)) {
         kept[q].weight += p.weight;
         merged = true;
       }
@@ -198,9 +190,7 @@ std::vector<ContactPoint> points_of(const std::vector<BoundaryNode>& nodes) {
 std::vector<BoundaryNode> contact_points(int d, const Boundary& boundary, std::size_t count) {
   const SurfaceNormals normal(d, boundary);
   std::vector<BoundaryNode> points;
-  for (std::size_t i = 0; i < count; ++i)
-    add_points(boundary.nodes[i], d, points,
-               [&](const FacetGroup& group) { return normal(i, group); });
+  for (std::size_t i = 0; i < count; ++i) add_points(boundary.nodes[i], i, d, normal, points);
   return points;
 }
 
@@ -232,7 +222,7 @@ void follow_by_body(int d, const std::vector<Index>& body, Index bodies, bool ha
   std::vector<std::vector<std::size_t>> of_body(bodies);
   for (std::size_t k = 0; k < points.size(); ++k) of_body[body[k]].push_back(k);
   const auto as_normal = [](const BoundaryNode& p) -> PointNormal {
-    return {p.x, as_vector(p.point.normal), p.weight, p.turn};
+    return {p.x, p.point.normal, p.weight, p.turn};
   };
   for (Index b = 0; b < bodies; ++b) {
     const std::vector<std::size_t>& own = of_body[b];
@@ -245,7 +235,7 @@ void follow_by_body(int d, const std::vector<Index>& body, Index bodies, bool ha
     if (has_begun) decided = follow(b, begun, DecidedCount());
     if (follow(b, normals, decided) == 0) continue;
     for (std::size_t k = 0; k < own.size(); ++k)
-      for (int c = 0; c < d; ++c) points[own[k]].point.normal[c] = normals[k].normal[c];
+      points[own[k]].point.normal.head(d) = normals[k].normal.head(d);
   }
 }
 

@@ -8,7 +8,6 @@ namespace frictioncg {
 
 using Vec3 = Eigen::Vector3d;  ///< 2D: third component 0
 
-inline Vec3 as_vector(const std::array<Real, 3>& a) { return Vec3(a[0], a[1], a[2]); }
 /// Summed in the order in which FreeFEM's R3 does it.
 inline Real dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 inline Real length(const Vec3& a) { return std::sqrt(dot(a, a)); }
@@ -90,9 +89,6 @@ struct LabelledNode {
 
 /// The dofs of a node of the second of two spaces among those of both.
 std::array<Index, 3> shifted(Index offset, int d, std::array<Index, 3> dof);
-
-/// Coordinates for messages: (x, y) or (x, y, z).
-std::string coordinates(const Vec3& x, int dimension);
 
 /// Where a contact node is, for messages.
 std::string place(const BoundaryNode& node, int dimension);

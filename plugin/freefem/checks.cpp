@@ -45,8 +45,7 @@ struct DofInWords {
 DofInWords in_words(const Scene& scene, long dof) {
   for (const NodePlace& n : scene.places())
     for (int c = 0; c < scene.d; ++c)
-      if (n.dof[c] == dof)
-        return {"u" + std::to_string(c + 1), coordinates(as_vector(n.x), scene.d)};
+      if (n.dof[c] == dof) return {"u" + std::to_string(c + 1), mortar::place(scene.d, n.x)};
   return {};
 }
 
@@ -197,7 +196,7 @@ class BlockOrder {
     for (const NodePlace& n : places)
       for (int c = 0; c < d; ++c) {
         component_[n.dof[c]] = c;
-        x_[n.dof[c]] = position(n);
+        x_[n.dof[c]] = n.x;
       }
   }
   /// Whether the blocks are those of the spaces in the other order, and not in this one.
@@ -384,11 +383,6 @@ void refuse_exchanged_blocks(const Scene& scene, const Triplets& A) {
       "slave, first; exchange them, or, where they are right, swap slave and master");
 }
 
-Leftover::Leftover() {
-  least.fill(infinity);
-  largest.fill(-infinity);
-}
-
 void Leftover::add(const Scene& scene, const Vector& b, const NodePlace& n) {
   bool held = false, any = false;
   for (int c = 0; c < scene.d; ++c) {
@@ -405,10 +399,6 @@ void Leftover::add(const Scene& scene, const Vector& b, const NodePlace& n) {
   empty += held && !any;
 }
 
-bool Leftover::uniform() const {
-  for (int c = 0; c < 3; ++c)
-    if (least[c] < largest[c]) return false;
-  return loaded > 2;
-}
+bool Leftover::uniform() const { return loaded > 2 && !(least.array() < largest.array()).any(); }
 
 }  // namespace frictioncg

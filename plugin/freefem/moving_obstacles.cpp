@@ -29,7 +29,7 @@ void find_pivots(Stack stack, const Arguments& args, const Scene& scene, MovingO
       scene.go_to(stack, node);
       for (int c = 0; c < scene.d; ++c) at[c] = args.component(stack, p_pivot, c);
       if (!at.allFinite() || (seen[o] && at != moving.pivot[o]))
-        throw IllegalInput("pivot = " + coordinates(at, scene.d) + " at " + place(node, scene.d) +
+        throw IllegalInput("pivot = " + mortar::place(scene.d, at) + " at " + place(node, scene.d) +
                            "; the pivot is one point of each obstacle: it may depend on the label "
                            "alone");
     }

@@ -42,22 +42,23 @@ Vector read_gap(Stack stack, const Arguments& args, const Scene& scene, const Ve
   return gap;
 }
 
-/// The values of a vector, p, at the present point, scaled to length 1; false where it has no
-/// direction.
-bool unit_vector(Stack stack, const Arguments& args, Parameter p, int d, std::array<Real, 3>& n) {
+/// The values of a vector, p, at a node, scaled to length 1; 0 where it has no direction.
+Vec3 unit_vector(Stack stack, const Arguments& args, Parameter p, const Scene& scene,
+                 const BoundaryNode& node) {
+  scene.go_to(stack, node);
+  Vec3 n = Vec3::Zero();
   double norm = 0;
-  for (int c = 0; c < d; ++c) {
+  for (int c = 0; c < scene.d; ++c) {
     n[c] = args.component(stack, p, c);
     norm = std::hypot(norm, n[c]);
   }
-  for (int c = 0; c < d; ++c) n[c] /= norm;
-  return norm > 0 && std::isfinite(norm);
+  return norm > 0 && std::isfinite(norm) ? Vec3(n / norm) : Vec3(Vec3::Zero());
 }
 
 /// The normals of the mesh, all of which have to have a direction.
 void keep_normals(const Scene& scene) {
   for (const BoundaryNode& node : scene.nodes)
-    if (length(as_vector(node.point.normal)) == 0)
+    if (length(node.point.normal) == 0)
       throw IllegalInput("the outward normals at " + place(node, scene.d) +
                          " cancel; give normal=[...] explicitly");
 }
@@ -88,8 +89,7 @@ BoundaryNode vertex_of(const AdjacentFacet& facet, int v) {
   BoundaryNode node;
   node.set_place(facet);
   node.hat = Vec3(v == 1, v == 2, v == 3);
-  const Vec3 n = facet.normal / length(facet.normal);
-  node.point.normal = {n[0], n[1], n[2]};
+  node.point.normal = facet.normal / length(facet.normal);
   return node;
 }
 
@@ -134,13 +134,11 @@ Vector at_nodes(Stack stack, const Arguments& args, Parameter p, const Scene& sc
 Vector moved_along_normals(const Scene& scene) {
   Vector moved(scene.nodes.size());
   for (Index k = 0; k < moved.size(); ++k)
-    moved[k] = dot(scene.nodes[k].moved, as_vector(scene.nodes[k].point.normal));
+    moved[k] = dot(scene.nodes[k].moved, scene.nodes[k].point.normal);
   return moved;
 }
 
-bool faces_away(const BoundaryNode& node, const std::array<Real, 3>& n) {
-  return dot(node.mean, as_vector(n)) < -1e-6;
-}
+bool faces_away(const BoundaryNode& node, const Vec3& n) { return dot(node.mean, n) < -1e-6; }
 
 void set_normals(Stack stack, const Arguments& args, Scene& scene) {
   const Parameter normal = scene.pairing ? p_obstaclenormal : p_normal;
@@ -149,17 +147,14 @@ void set_normals(Stack stack, const Arguments& args, Scene& scene) {
   PointGuard guard(stack);
   std::vector<BoundaryNode> facing;
   for (BoundaryNode& node : scene.nodes) {
-    scene.go_to(stack, node);
-    std::array<Real, 3> n{};
-    if (!unit_vector(stack, args, normal, scene.d, n))
+    node.point.normal = unit_vector(stack, args, normal, scene, node);
+    if (node.point.normal.isZero(0))
       refuse(name_of(normal), " has no direction at ", place(node, scene.d),
              "; give the outward normal of the body, of any length > 0");
-    node.point.normal = n;
     if (node.begun) {
-      scene.go_to(stack, *node.begun);
-      const bool told = unit_vector(stack, args, normal, scene.d, n);
+      const Vec3 n = unit_vector(stack, args, normal, scene, *node.begun);
       node.begun = std::make_shared<BoundaryNode>(*node.begun);
-      node.begun->point.normal = told ? n : node.point.normal;
+      node.begun->point.normal = n.isZero(0) ? node.point.normal : n;
     }
     const BoundaryNode& deciding = node.deciding();
     const bool away = faces_away(deciding, deciding.point.normal);
@@ -172,21 +167,16 @@ void set_normals(Stack stack, const Arguments& args, Scene& scene) {
 void refuse_inward(const Scene& scene) {
   const BoundaryNode& node = scene.averted.front();
   throw IllegalInput(std::string(scene.pairing ? "obstaclenormal = " : "normal = ") +
-                     coordinates(as_vector(node.point.normal), scene.d) + " at " +
-                     place(node, scene.d) +
+                     mortar::place(scene.d, node.point.normal) + " at " + place(node, scene.d) +
                      " points into the body, whose boundary has the outward normal " +
-                     coordinates(node.mean, scene.d) + "; give the normal that leaves the body");
+                     mortar::place(scene.d, node.mean) + "; give the normal that leaves the body");
 }
 
 std::vector<mortar::Vec3> slave_normals(Stack stack, const Arguments& args, const Scene& scene) {
   std::vector<mortar::Vec3> normals;
   PointGuard guard(stack);
-  for (const BoundaryNode& node : scene.pairing->slave_nodes()) {
-    scene.go_to(stack, node);
-    std::array<Real, 3> n{};
-    if (!unit_vector(stack, args, p_normal, scene.d, n)) n = {};
-    normals.emplace_back(n[0], n[1], n[2]);
-  }
+  for (const BoundaryNode& node : scene.pairing->slave_nodes())
+    normals.push_back(unit_vector(stack, args, p_normal, scene, node));
   return normals;
 }
 
@@ -202,10 +192,8 @@ void set_orthotropy(Stack stack, const Arguments& args, const Vector& mu, Scene&
     }
     if (mu[k] == 0) continue;
     ContactPoint& p = node.point;
-    scene.go_to(stack, node);
-    const bool has_direction = unit_vector(stack, args, p_direction, scene.d, p.direction);
-    const double along_normal = dot(as_vector(p.direction), as_vector(p.normal));
-    if (!has_direction || std::abs(along_normal) > 1 - 1e-10)
+    p.direction = unit_vector(stack, args, p_direction, scene, node);
+    if (p.direction.isZero(0) || std::abs(dot(p.direction, p.normal)) > 1 - 1e-10)
       throw IllegalInput("direction has no part in the contact plane at " + place(node, scene.d) +
                          "; give a direction, of any length > 0, that is not the normal");
     p.mu_ratio = mu2[k] / mu[k];

@@ -14,7 +14,7 @@ Vector moved_along_normals(const Scene& scene);
 
 /// A normal may lean away from the boundary's own, up to lying in it (the obstacle may give it).
 /// Beyond that the node faces away from the obstacle.
-bool faces_away(const BoundaryNode& node, const std::array<Real, 3>& n);
+bool faces_away(const BoundaryNode& node, const Vec3& n);
 
 /// Replaces the mesh's normals on an obstacle by those of the call. Nodes that faced away from it
 /// where the increment began, as those at the ends of a nose, are left out, and kept aside.

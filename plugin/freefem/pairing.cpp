@@ -2,7 +2,6 @@
 
 #include "../core/assembly/mortar/slip.h"
 #include "../core/assembly/mortar/topology.h"
-#include "../core/assembly/mortar/validation.h"
 #include "../core/linear_algebra.h"
 
 namespace frictioncg {
@@ -247,8 +246,7 @@ void Pairing::add_slip(const mortar::Mortar& mortar, std::vector<BoundaryNode>& 
 
 BoundaryNode Pairing::contact_node(Index i, const mortar::ContactNode& m) const {
   BoundaryNode node = slave_node(i, m.label);
-  for (int c = 0; c < 3; ++c) node.point.normal[c] = m.normal[c];
-  node.mean = m.normal;
+  node.point.normal = node.mean = m.normal;
   node.weight = m.weight;
   return node;
 }
@@ -373,8 +371,7 @@ BoundaryNode Pairing::slave_node(Index i, long label) const {
     }
   BoundaryNode node;
   node.point.dof = shared.dof;
-  const Vec3 n = facet->normal / length(facet->normal);
-  node.point.normal = {n[0], n[1], n[2]};
+  node.point.normal = facet->normal / length(facet->normal);
   node.x = shared.x;
   node.set_place(*facet);
   return node;

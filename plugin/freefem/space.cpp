@@ -128,7 +128,7 @@ struct Dimension<Fem2D::FESpace3> {
   template <class Node>
   static void set_point(MeshPoint* mp, const Mesh& Th, const Node& node, const R3& x) {
     mp->set(Th, x, as_R3(node.hat), Th[node.element], static_cast<int>(node.label),
-            R3(node.point.normal[0], node.point.normal[1], node.point.normal[2]), node.facet);
+            as_R3(node.point.normal), node.facet);
   }
 };
 
@@ -357,8 +357,7 @@ std::vector<NodePlace> SpaceOn<FESpaceType>::places() const {
       bool whole = true;
       for (int c = 0; c < D::d; ++c) whole &= n.dof[c] >= 0;
       if (!whole || seen[n.dof[0]]) continue;
-      const R3 x = node(k, ip.hat[p], n.dof);
-      n.x = {x.x, x.y, x.z};
+      n.x = as_vector(node(k, ip.hat[p], n.dof));
       n.body = body[k];
       places.push_back(n);
       seen[n.dof[0]] = 1;
@@ -474,7 +473,7 @@ class BoundaryNodes {
     throw IllegalInput(s.str());
   }
   [[noreturn]] void refuse_inside(long label, const R3& x) const {
-    refuse("label ", label, " lies inside the body at ", coordinates(as_vector(x), D::d),
+    refuse("label ", label, " lies inside the body at ", mortar::place(D::d, as_vector(x)),
            ", with elements on both sides of its ", D::facet_name, "s; ", words_.inside);
   }
   /// By the middle of its facet, on the mesh.
@@ -483,7 +482,7 @@ class BoundaryNodes {
     for (const FacetNodes::Node& n : facet.node)
       if (n.corner) middle += D::position(Vh_.Th, k, n.hat) / D::d;
     refuse(place_.moved_by(), " turns the element behind the ", D::facet_name, " at ",
-           coordinates(as_vector(middle), D::d), " on label ", label,
+           mortar::place(D::d, as_vector(middle)), " on label ", label,
            " inside out, or makes it flat; take a smaller increment of the load, or a "
            "part of the step");
   }

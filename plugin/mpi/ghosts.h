@@ -16,7 +16,7 @@ inline void refuse_other_domain(const Domain& domain, const std::vector<NodePlac
   Eigen::MatrixXd at = Eigen::MatrixXd::Zero(3, domain.dofs());
   for (const NodePlace& n : places)
     for (Index dof : n.dof)
-      if (dof >= 0) at.col(dof) = position(n);
+      if (dof >= 0) at.col(dof) = n.x;
   Eigen::MatrixXd theirs = at;
   domain.update(theirs);
   const Real size = at.size() > 0 ? at.cwiseAbs().maxCoeff() : 0;

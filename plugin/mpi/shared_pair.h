@@ -192,13 +192,13 @@ inline void place_guests(const Domain& domain, Scene& scene) {
   const Index n = static_cast<Index>(scene.ndof()), d = scene.d;
   std::vector<NodePlace> places = scene.places();
   Eigen::MatrixXd at = Eigen::MatrixXd::Zero(4, domain.dofs());
-  for (const NodePlace& p : places) at.col(p.dof[0]) << position(p), Real(p.body);
+  for (const NodePlace& p : places) at.col(p.dof[0]) << p.x, Real(p.body);
   domain.update(at);
   Index node = 0;
   for (Index of_part : scene.mesh_node) node = std::max(node, of_part + 1);
   for (Index i = n; i < domain.dofs(); i += d, ++node) {
     NodePlace p;
-    p.x = {at(0, i), at(1, i), at(2, i)};
+    p.x = at.col(i).head<3>();
     p.body = static_cast<Index>(at(3, i));
     for (Index c = 0; c < d; ++c) {
       p.dof[c] = i + c;

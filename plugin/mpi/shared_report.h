@@ -55,11 +55,11 @@ class Sample {
     choose_own(shared.scene->places());
     Matrix4 packed(4, own_.size());
     for (std::size_t k = 0; k < own_.size(); ++k)
-      packed.col(static_cast<Index>(k)) << position(own_[k]), Real(own_[k].body);
+      packed.col(static_cast<Index>(k)) << own_[k].x, Real(own_[k].body);
     const Vector all = domain_.gathered(Eigen::Map<const Vector>(packed.data(), packed.size()));
     for (Index i = 0; 4 * i < all.size(); ++i) {
       NodePlace n;
-      n.x = {all[4 * i], all[4 * i + 1], all[4 * i + 2]};
+      n.x = all.segment<3>(4 * i);
       n.body = static_cast<Index>(all[4 * i + 3]);
       for (int c = 0; c < d_; ++c) n.dof[c] = i * d_ + c;
       nodes_.push_back(n);

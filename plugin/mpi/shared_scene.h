@@ -43,14 +43,14 @@ inline std::vector<Extent> extents_of_all(const Domain& domain,
   Eigen::Matrix4Xd sums = Eigen::Matrix4Xd::Zero(4, count);
   for (Index k = 0; k < count; ++k)
     for (const NodePlace& n : bodies[k])
-      if (domain.owns(n.dof[0])) sums.col(k) += position(n).homogeneous();
+      if (domain.owns(n.dof[0])) sums.col(k) += n.x.homogeneous();
   domain.sum(sums.data(), static_cast<Index>(sums.size()));
   std::vector<Extent> extents(count);
   Vector radius = Vector::Zero(count);
   for (Index k = 0; k < count; ++k) {
     extents[k].mean = sums.col(k).hnormalized();
     for (const NodePlace& n : bodies[k])
-      radius[k] = std::max(radius[k], (position(n) - extents[k].mean).norm());
+      radius[k] = std::max(radius[k], (n.x - extents[k].mean).norm());
   }
   domain.largest(radius.data(), count);
   for (Index k = 0; k < count; ++k) extents[k].radius = radius[k];
@@ -163,11 +163,9 @@ inline std::vector<Leftover> leftovers_of_all(const SharedScene& shared, const V
     if (domain.owns(n.dof[0])) left[n.body].add(*shared.scene, b, n);
   Eigen::Matrix<Real, 2, Eigen::Dynamic> counts(2, bodies);
   Eigen::Matrix<Real, of_body, Eigen::Dynamic> most(of_body, bodies);
-  using Components = Eigen::Map<Eigen::Vector3d>;
   for (Index k = 0; k < bodies; ++k) {
     counts.col(k) << left[k].loaded, left[k].empty;
-    most.col(k) << left[k].most, Components(left[k].largest.data()),
-        -Components(left[k].least.data());
+    most.col(k) << left[k].most, left[k].largest, -left[k].least;
   }
   domain.sum(counts.data(), static_cast<Index>(counts.size()));
   domain.largest(most.data(), static_cast<Index>(most.size()));
@@ -175,8 +173,8 @@ inline std::vector<Leftover> leftovers_of_all(const SharedScene& shared, const V
     left[k].loaded = counts(0, k);
     left[k].empty = counts(1, k);
     left[k].most = most(0, k);
-    Components(left[k].largest.data()) = most.col(k).segment<3>(1);
-    Components(left[k].least.data()) = -most.col(k).tail<3>();
+    left[k].largest = most.col(k).segment<3>(1);
+    left[k].least = -most.col(k).tail<3>();
   }
   return left;
 }

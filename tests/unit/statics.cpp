@@ -154,7 +154,7 @@ Scene ladder(double degrees, double mu_floor, double mu_wall, int n, int m) {
     for (int j = 0; j <= m; ++j) {
       ContactPoint point;
       point.dof = {2 * id(end, j), 2 * id(end, j) + 1, -1};
-      point.normal = end == 0 ? std::array<Real, 3>{0, -1, 0} : std::array<Real, 3>{1, 0, 0};
+      point.normal = end == 0 ? Eigen::Vector3d(0, -1, 0) : Eigen::Vector3d(1, 0, 0);
       point.friction = true;
       scene.points.push_back(point);
       gap.push_back(end == 0 ? X[id(end, j)].y() - floor : wall - X[id(end, j)].x());

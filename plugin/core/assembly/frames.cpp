@@ -178,9 +178,8 @@ void Frames::dualize(Frame& f) const {
 void Frames::orient(Frame& f) const {
   const ContactPoint& p = points_[f.nodes.front().point];
   if (p.mu_ratio == 1 || f.free < 2 || f.nodes.size() > 1) return;
-  const Eigen::Map<const Eigen::Vector3d> normal(p.normal.data()), direction(p.direction.data());
-  const Eigen::Vector3d along = (direction - normal * normal.dot(direction)).normalized();
-  const Eigen::Vector3d across = normal.cross(along);
+  const Eigen::Vector3d along = (p.direction - p.normal * p.normal.dot(p.direction)).normalized();
+  const Eigen::Vector3d across = p.normal.cross(along);
   if (f.free == 3) {
     f.to_local.row(1) = along.unaryExpr(&cleaned).transpose();
     f.to_local.row(2) = p.mu_ratio * across.unaryExpr(&cleaned).transpose();

@@ -17,7 +17,7 @@ Eigen::Vector3d displacement_at(const NodePlace& n, int d, const Vector& u) {
 Eigen::Matrix3d inertia_of(const std::vector<NodePlace>& nodes, const Eigen::Vector3d& about) {
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
   for (const NodePlace& n : nodes) {
-    const Eigen::Vector3d arm = position(n) - about;
+    const Eigen::Vector3d arm = n.x - about;
     inertia += arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose();
   }
   return inertia;
@@ -36,9 +36,9 @@ std::string describe_one(const std::vector<NodePlace>& nodes, int d, const Vecto
     const NodePlace* most = &nodes.front();
     for (const NodePlace& n : nodes)
       if (displacement_at(n, d, u).norm() > displacement_at(*most, d, u).norm()) most = &n;
-    const Eigen::Vector3d x(most->x[0], most->x[1], most->x[2]);
-    return "a motion of a part of the body, most at " + components_of(x, d, 1e-6 + x.norm()) +
-           ", along " + components_of(displacement_at(*most, d, u).normalized(), d, 1);
+    return "a motion of a part of the body, most at " +
+           components_of(most->x, d, 1e-6 + most->x.norm()) + ", along " +
+           components_of(displacement_at(*most, d, u).normalized(), d, 1);
   }
   return describe(m, d);
 }
@@ -51,7 +51,7 @@ void for_each_row(const std::vector<NodePlace>& nodes, int d, const Extent& exte
                   const Visit& visit) {
   const RigidGenerators generators(d, extent.mean, extent.radius > 0 ? extent.radius : 1);
   for (const NodePlace& p : nodes) {
-    const RigidGenerators::Fields w = generators.at(position(p));
+    const RigidGenerators::Fields w = generators.at(p.x);
     for (int k = 0; k < d; ++k) visit(p.dof[k], w.row(k));
   }
 }
@@ -113,15 +113,14 @@ RigidMotion nearest_rigid_motion(const std::vector<NodePlace>& nodes, int d, con
   for (const NodePlace& n : nodes) {
     const Eigen::Vector3d v = displacement_at(n, d, u);
     motion.a += v / static_cast<Real>(nodes.size());
-    moment += (position(n) - motion.c).cross(v);
+    moment += (n.x - motion.c).cross(v);
   }
   motion.w = least_squares(inertia_of(nodes, motion.c), moment);
   Real most = 0;
   for (const NodePlace& n : nodes) {
     const Eigen::Vector3d v = displacement_at(n, d, u);
     most = std::max(most, v.norm());
-    motion.misfit =
-        std::max(motion.misfit, (v - motion.a - motion.w.cross(position(n) - motion.c)).norm());
+    motion.misfit = std::max(motion.misfit, (v - motion.a - motion.w.cross(n.x - motion.c)).norm());
   }
   if (most > 0) motion.misfit /= most;
   return motion;

@@ -9,7 +9,7 @@ namespace frictioncg {
 /// A node of the mesh: where it lies, the dofs of the d components of its displacement, and which
 /// of the parts of the mesh that hang together it belongs to.
 struct NodePlace {
-  std::array<Real, 3> x{{0, 0, 0}};
+  Eigen::Vector3d x = Eigen::Vector3d::Zero();
   std::array<Index, 3> dof{{-1, -1, -1}};
   Index body = 0;
 };
@@ -20,9 +20,7 @@ struct Extent {
   Real radius = 0;
 };
 
-inline Eigen::Vector3d position(const NodePlace& node) {
-  return Eigen::Map<const Eigen::Vector3d>(node.x.data());
-}
+inline const Eigen::Vector3d& position(const NodePlace& node) { return node.x; }
 inline const Eigen::Vector3d& position(const Eigen::Vector3d& x) { return x; }
 
 /// Of nodes, or of their positions.

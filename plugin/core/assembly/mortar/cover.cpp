@@ -3,7 +3,6 @@
 #include "assembly/mortar/search.h"
 #include "assembly/mortar/self_contact.h"
 #include "assembly/mortar/sheets.h"
-#include "assembly/mortar/validation.h"
 
 namespace frictioncg::mortar {
 

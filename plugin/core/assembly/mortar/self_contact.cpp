@@ -1,7 +1,6 @@
 #include "assembly/mortar/self_contact.h"
 
 #include "assembly/mortar/search.h"
-#include "assembly/mortar/validation.h"
 #include "linear_algebra.h"
 
 namespace frictioncg::mortar {

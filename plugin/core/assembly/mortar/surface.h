@@ -9,6 +9,9 @@ using Vec3 = Eigen::Vector3d;  ///< 2D: third component 0
 using Vec2 = Eigen::Vector2d;  ///< 2D: second component 0
 using Shape = std::array<Real, 6>;
 
+/// "(x, y)" or "(x, y, z)".
+std::string place(int d, const Vec3& x);
+
 /// A facet of the boundary: a segment in 2D, a triangle in 3D, straight also where the space is P2.
 /// Nodes: the vertices, then with P2 the mid-edges; edge k of a triangle lies opposite vertex k.
 struct Facet {
@@ -26,6 +29,9 @@ struct Surface {
   std::vector<long> labels;  ///< in the order the script lists them
   std::vector<Facet> facets;
 };
+
+/// "label 1" or "labels 1, 2".
+std::string labels_of(const Surface& surface);
 
 /// Ends of edge k of a facet in d dimensions, as local vertices.
 inline std::array<int, 2> edge_ends(int d, int k) {

@@ -4,22 +4,6 @@
 
 namespace frictioncg::mortar {
 
-std::string place(int d, const Vec3& x) {
-  std::ostringstream s;
-  s << "(" << x[0] << ", " << x[1];
-  if (d == 3) s << ", " << x[2];
-  s << ")";
-  return s.str();
-}
-
-std::string labels_of(const Surface& surface) {
-  std::ostringstream s;
-  s << (surface.labels.size() > 1 ? "labels" : "label");
-  for (std::size_t k = 0; k < surface.labels.size(); ++k)
-    s << (k > 0 ? ", " : " ") << surface.labels[k];
-  return s.str();
-}
-
 namespace {
 
 using Key = std::array<Index, 3>;

@@ -3,12 +3,6 @@
 
 namespace frictioncg::mortar {
 
-/// "(x, y)" or "(x, y, z)".
-std::string place(int d, const Vec3& x);
-
-/// "label 1" or "labels 1, 2".
-std::string labels_of(const Surface& surface);
-
 /// Refuses a label that is slave and master of one pair, and nodes that the merging of meshes ties
 /// together.
 void validate_pairs(const Nodes& nodes, const std::vector<Pair>& pairs, const Options& options);
