@@ -25,6 +25,7 @@ using Real = double;
 using Index = int;
 constexpr Real infinity = std::numeric_limits<Real>::infinity();
 using Vector = Eigen::VectorXd;
+using Vec3 = Eigen::Vector3d;  ///< 2D: third component 0
 using DenseMatrix = Eigen::MatrixXd;
 using Matrix = Eigen::SparseMatrix<Real, Eigen::RowMajor, Index>;  ///< both halves, sorted rows
 

@@ -6,8 +6,6 @@
 
 namespace frictioncg {
 
-using Vec3 = Eigen::Vector3d;  ///< 2D: third component 0
-
 /// Summed in the order in which FreeFEM's R3 does it.
 inline Real dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 inline Real length(const Vec3& a) { return std::sqrt(dot(a, a)); }

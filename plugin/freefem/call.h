@@ -60,7 +60,7 @@ void accept_rounding(Solution& s, Real contrast);
 Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws);
 
 /// Values at the nodes of the faces.
-using AtNodes = std::vector<mortar::Vec3>;
+using AtNodes = std::vector<Vec3>;
 
 /// A step of Newton's method for bodies whose geometry is that of U. What is solved with A less the
 /// symmetric stiffness S of the contact forces G'y, and with the gaps g of U, lacks to first order

@@ -210,7 +210,7 @@ class BlockOrder {
 
  private:
   struct Row {
-    Eigen::Vector3d force = Eigen::Vector3d::Zero(), moment = Eigen::Vector3d::Zero();
+    Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
     Real size = 0, arm = 0;  ///< of what was summed
   };
   /// The fits of each `step`-th row of both blocks, which have the places of others: by `shift`.
@@ -235,9 +235,9 @@ class BlockOrder {
   void add(long i, long j, Real a, long shift, Row& row) const {
     const long p = shift ? elsewhere(i) : i, q = shift ? elsewhere(j) : j;
     if (component_[p] < 0 || component_[q] < 0) return;
-    const Eigen::Vector3d e = Eigen::Vector3d::Unit(component_[q]), arm = x_[q] - x_[p];
+    const Vec3 e = Vec3::Unit(component_[q]), arm = x_[q] - x_[p];
     row.force += a * e;
-    row.moment += a * (d_ == 2 ? Eigen::Vector3d(0, 0, arm.cross(e)[2]) : arm.cross(e));
+    row.moment += a * (d_ == 2 ? Vec3(0, 0, arm.cross(e)[2]) : arm.cross(e));
     row.size += std::abs(a);
     row.arm += std::abs(a) * arm.norm();
   }
@@ -245,7 +245,7 @@ class BlockOrder {
   int d_;
   long first_;
   std::vector<int> component_;
-  std::vector<Eigen::Vector3d> x_;
+  std::vector<Vec3> x_;
 };
 
 /// Refuses Dirichlet data in b, tgv u_D, where A has no Dirichlet row: they would be a load that

@@ -9,7 +9,7 @@ struct Leftover {
   Real loaded = 0, empty = 0;
   Real most = 0;  ///< the largest of b there [force]
   /// Of each component, the least and the largest.
-  Eigen::Vector3d least = Eigen::Vector3d::Constant(infinity), largest = -least;
+  Vec3 least = Vec3::Constant(infinity), largest = -least;
   void add(const Scene& scene, const Vector& b, const NodePlace& n);
   /// One value for all nodes: forces of a mesh are smaller at the ends of a boundary.
   bool uniform() const;

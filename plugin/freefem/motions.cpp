@@ -39,7 +39,7 @@ bool held_by_contact(const Scene& scene, const std::vector<Index>& nodes,
   std::vector<Index> body(scene.ndof(), -1);
   for (const NodePlace& n : scene.places())
     for (int c = 0; c < scene.d; ++c) body[n.dof[c]] = n.body;
-  const Eigen::Vector3d axis = turn.motion.w.normalized();
+  const Vec3 axis = turn.motion.w.normalized();
   StandAgainst contact(static_cast<Index>(V.cols()));
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     if (state[k] == NodeState::separated) continue;

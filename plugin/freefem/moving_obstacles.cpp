@@ -24,7 +24,7 @@ void find_pivots(Stack stack, const Arguments& args, const Scene& scene, MovingO
   for (std::size_t k = 0; k < scene.nodes.size(); ++k) {
     const BoundaryNode& node = scene.nodes[k];
     const Index o = moving.rigid.of_point[k];
-    Eigen::Vector3d at = Eigen::Vector3d::Zero();
+    Vec3 at = Vec3::Zero();
     if (o >= 0 && args.has(p_pivot)) {
       scene.go_to(stack, node);
       for (int c = 0; c < scene.d; ++c) at[c] = args.component(stack, p_pivot, c);
@@ -44,13 +44,13 @@ void refuse_far_pivots(const Scene& scene, const MovingObstacles& moving) {
   constexpr Real far = 1e4;
   const RigidObstacles& rigid = moving.rigid;
   for (std::size_t o = 0; o < moving.pivot.size(); ++o) {
-    std::vector<Eigen::Vector3d> arms;
+    std::vector<Vec3> arms;
     for (std::size_t k = 0; k < rigid.arm.size(); ++k)
       if (rigid.of_point[k] == static_cast<Index>(o)) arms.push_back(rigid.arm[k]);
     if (arms.size() < 2) continue;
     const Extent extent = extent_of(arms);
     if (!(extent.mean.norm() > far * extent.radius)) continue;
-    const Eigen::Vector3d &at = moving.pivot[o], centre = at + extent.mean;
+    const Vec3 &at = moving.pivot[o], centre = at + extent.mean;
     throw IllegalInput("pivot = " + components_of(at, scene.d, 0) +
                        " is more than 10 000 times as far from its contact boundary, around " +
                        components_of(centre, scene.d, 0) +
@@ -90,7 +90,7 @@ void set_arms(const Scene& scene, MovingObstacles& moving) {
   moving.rigid.arm.clear();
   for (std::size_t k = 0; k < scene.nodes.size(); ++k) {
     const Index o = moving.rigid.of_point[k];
-    moving.rigid.arm.push_back(Eigen::Vector3d::Zero());
+    moving.rigid.arm.push_back(Vec3::Zero());
     if (o >= 0) moving.rigid.arm[k] = scene.nodes[k].x - moving.pivot[o];
   }
 }
@@ -104,7 +104,7 @@ std::optional<MovingObstacles> read_obstacles(Stack stack, const Arguments& args
     throw IllegalInput("obstacles is empty; name the label of each obstacle that moves");
   find_obstacles(scene, *moving);
   const std::size_t count = std::max<std::size_t>(1, moving->labels.size());
-  moving->pivot.assign(count, Eigen::Vector3d::Zero());
+  moving->pivot.assign(count, Vec3::Zero());
   moving->rigid.free.assign(count * rigid_components(scene.d), 0);
   find_pivots(stack, args, scene, *moving);
   set_arms(scene, *moving);

@@ -172,8 +172,8 @@ void refuse_inward(const Scene& scene) {
                      mortar::place(scene.d, node.mean) + "; give the normal that leaves the body");
 }
 
-std::vector<mortar::Vec3> slave_normals(Stack stack, const Arguments& args, const Scene& scene) {
-  std::vector<mortar::Vec3> normals;
+std::vector<Vec3> slave_normals(Stack stack, const Arguments& args, const Scene& scene) {
+  std::vector<Vec3> normals;
   PointGuard guard(stack);
   for (const BoundaryNode& node : scene.pairing->slave_nodes())
     normals.push_back(unit_vector(stack, args, p_normal, scene, node));

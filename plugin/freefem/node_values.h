@@ -24,7 +24,7 @@ void set_normals(Stack stack, const Arguments& args, Scene& scene);
 void refuse_inward(const Scene& scene);
 
 /// The normals of the call at the slave's nodes; 0 where they have no direction.
-std::vector<mortar::Vec3> slave_normals(Stack stack, const Arguments& args, const Scene& scene);
+std::vector<Vec3> slave_normals(Stack stack, const Arguments& args, const Scene& scene);
 
 /// Orthotropic friction: the ratio of the coefficients, and the direction of the first. The frames
 /// keep the ratio: a later call changes mu, and mu2 with it.

@@ -9,8 +9,8 @@ namespace frictioncg {
 namespace {
 
 /// The nodes where they would be by another displacement, by all dofs; empty: none.
-std::vector<mortar::Vec3> displaced(const Interface& faces, int d, const Vector& u = {}) {
-  std::vector<mortar::Vec3> Y;
+std::vector<Vec3> displaced(const Interface& faces, int d, const Vector& u = {}) {
+  std::vector<Vec3> Y;
   for (std::size_t i = 0; i < faces.X.size(); ++i) {
     Y.push_back(faces.X[i] - faces.moved[i]);
     for (int c = 0; c < d && u.size() > 0; ++c) Y[i][c] += u[faces.dof[i][c]];
@@ -194,7 +194,7 @@ void FacedPart::add(const mortar::ContactNode& m) {
 }
 
 void FacedPart::add(const mortar::Pair& pair, const mortar::Statistics& found, int d,
-                    const std::vector<mortar::Vec3>& X) {
+                    const std::vector<Vec3>& X) {
   pairs.push_back({mortar::labels_of(pair.slave) + " on " + mortar::labels_of(pair.master),
                    pair.slave.facets.size(), pair.master.facets.size(), found,
                    found.held > 0 ? mortar::place(d, X[found.first_held]) : ""});
@@ -233,7 +233,7 @@ std::vector<BoundaryNode> Pairing::face(const Triplets& A, int d, mortar::Option
   return contact;
 }
 
-void Pairing::add_moved(const mortar::Mortar& mortar, const std::vector<mortar::Vec3>& U,
+void Pairing::add_moved(const mortar::Mortar& mortar, const std::vector<Vec3>& U,
                         std::vector<BoundaryNode>& contact) {
   for (std::size_t k = 0; k < contact.size(); ++k)
     for (Matrix::InnerIterator G(mortar.relative(), static_cast<Index>(k)); G; ++G)
@@ -291,11 +291,11 @@ Matrix Pairing::stiffness(Index n, int d) const {
   return sparse(n, n, entries);
 }
 
-mortar::Change Pairing::change(const std::vector<mortar::Vec3>& v, int d) const {
+mortar::Change Pairing::change(const std::vector<Vec3>& v, int d) const {
   return mortar::change(*mortar_, v, mortar::straightened(d, between_.pairs, v));
 }
 
-Vector Pairing::on_free_dofs(const std::vector<mortar::Vec3>& of_node, Index n, int d) const {
+Vector Pairing::on_free_dofs(const std::vector<Vec3>& of_node, Index n, int d) const {
   Vector of_dof = Vector::Zero(n);
   for (std::size_t i = 0; i < of_node.size(); ++i)
     for (int c = 0; c < d; ++c)
@@ -310,8 +310,8 @@ std::vector<Index> Pairing::body_of_nodes(const std::vector<NodePlace>& places, 
   return body;
 }
 
-std::vector<mortar::Vec3> Pairing::at_nodes(const Vector& force, int d) const {
-  std::vector<mortar::Vec3> of_node(between_.dof.size(), mortar::Vec3::Zero());
+std::vector<Vec3> Pairing::at_nodes(const Vector& force, int d) const {
+  std::vector<Vec3> of_node(between_.dof.size(), Vec3::Zero());
   for (std::size_t i = 0; i < of_node.size(); ++i)
     for (int c = 0; c < d; ++c) of_node[i][c] = force[between_.dof[i][c]];
   return of_node;

@@ -8,8 +8,8 @@ namespace frictioncg {
 
 /// Slaves and masters as their meshes have them, in one numbering of nodes: those of slaves first.
 struct Interface {
-  std::vector<mortar::Vec3> X;
-  std::vector<mortar::Vec3> moved;  ///< of each node: the displacement that X has already
+  std::vector<Vec3> X;
+  std::vector<Vec3> moved;  ///< of each node: the displacement that X has already
   bool is_moved = false;
   mortar::NodeDofs dof;
   std::vector<mortar::Pair> pairs;
@@ -89,7 +89,7 @@ struct FacedPart {
   std::vector<FacingPair> pairs;
   void add(const mortar::ContactNode& m);
   void add(const mortar::Pair& pair, const mortar::Statistics& found, int d,
-           const std::vector<mortar::Vec3>& X);
+           const std::vector<Vec3>& X);
 };
 
 /// Contact of bodies with each other: their faces, and once A has told what Dirichlet conditions
@@ -107,7 +107,7 @@ class Pairing {
                                  bool again = false);
   void set(FacedPart faced) { faced_ = std::move(faced); }
   /// G U at each contact node.
-  static void add_moved(const mortar::Mortar& mortar, const std::vector<mortar::Vec3>& U,
+  static void add_moved(const mortar::Mortar& mortar, const std::vector<Vec3>& U,
                         std::vector<BoundaryNode>& contact);
   /// What their slip lacks of their motion, where the increment began elsewhere.
   static void add_slip(const mortar::Mortar& mortar, std::vector<BoundaryNode>& contact);
@@ -127,14 +127,14 @@ class Pairing {
   /// step does not change others.
   Matrix stiffness(Index n, int d) const;
   /// Where U grows by v at the nodes.
-  mortar::Change change(const std::vector<mortar::Vec3>& v, int d) const;
+  mortar::Change change(const std::vector<Vec3>& v, int d) const;
   /// Values at the nodes by all n dofs: 0 where Dirichlet conditions hold, and elsewhere.
-  Vector on_free_dofs(const std::vector<mortar::Vec3>& of_node, Index n, int d) const;
+  Vector on_free_dofs(const std::vector<Vec3>& of_node, Index n, int d) const;
   const Interface& between() const { return between_; }
   /// Of the Interface, by the places of all nodes of the n dofs.
   std::vector<Index> body_of_nodes(const std::vector<NodePlace>& places, Index n) const;
   /// A force by the dofs of the script, at each node.
-  std::vector<mortar::Vec3> at_nodes(const Vector& force, int d) const;
+  std::vector<Vec3> at_nodes(const Vector& force, int d) const;
   const std::vector<mortar::MidEdge>& edges() const { return faced_.edges; }
   const std::vector<FacingPair>& pairs() const { return faced_.pairs; }
 

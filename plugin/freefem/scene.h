@@ -28,8 +28,8 @@ class Stiffened {
 
 /// The obstacles of a scene that move, each of a label, or one of all labels.
 struct MovingObstacles {
-  std::vector<long> labels;            ///< empty: one obstacle
-  std::vector<Eigen::Vector3d> pivot;  ///< of each
+  std::vector<long> labels;  ///< empty: one obstacle
+  std::vector<Vec3> pivot;   ///< of each
   RigidObstacles rigid;
 
   /// Their free components, as columns of generators.

@@ -41,7 +41,7 @@ inline InterfacePart interface_part(Stack stack, const Arguments& args, const Sc
   if (part.is_moved) part.motion = motion_of_nodes(stack, args, scene);
   part.options.resize(faces.slave.size());
   if (args.has(p_normal)) {
-    const std::vector<mortar::Vec3> normals = slave_normals(stack, args, scene);
+    const std::vector<Vec3> normals = slave_normals(stack, args, scene);
     for (std::size_t i = 0; i < normals.size(); ++i)
       part.options[i].assign(normals[i].data(), normals[i].data() + 3);
   }

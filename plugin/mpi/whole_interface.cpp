@@ -29,7 +29,7 @@ void WholeInterface::gather_nodes(const Domain& domain, const NodeNumbers& numbe
     std::vector<Real> own;
     for (Index i = first; i < end; ++i) {
       if (!domain.owns(part.dof[i][0])) continue;
-      const mortar::Vec3& x = part.X[i];
+      const Vec3& x = part.X[i];
       const auto number_of_node = numbers.node(numbers.of(part.dof[i][0]));
       own.insert(own.end(), {Real(number_of_node), x[0], x[1], x[2], Real(part.held[i]),
                              Real(part.body[i]), Real(part.groups[i])});
@@ -129,15 +129,15 @@ Vector WholeInterface::gathered(const Domain& domain, const Vector& at_part) con
   return domain.gathered(own);
 }
 
-std::vector<mortar::Vec3> WholeInterface::at_nodes(const Domain& domain, const Vector& u) const {
-  std::vector<mortar::Vec3> of_node(number.size(), mortar::Vec3::Zero());
+std::vector<Vec3> WholeInterface::at_nodes(const Domain& domain, const Vector& u) const {
+  std::vector<Vec3> of_node(number.size(), Vec3::Zero());
   for (Index i = 0; i < nodes(); ++i)
     for (Index c = 0; c < d && own_dof_[i] >= 0; ++c) of_node[i][c] = u[own_dof_[i] + c];
   domain.sum(of_node.front().data(), 3 * nodes());
   return of_node;
 }
 
-Vector WholeInterface::on_free_dofs(const std::vector<mortar::Vec3>& of_node, Index n) const {
+Vector WholeInterface::on_free_dofs(const std::vector<Vec3>& of_node, Index n) const {
   Vector of_dof = Vector::Zero(n);
   for (Index i = 0; i < nodes(); ++i)
     for (Index c = 0; c < d && own_dof_[i] >= 0; ++c)

@@ -6,17 +6,17 @@ namespace frictioncg {
 
 /// Of each node of a geometry that is moved; empty where it is not.
 struct Motion {
-  std::vector<mortar::Vec3> now;     ///< the displacement that X has already
-  std::vector<mortar::Vec3> before;  ///< uold
-  std::vector<mortar::Vec3> force;   ///< forceold
+  std::vector<Vec3> now;     ///< the displacement that X has already
+  std::vector<Vec3> before;  ///< uold
+  std::vector<Vec3> force;   ///< forceold
 
   void send(Index node, std::vector<Real>& out) const {
-    for (const std::vector<mortar::Vec3>* of : {&now, &before, &force})
+    for (const std::vector<Vec3>* of : {&now, &before, &force})
       out.insert(out.end(), (*of)[node].data(), (*of)[node].data() + 3);
   }
   /// Returns what follows.
   const Real* receive(const Real* in) {
-    for (std::vector<mortar::Vec3>* of : {&now, &before, &force}) {
+    for (std::vector<Vec3>* of : {&now, &before, &force}) {
       of->emplace_back(in[0], in[1], in[2]);
       in += 3;
     }
@@ -26,7 +26,7 @@ struct Motion {
 
 /// What a process knows of the faces of two bodies: its own part with overlap.
 struct InterfacePart {
-  std::vector<mortar::Vec3> X;
+  std::vector<Vec3> X;
   mortar::NodeDofs dof;
   std::vector<mortar::Pair> pairs;  ///< the same on all processes, but for their facets
   Index slaves = 0;                 ///< nodes: those of slaves come first
@@ -51,15 +51,15 @@ struct WholeInterface {
   Vector gathered(const Domain& domain, const Vector& at_part) const;
   /// A displacement by the part's dofs, as owners have it, at all nodes; 0 at those that no facet
   /// names.   Collective.
-  std::vector<mortar::Vec3> at_nodes(const Domain& domain, const Vector& u) const;
+  std::vector<Vec3> at_nodes(const Domain& domain, const Vector& u) const;
   /// Values at the nodes by n dofs of the part: 0 where Dirichlet conditions hold, at those of
   /// others, and elsewhere.
-  Vector on_free_dofs(const std::vector<mortar::Vec3>& of_node, Index n) const;
+  Vector on_free_dofs(const std::vector<Vec3>& of_node, Index n) const;
 
   Index d = 2;
   std::vector<NodeNumbers::Number> number;            ///< of each node; those of slaves come first
   std::unordered_map<NodeNumbers::Number, Index> at;  ///< and back
-  std::vector<mortar::Vec3> X;
+  std::vector<Vec3> X;
   std::vector<unsigned char> held;
   std::vector<Index> body, groups;
   std::vector<std::vector<Real>> options;  ///< of each slave node

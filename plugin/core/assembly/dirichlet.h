@@ -7,12 +7,12 @@ namespace frictioncg {
 /// A point of the boundary that may touch, with one normal. d = 2 or 3 components are used. A node
 /// in a corner has several points: the same dofs, linearly independent normals.
 struct ContactPoint {
-  std::array<Index, 3> dof{{-1, -1, -1}};            ///< of each component of the displacement
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< unit, outward from the body
-  bool friction = false;                             ///< has a tangential law
+  std::array<Index, 3> dof{{-1, -1, -1}};  ///< of each component of the displacement
+  Vec3 normal = Vec3::Zero();              ///< unit, outward from the body
+  bool friction = false;                   ///< has a tangential law
   /// Orthotropic friction in 3D: |(F_1, F_2/across)| <= g, F_1 along this tangent (unit), F_2
   /// across.
-  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+  Vec3 direction = Vec3::Zero();
   Real mu_ratio = 1;  ///< coefficient across over coefficient along, > 0
 };
 

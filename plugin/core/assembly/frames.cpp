@@ -78,8 +78,8 @@ void Frames::add_frame(const std::vector<Index>& points) {
 }
 
 /// What Dirichlet conditions leave free of a normal.
-Eigen::Vector3d Frames::free_part(const ContactPoint& p) const {
-  Eigen::Vector3d free = Eigen::Vector3d::Zero();
+Vec3 Frames::free_part(const ContactPoint& p) const {
+  Vec3 free = Vec3::Zero();
   for (int c = 0; c < d_; ++c)
     if (!dirichlet_.holds(p.dof[c])) free[c] = cleaned(p.normal[c]);
   return free;
@@ -89,11 +89,11 @@ Eigen::Vector3d Frames::free_part(const ContactPoint& p) const {
 /// before.
 bool Frames::add_normal(Frame& f, Index point) const {
   const ContactPoint& p = points_[point];
-  const Eigen::Vector3d free = free_part(p);
+  const Vec3 free = free_part(p);
   const Real share = free.norm();
   if (share < blocked) return false;
   if (add_rival(f, point, free)) return false;
-  Eigen::Vector3d rest = free / share;
+  Vec3 rest = free / share;
   const int before = static_cast<int>(f.nodes.size());
   if (before > 0) {  // what it adds to the normals before
     Eigen::Matrix<Real, 3, Eigen::Dynamic, 0, 3, 3> others(3, before);
@@ -109,9 +109,9 @@ bool Frames::add_normal(Frame& f, Index point) const {
 }
 
 /// Along one direction the nearest of several obstacles is felt alone.
-bool Frames::add_rival(Frame& f, Index point, const Eigen::Vector3d& free) const {
+bool Frames::add_rival(Frame& f, Index point, const Vec3& free) const {
   for (ContactNode& node : f.nodes) {
-    const Eigen::Vector3d own = free_part(points_[node.point]);
+    const Vec3 own = free_part(points_[node.point]);
     const Real along = own.dot(free) / own.squaredNorm();
     if (!(along > 0) || (free - along * own).norm() > parallel * free.norm()) continue;
     node.rivals.push_back({point, 1 / along});
@@ -178,13 +178,13 @@ void Frames::dualize(Frame& f) const {
 void Frames::orient(Frame& f) const {
   const ContactPoint& p = points_[f.nodes.front().point];
   if (p.mu_ratio == 1 || f.free < 2 || f.nodes.size() > 1) return;
-  const Eigen::Vector3d along = (p.direction - p.normal * p.normal.dot(p.direction)).normalized();
-  const Eigen::Vector3d across = p.normal.cross(along);
+  const Vec3 along = (p.direction - p.normal * p.normal.dot(p.direction)).normalized();
+  const Vec3 across = p.normal.cross(along);
   if (f.free == 3) {
     f.to_local.row(1) = along.unaryExpr(&cleaned).transpose();
     f.to_local.row(2) = p.mu_ratio * across.unaryExpr(&cleaned).transpose();
   } else {
-    const Eigen::Vector3d t = f.to_local.row(1).transpose();
+    const Vec3 t = f.to_local.row(1).transpose();
     f.to_local.row(1) *= std::hypot(t.dot(along), p.mu_ratio * t.dot(across));
   }
 }

@@ -74,8 +74,8 @@ class Frames {
   std::vector<std::vector<Index>> points_by_node(Index n) const;
   void add_frame(const std::vector<Index>& points);
   bool add_normal(Frame& frame, Index point) const;
-  bool add_rival(Frame& frame, Index point, const Eigen::Vector3d& free) const;
-  Eigen::Vector3d free_part(const ContactPoint& point) const;
+  bool add_rival(Frame& frame, Index point, const Vec3& free) const;
+  Vec3 free_part(const ContactPoint& point) const;
   void complete(Frame& frame) const;
   Square on_free_components(const Frame& frame) const;
   void orient(Frame& frame) const;

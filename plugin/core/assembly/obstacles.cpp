@@ -19,9 +19,9 @@ std::vector<Real> extents(const RigidObstacles& obstacles, Index count) {
 }
 
 /// Component c of the displacement that q_k = 1 gives a point.
-Real displacement(int d, Index k, int c, const Eigen::Vector3d& arm) {
+Real displacement(int d, Index k, int c, const Vec3& arm) {
   if (k < d) return k == c;
-  return Eigen::Vector3d::Unit(d == 2 ? 2 : k - 3).cross(arm)[c];
+  return Vec3::Unit(d == 2 ? 2 : k - 3).cross(arm)[c];
 }
 
 /// Of each local dof, the contact point that it belongs to, or -1.

@@ -14,9 +14,9 @@ namespace frictioncg {
 /// Components are given, or free under a load [force, moment]: an obstacle is one more body, which
 /// has no stiffness, and whose dofs follow those of the script, obstacle by obstacle.
 struct RigidObstacles {
-  std::vector<Index> of_point;       ///< of each contact point: its obstacle; -1: it stands still
-  std::vector<Eigen::Vector3d> arm;  ///< of each contact point: from the pivot to it [length]
-  std::vector<char> free;            ///< of each component of each obstacle
+  std::vector<Index> of_point;  ///< of each contact point: its obstacle; -1: it stands still
+  std::vector<Vec3> arm;        ///< of each contact point: from the pivot to it [length]
+  std::vector<char> free;       ///< of each component of each obstacle
 
   Index dofs() const { return static_cast<Index>(free.size()); }  ///< n_q
 };

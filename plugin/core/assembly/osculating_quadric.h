@@ -5,19 +5,17 @@
 
 namespace frictioncg {
 
-using Vec3 = Eigen::Vector3d;
-
 /// The smooth surface near the origin, in axes s1, s2, n:
 ///   z = (c x^2 + 2 d x y + f y^2 + k z^2)/2,   k = (k1|k1| + k2|k2|)/(|k1| + |k2|),
 /// k1, k2 the principal curvatures: circles, spheres and cylinders are among them.
 struct Quadric {
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< unit, at the origin
+  Vec3 normal = Vec3::Zero();  ///< unit, at the origin
   Eigen::Matrix3d curvature =
       Eigen::Matrix3d::Zero();  ///< c s1 s1' + d (s1 s2' + s2 s1') + f s2 s2'
   Real k = 0;
 
   /// The unit normal at a point of the surface.
-  Eigen::Vector3d normal_at(const Eigen::Vector3d& x) const {
+  Vec3 normal_at(const Vec3& x) const {
     return (normal - curvature * x - k * normal.dot(x) * normal).normalized();
   }
 };
@@ -28,7 +26,6 @@ struct Quadric {
 ///
 /// Where the vertices leave the quadric open (one layer of facets), it is curved no more than it
 /// has to be. Nothing is returned where no quadric fits within 45 degrees of `mean`.
-std::optional<Quadric> osculating_quadric(int d, const std::vector<Eigen::Vector3d>& around,
-                                          const Eigen::Vector3d& mean);
+std::optional<Quadric> osculating_quadric(int d, const std::vector<Vec3>& around, const Vec3& mean);
 
 }  // namespace frictioncg

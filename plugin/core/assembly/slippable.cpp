@@ -4,7 +4,6 @@ namespace frictioncg {
 
 namespace {
 
-using Vec3 = Eigen::Vector3d;
 using Fields = RigidGenerators::Fields;
 
 /// Normals tell an axis up to their errors: a point that moves by less than this may lie on it.

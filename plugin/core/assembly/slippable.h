@@ -8,7 +8,7 @@ namespace frictioncg {
 
 /// A point of a boundary with its normal.
 struct PointNormal {
-  Eigen::Vector3d x, normal;
+  Vec3 x, normal;
   Real weight = 0;  ///< share of the boundary, >= 0
   Real turn = 0;    ///< angle between the normal and the facets there; exactly 0: it is left alone
 };
@@ -21,17 +21,16 @@ class RigidGenerators {
  public:
   using Fields = Eigen::Matrix<Real, 3, Eigen::Dynamic, 0, 3, 6>;
 
-  RigidGenerators(int d, const Eigen::Vector3d& centre, Real size)
-      : d_(d), centre_(centre), size_(size) {}
+  RigidGenerators(int d, const Vec3& centre, Real size) : d_(d), centre_(centre), size_(size) {}
   Index count() const { return d_ == 2 ? 3 : 6; }
-  Fields at(const Eigen::Vector3d& x) const;  ///< 3 x count()
+  Fields at(const Vec3& x) const;  ///< 3 x count()
   /// Component c about a pivot, as a column of generators: a translation, or a rotation by 1 over
   /// the size.
-  Vector about(const Eigen::Vector3d& pivot, Index c) const;
+  Vector about(const Vec3& pivot, Index c) const;
 
  private:
   int d_;
-  Eigen::Vector3d centre_;
+  Vec3 centre_;
   Real size_;
 };
 

@@ -6,23 +6,23 @@
 namespace frictioncg {
 
 /// Whether unit vectors are one but for rounding.
-bool same_direction(const Eigen::Vector3d& m, const Eigen::Vector3d& n);
+bool same_direction(const Vec3& m, const Vec3& n);
 
 /// The facets at a vertex that count as one smooth surface there: one fan, or on a ridge several.
 struct Fan {
   Index vertex = 0;
   std::vector<Index> facets;
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();  ///< of their normals, unit; 0 where they cancel
+  Vec3 mean = Vec3::Zero();  ///< of their normals, unit; 0 where they cancel
 };
 
 /// A boundary of flat facets: segments in 2D, triangles in 3D.
 struct Faceted {
   struct Facet {
     std::array<Index, 3> vertex{{-1, -1, -1}};
-    Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< unit, outward
+    Vec3 normal = Vec3::Zero();  ///< unit, outward
   };
   int d = 2;
-  std::vector<Eigen::Vector3d> X;  ///< 2D: third component 0
+  std::vector<Vec3> X;  ///< 2D: third component 0
   std::vector<Facet> facets;
   /// Of a body that has deformed: what its curvature does is no jump of two faces, and each normal
   /// is that of its own vertices. Weights of sides, which turn over within a few hundredths of a
@@ -32,7 +32,7 @@ struct Faceted {
 };
 
 struct FanNormal {
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< unit; 0 where the mean is
+  Vec3 normal = Vec3::Zero();  ///< unit; 0 where the mean is
   Real turn = 0;  ///< largest angle to the facets of the fan; exactly 0 where the surface is flat
 };
 
@@ -44,7 +44,6 @@ std::vector<FanNormal> smooth_normals(const Faceted& surface);
 
 /// The normal in the middle of edge ab, if the edge is the chord of an arc between the normals of
 /// its ends. Where both ends have the normal `mean`, so has the middle.
-Eigen::Vector3d arc_normal(const Eigen::Vector3d& n_a, const Eigen::Vector3d& n_b,
-                           const Eigen::Vector3d& edge, const Eigen::Vector3d& mean);
+Vec3 arc_normal(const Vec3& n_a, const Vec3& n_b, const Vec3& edge, const Vec3& mean);
 
 }  // namespace frictioncg

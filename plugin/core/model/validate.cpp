@@ -140,8 +140,7 @@ void validate(const Increment& increment, const System& system) {
   if (increment.law == Law::tresca)
     require("g", increment.g, "a sliding limit is a force >= 0: give 0 where nothing rubs");
   validate_load(increment, system);
-  const Vector norms =
-      Eigen::Vector3d(increment.load_norm, increment.rounding, increment.force_scale);
+  const Vector norms = Vec3(increment.load_norm, increment.rounding, increment.force_scale);
   if (!norms.allFinite() || norms.minCoeff() < 0)
     refuse("load_norm, rounding and force_scale = ", norms[0], ", ", norms[1], ", ", norms[2],
            "; norms of forces are finite and >= 0");

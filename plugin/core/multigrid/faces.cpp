@@ -150,7 +150,7 @@ Real Faces::violation(const Vector& x, const Vector& b_C) const {
   Real sum = 0;
   for (Index i = 0; i < system_.nodes(); ++i) {
     const Index first = system_.first[i], t = system_.tangents(i);
-    Eigen::Vector3d r(face_[i].closed ? b_C[normal(i)] : 0, 0, 0);
+    Vec3 r(face_[i].closed ? b_C[normal(i)] : 0, 0, 0);
     r.tail(2) = friction(i, x, b_C);
     const Violation v = frictioncg::violation(law_of(increment_, i), increment_.gap[i],
                                               system_.weight.segment(first, t + 1),

@@ -7,17 +7,17 @@ namespace frictioncg {
 namespace {
 
 /// u at a node; components beyond d are 0.
-Eigen::Vector3d displacement_at(const NodePlace& n, int d, const Vector& u) {
-  Eigen::Vector3d at = Eigen::Vector3d::Zero();
+Vec3 displacement_at(const NodePlace& n, int d, const Vector& u) {
+  Vec3 at = Vec3::Zero();
   for (int k = 0; k < d; ++k) at[k] = u[n.dof[k]];
   return at;
 }
 
 /// Of nodes of mass 1, about a point.
-Eigen::Matrix3d inertia_of(const std::vector<NodePlace>& nodes, const Eigen::Vector3d& about) {
+Eigen::Matrix3d inertia_of(const std::vector<NodePlace>& nodes, const Vec3& about) {
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
   for (const NodePlace& n : nodes) {
-    const Eigen::Vector3d arm = n.x - about;
+    const Vec3 arm = n.x - about;
     inertia += arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose();
   }
   return inertia;
@@ -109,16 +109,16 @@ RigidMotion nearest_rigid_motion(const std::vector<NodePlace>& nodes, int d, con
   const Extent extent = extent_of(nodes);
   motion.c = extent.mean;
   motion.extent = extent.radius;
-  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+  Vec3 moment = Vec3::Zero();
   for (const NodePlace& n : nodes) {
-    const Eigen::Vector3d v = displacement_at(n, d, u);
+    const Vec3 v = displacement_at(n, d, u);
     motion.a += v / static_cast<Real>(nodes.size());
     moment += (n.x - motion.c).cross(v);
   }
   motion.w = least_squares(inertia_of(nodes, motion.c), moment);
   Real most = 0;
   for (const NodePlace& n : nodes) {
-    const Eigen::Vector3d v = displacement_at(n, d, u);
+    const Vec3 v = displacement_at(n, d, u);
     most = std::max(most, v.norm());
     motion.misfit = std::max(motion.misfit, (v - motion.a - motion.w.cross(n.x - motion.c)).norm());
   }
@@ -126,7 +126,7 @@ RigidMotion nearest_rigid_motion(const std::vector<NodePlace>& nodes, int d, con
   return motion;
 }
 
-std::string components_of(const Eigen::Vector3d& v, int d, Real unit) {
+std::string components_of(const Vec3& v, int d, Real unit) {
   std::ostringstream s;
   s.precision(4);
   for (int k = 0; k < d; ++k) s << (k ? ", " : "(") << (std::abs(v[k]) < 1e-6 * unit ? 0 : v[k]);
@@ -140,8 +140,8 @@ std::string describe(const RigidMotion& m, int d) {
     return m.a.norm() > 0
                ? "a translation along " + components_of(m.a.normalized(), d, 1e6 / far_away)
                : "no motion";
-  const Eigen::Vector3d axis = m.w / turn;
-  const Eigen::Vector3d centre = m.c + m.w.cross(m.a) / (turn * turn);
+  const Vec3 axis = m.w / turn;
+  const Vec3 centre = m.c + m.w.cross(m.a) / (turn * turn);
   const std::string about = components_of(centre, d, m.extent + centre.norm());
   if (d == 2)
     return std::string("a rotation, ") + (m.w[2] > 0 ? "counter-clockwise" : "clockwise") +
@@ -173,7 +173,7 @@ std::string describe_motion(const std::vector<NodePlace>& nodes, int d, const Ve
     });
   std::string text;
   for (std::size_t k = 0; k < std::min(named, moving.size()); ++k) {
-    const Eigen::Vector3d centre = nearest_rigid_motion(*moving[k], d, u).c;
+    const Vec3 centre = nearest_rigid_motion(*moving[k], d, u).c;
     text += (text.empty() ? "" : ", with ") + describe_one(*moving[k], d, u) +
             " of the body around " + components_of(centre, d, 1e-6 + centre.norm());
   }
@@ -204,7 +204,7 @@ Real least_gyration(const std::vector<NodePlace>& nodes, int d) {
 }
 
 DenseMatrix turning(const std::vector<Vector>& motions, const std::vector<NodePlace>& body, int d,
-                    const Eigen::Vector3d& axis) {
+                    const Vec3& axis) {
   constexpr Real none = 1e-6;  // over the largest displacement of the motion
   const Index k = static_cast<Index>(motions.size());
   DenseMatrix turns = DenseMatrix::Zero(3, k);

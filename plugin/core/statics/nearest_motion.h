@@ -9,19 +9,19 @@ namespace frictioncg {
 /// A node of the mesh: where it lies, the dofs of the d components of its displacement, and which
 /// of the parts of the mesh that hang together it belongs to.
 struct NodePlace {
-  Eigen::Vector3d x = Eigen::Vector3d::Zero();
+  Vec3 x = Vec3::Zero();
   std::array<Index, 3> dof{{-1, -1, -1}};
   Index body = 0;
 };
 
 /// The mean of points, and their largest distance from it.
 struct Extent {
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Vec3 mean = Vec3::Zero();
   Real radius = 0;
 };
 
-inline const Eigen::Vector3d& position(const NodePlace& node) { return node.x; }
-inline const Eigen::Vector3d& position(const Eigen::Vector3d& x) { return x; }
+inline const Vec3& position(const NodePlace& node) { return node.x; }
+inline const Vec3& position(const Vec3& x) { return x; }
 
 /// Of nodes, or of their positions.
 template <class Point>
@@ -53,8 +53,8 @@ Matrix body_modes(const std::vector<NodePlace>& nodes, int d, Index n);
 /// The rigid motion u(x) = a + w x (x - c) nearest to a displacement, c the mean of the nodes; in
 /// 2D only w_z differs from 0.
 struct RigidMotion {
-  Eigen::Vector3d a = Eigen::Vector3d::Zero(), w = Eigen::Vector3d::Zero();
-  Eigen::Vector3d c = Eigen::Vector3d::Zero();
+  Vec3 a = Vec3::Zero(), w = Vec3::Zero();
+  Vec3 c = Vec3::Zero();
   Real extent = 0;  ///< largest distance of a node from c
   Real misfit = 0;  ///< largest deviation of the displacement, over its largest value
 };
@@ -64,7 +64,7 @@ struct RigidMotion {
 RigidMotion nearest_rigid_motion(const std::vector<NodePlace>& nodes, int d, const Vector& u);
 
 /// (1, 0, -0.5), of d components, with what is below the rounding of a motion shown as 0.
-std::string components_of(const Eigen::Vector3d& v, int d, Real unit);
+std::string components_of(const Vec3& v, int d, Real unit);
 
 constexpr Real at_rest = 1e-6;  ///< over the largest displacement: what does not move
 
@@ -103,7 +103,7 @@ Real least_gyration(const std::vector<NodePlace>& nodes, int d);
 /// first by an axis (a unit vector), the others not at all. Without columns where none turns it
 /// about that axis: supports hold it, or drive it.
 DenseMatrix turning(const std::vector<Vector>& motions, const std::vector<NodePlace>& body, int d,
-                    const Eigen::Vector3d& axis);
+                    const Vec3& axis);
 
 /// What touching nodes say to a turn by 1 with which other motions, that do not turn the body, go
 /// along as they like: to its way what is against closed normals, and against stick.
@@ -114,7 +114,7 @@ class StandAgainst {
   /// against: what each of the motions does against one component of a node.
   void add(const Vector& against);
   /// The way of a node of the body: axis x (x - centre).
-  void add_way(const Eigen::Vector3d& way) { sums_.tail(1)[0] += way.squaredNorm(); }
+  void add_way(const Vec3& way) { sums_.tail(1)[0] += way.squaredNorm(); }
   void sum(const System& system) { system.sum(sums_.data(), static_cast<Index>(sums_.size())); }
   /// Whether the contact holds the body against a turn by so many radians. A floor or a slope
   /// stands against 0.3 and more of the way, whatever sticks at both ends of the body against all

@@ -16,7 +16,7 @@ struct Assembled {
 
   explicit Assembled(bool quadratic, bool half = false) : half_(half) {
     bodies.quadratic = quadratic;
-    bodies.add_box({6, 5, 0}, [](const mortar::Vec3& x) { return mortar::Vec3(x); });
+    bodies.add_box({6, 5, 0}, [](const Vec3& x) { return Vec3(x); });
     const Matrix A = bodies.stiffness();
     for (Index r = 0; r < A.rows(); ++r) {
       node.push_back(r / 2);

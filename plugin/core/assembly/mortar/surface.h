@@ -5,7 +5,6 @@
 
 namespace frictioncg::mortar {
 
-using Vec3 = Eigen::Vector3d;  ///< 2D: third component 0
 using Vec2 = Eigen::Vector2d;  ///< 2D: second component 0
 using Shape = std::array<Real, 6>;
 
