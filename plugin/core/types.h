@@ -29,6 +29,9 @@ using Vec3 = Eigen::Vector3d;  ///< 2D: third component 0
 using DenseMatrix = Eigen::MatrixXd;
 using Matrix = Eigen::SparseMatrix<Real, Eigen::RowMajor, Index>;  ///< both halves, sorted rows
 
+/// Translations and rotations of a body.
+constexpr Index rigid_components(int dimension) { return dimension == 2 ? 3 : 6; }
+
 /// The arrays of a matrix: entry a[k] of row i lies in column col[k], row[i] <= k < row[i + 1].
 struct Arrays {
   const Index *row, *col;

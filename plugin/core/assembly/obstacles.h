@@ -21,8 +21,6 @@ struct RigidObstacles {
   Index dofs() const { return static_cast<Index>(free.size()); }  ///< n_q
 };
 
-constexpr Index rigid_components(int dimension) { return dimension == 2 ? 3 : 6; }
-
 /// A free component that moves no contact node: nothing says what it is.
 struct UselessComponent : IllegalInput {
   UselessComponent(Index component_)

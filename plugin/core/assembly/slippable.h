@@ -22,7 +22,7 @@ class RigidGenerators {
   using Fields = Eigen::Matrix<Real, 3, Eigen::Dynamic, 0, 3, 6>;
 
   RigidGenerators(int d, const Vec3& centre, Real size) : d_(d), centre_(centre), size_(size) {}
-  Index count() const { return d_ == 2 ? 3 : 6; }
+  Index count() const { return rigid_components(d_); }
   Fields at(const Vec3& x) const;  ///< 3 x count()
   /// Component c about a pivot, as a column of generators: a translation, or a rotation by 1 over
   /// the size.

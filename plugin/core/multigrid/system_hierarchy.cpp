@@ -19,9 +19,8 @@ bool are_displacements(const System& system) {
 std::unique_ptr<Hierarchy> make_hierarchy(const System& system, const HierarchyOptions& options) {
   if (!system.rigid_modes || !are_displacements(system)) return nullptr;
   Eigen::MatrixXd modes = system.rigid_modes();
-  const bool fits =
-      modes.rows() == system.dofs() && modes.cols() == (system.dimension == 2 ? 3 : 6);
-  if (!fits) return nullptr;
+  if (modes.rows() != system.dofs() || modes.cols() != rigid_components(system.dimension))
+    return nullptr;
   const Index k = static_cast<Index>(system.border.cols()), end = system.interior();
   if (k == 0 || system.dofs() <= options.dense) {
     const NodeBlocks blocks = make_node_blocks(system.mesh_node, system.dimension, end);

@@ -256,7 +256,7 @@ DenseMatrix floating_motions(const System& system) {
   if (all.count() == 0) return DenseMatrix(system.dofs(), 0);
   const std::vector<DenseMatrix> in_A = gram_in_A(system, all),
                                  in_D = gram_in(system, all, system.D);
-  const Index each = system.dimension == 2 ? 3 : 6;
+  const Index each = rigid_components(system.dimension);
   RigidMotions motions(system, all);
   // first those of each candidate's body alone: beside a stiff body that a coupling joins to it in
   // A, what rounding leaves of a soft one would blur them

@@ -60,7 +60,7 @@ void for_each_row(const std::vector<NodePlace>& nodes, int d, const Extent& exte
 
 Eigen::MatrixXd rigid_modes(const std::vector<NodePlace>& nodes, int d, Index n,
                             const Extent& extent) {
-  Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(n, d == 2 ? 3 : 6);
+  Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(n, rigid_components(d));
   for_each_row(nodes, d, extent, [&](Index dof, const auto& w) { modes.row(dof) = w; });
   return modes;
 }
@@ -83,7 +83,7 @@ std::map<Index, std::vector<NodePlace>> by_body(const std::vector<NodePlace>& no
 
 Matrix body_modes(const std::vector<std::vector<NodePlace>>& bodies,
                   const std::vector<Extent>& extents, int d, Index n) {
-  const Index each = d == 2 ? 3 : 6;
+  const Index each = rigid_components(d);
   EntryList entries;
   for (std::size_t k = 0; k < bodies.size(); ++k)
     for_each_row(bodies[k], d, extents[k], [&](Index dof, const auto& w) {

@@ -30,21 +30,6 @@ Eigen::MatrixXd places_of(const System& system, const Eigen::MatrixXd& modes) {
   return place;
 }
 
-}  // namespace
-
-Real slenderness(const System& system) {
-  if (!system.rigid_modes || system.mesh_node.empty()) return 1;
-  const Eigen::MatrixXd modes = system.rigid_modes();
-  if (modes.rows() != system.dofs() || modes.cols() != (system.dimension == 2 ? 3 : 6)) return 1;
-  Eigen::MatrixXd place = places_of(system, modes);
-  if (place.rows() < 2) return 1;
-  place.rowwise() -= place.colwise().mean().eval();
-  const Vector extent = eigenpairs(place.transpose() * place).values;
-  return extent[0] > 0 ? std::sqrt(extent.tail(1)[0] / extent[0]) : 1;
-}
-
-namespace {
-
 constexpr Real rounding_of_S = 1e3;  ///< over that of A: S is a difference of matrices of size D
 constexpr Real first_shift = 1e-9;   ///< of inverse iteration, relative to D
 constexpr Real greatest_shift = 1e-5;
@@ -127,6 +112,17 @@ DenseMatrix rigid_motions(const System& system, Index max_iterations) {
     W.col(W.cols() - 1) = z;
   }
   return scale.asDiagonal() * W;
+}
+
+Real slenderness(const System& system) {
+  if (!system.rigid_modes || system.mesh_node.empty()) return 1;
+  const Eigen::MatrixXd modes = system.rigid_modes();
+  if (modes.rows() != system.dofs() || modes.cols() != rigid_components(system.dimension)) return 1;
+  Eigen::MatrixXd place = places_of(system, modes);
+  if (place.rows() < 2) return 1;
+  place.rowwise() -= place.colwise().mean().eval();
+  const Vector extent = eigenpairs(place.transpose() * place).values;
+  return extent[0] > 0 ? std::sqrt(extent.tail(1)[0] / extent[0]) : 1;
 }
 
 }  // namespace frictioncg
