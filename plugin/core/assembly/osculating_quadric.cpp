@@ -15,8 +15,6 @@ constexpr Real arrived = 1e-14;
 constexpr Real same = 1e-12;
 /// 4 to 6 steps are usual, 30 are needed where the curvature is open.
 constexpr int most_steps = 30;
-/// A normal further from the mean one than 45 degrees (their cosine) is no normal of a surface.
-constexpr Real leaning = M_SQRT1_2;
 
 /// k of the principal curvatures of [c d; d f].
 Real along_normal(Real c, Real d, Real f) {

@@ -20,6 +20,9 @@ struct Quadric {
   }
 };
 
+/// A normal further from the mean one than 45 degrees (their cosine) is no normal of a surface.
+constexpr Real leaning = M_SQRT1_2;
+
 /// The quadric through the origin that fits the vertices around it best. Its normal is exact on
 /// circles, spheres and cylinders, whatever the facets, and of second order in their size on other
 /// smooth surfaces; a mean of the facets' normals is of first order, a wedge at each vertex.

@@ -6,8 +6,6 @@ namespace frictioncg {
 
 namespace {
 
-/// A normal further from the mean one than 45 degrees (their cosine) is no normal of a surface.
-constexpr Real leaning = M_SQRT1_2;
 /// A jump of the curvature begins to count from the first share of the curvature on, and counts in
 /// full from the second. Vertices that lie off an arc by a hundredth of its sagitta, as buildmesh
 /// moves them, make jumps of a tenth.

@@ -4,7 +4,6 @@ namespace frictioncg {
 
 namespace {
 
-/// C = omega/(2-omega) (D/omega + E) D^{-1} (D/omega + E)', eq. (16), with D of A or of J''.
 class SsorPreconditioner final : public Preconditioner {
  public:
   SsorPreconditioner(const System& system, bool on_hessian, Real omega)

@@ -50,13 +50,7 @@ struct NodeLaw {
   }
 };
 
-inline NodeLaw given_limit(Real g, bool bilateral) {
-  NodeLaw law;
-  law.c = g;
-  law.bilateral = bilateral;
-  law.given = true;
-  return law;
-}
+inline NodeLaw given_limit(Real g, bool bilateral) { return {0, g, infinity, bilateral, true}; }
 
 NodeLaw law_of(const Increment& increment, Index i);
 

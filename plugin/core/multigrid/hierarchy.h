@@ -44,10 +44,7 @@ class Hierarchy {
   /// Ax = A x, neither truncated nor rounded; false where the hierarchy does not keep A: where the
   /// options do not ask for it, with a border, in several processes, and where A is not symmetric
   /// to rounding.
-  virtual bool multiply(const Vector& x, Vector& Ax) {
-    static_cast<void>(x), static_cast<void>(Ax);
-    return false;
-  }
+  virtual bool multiply(const Vector& /*x*/, Vector& /*Ax*/) { return false; }
 
   virtual Index levels() const = 0;
   virtual Real operator_complexity() const = 0;  ///< entries of all levels over those of the fine

@@ -4,8 +4,6 @@
 
 namespace frictioncg::mortar {
 
-using frictioncg::Groups;
-
 /// Two facets that share a ridge: an edge, in 2D a vertex.
 struct Joint {
   std::array<Index, 2> facet;
