@@ -167,6 +167,35 @@ void keep_gap(const PointLaws& of_call, Index measured, PointLaws& of_C) {
   of_C.gap.tail(rest) = of_call.gap.tail(rest);
 }
 
+/// What the data of a call say against each other; u0: where the increment starts.
+void check_loads(const Call& call, const Scene& scene, const Vector& u0) {
+  report_leftover(check_data(scene, call.b, u0), call.verb);
+  check_one_value(scene, call.b, call.verb);
+  check_load_for_data(scene, call.b, call.verb);
+}
+
+/// newton_step of call.h in one process. b, u_old: by all dofs; u0: where the increment of s
+/// starts. A gap that is given stays as it is.
+Solution newton_step(Solution s, const Vector& u0, const Settings& settings, const Scene& scene,
+                     const Vector& b, const Vector& u_old, const PointLaws& laws) {
+  if (scene.system->nodes() == 0) return s;
+  const Pairing& pairing = *scene.pairing;
+  const Vector slip_from = scene.slip_from(u_old);
+  const auto trace = [&](const Solution& of) {
+    return pairing.at_nodes(scene.system->to_global(of.x, u0), scene.d);
+  };
+  const auto pass = [&](const AtNodes& v, const Vector& x0) {
+    const mortar::Change change = pairing.change(v, scene.d);
+    PointLaws of_pass = laws;
+    if (!laws.given_gap) of_pass.gap.head(change.gap.size()) += change.gap;
+    const Vector rest = b + pairing.on_free_dofs(change.force, b.size(), scene.d) -
+                        scene.stiffened->force(pairing.on_free_dofs(v, b.size(), scene.d));
+    const LocalLoad load = scene.system->load_from(rest, slip_from);
+    return scene.solver->solve(scene.increment(load, of_pass).increment, settings, x0);
+  };
+  return newton_step(std::move(s), pairing.at_nodes(*scene.at, scene.d), trace, pass);
+}
+
 }  // namespace
 
 Call::Call(Stack stack, const Arguments& arguments, const Expression load)
@@ -266,39 +295,6 @@ LocalIncrement increment(const Vectors& vectors, const Scene& scene, PointLaws l
   if (scene.system->nodes() == 0) laws.law = Law::frictionless;  // supports hold every normal
   return scene.increment(scene.system->load_from(vectors.b, scene.slip_from(vectors.u_old)), laws);
 }
-
-namespace {
-
-/// What the data of a call say against each other; u0: where the increment starts.
-void check_loads(const Call& call, const Scene& scene, const Vector& u0) {
-  report_leftover(check_data(scene, call.b, u0), call.verb);
-  check_one_value(scene, call.b, call.verb);
-  check_load_for_data(scene, call.b, call.verb);
-}
-
-/// newton_step of call.h in one process. b, u_old: by all dofs; u0: where the increment of s
-/// starts. A gap that is given stays as it is.
-Solution newton_step(Solution s, const Vector& u0, const Settings& settings, const Scene& scene,
-                     const Vector& b, const Vector& u_old, const PointLaws& laws) {
-  if (scene.system->nodes() == 0) return s;
-  const Pairing& pairing = *scene.pairing;
-  const Vector slip_from = scene.slip_from(u_old);
-  const auto trace = [&](const Solution& of) {
-    return pairing.at_nodes(scene.system->to_global(of.x, u0), scene.d);
-  };
-  const auto pass = [&](const AtNodes& v, const Vector& x0) {
-    const mortar::Change change = pairing.change(v, scene.d);
-    PointLaws of_pass = laws;
-    if (!laws.given_gap) of_pass.gap.head(change.gap.size()) += change.gap;
-    const Vector rest = b + pairing.on_free_dofs(change.force, b.size(), scene.d) -
-                        scene.stiffened->force(pairing.on_free_dofs(v, b.size(), scene.d));
-    const LocalLoad load = scene.system->load_from(rest, slip_from);
-    return scene.solver->solve(scene.increment(load, of_pass).increment, settings, x0);
-  };
-  return newton_step(std::move(s), pairing.at_nodes(*scene.at, scene.d), trace, pass);
-}
-
-}  // namespace
 
 void accept_rounding(Solution& s, Real contrast) {
   const Certificate& c = s.certificate;

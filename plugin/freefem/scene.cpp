@@ -270,7 +270,7 @@ std::shared_ptr<Scene> scene_of(const Site& site, Stack stack, const std::vector
       const SpacePtr Vh = V1->at(U);
       return obstacle_scene(Vh, obstacle_points(*Vh, before_obstacle, slave));
     });
-  return scene_at(stage, [=, pair = PairLabels(slave, master)](const Stage& U) {
+  return scene_at(stage, [=, pair = PairLabels{slave, master}](const Stage& U) {
     check_stage(U, dofs);
     return pair_scene(V1->at(U), V2 ? V2->at(U, V1->dofs()) : nullptr, pair, obstacle);
   });
@@ -328,10 +328,5 @@ Triplets Stiffened::view(std::size_t size) const {
   t.a = a_.data();
   return t;
 }
-
-PairLabels::PairLabels(std::vector<long> slave_, std::vector<long> master_)
-    : slave(std::move(slave_)),
-      master(std::move(master_)),
-      pairs(mortar::label_pairs(slave, master)) {}
 
 }  // namespace frictioncg

@@ -523,7 +523,7 @@ const Space* Space::begun() const {
 }
 
 std::vector<Index> Space::body_of_element() const {
-  mortar::Groups groups(vertices());
+  Groups groups(vertices());
   for (Index k = 0; k < elements(); ++k) {
     const std::array<Index, 4> vertex = element(k);
     for (int v = 1; v <= d; ++v) groups.join(vertex[0], vertex[v]);

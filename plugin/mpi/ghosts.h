@@ -27,14 +27,6 @@ inline void refuse_other_domain(const Domain& domain, const std::vector<NodePlac
         "different places; make it by createMat(Th, C, Pk) with the mesh of Vh");
 }
 
-/// Leaves the contact points of own nodes.
-inline void keep_own_points(const Domain& domain, Scene& scene) {
-  std::vector<BoundaryNode> own;
-  for (const BoundaryNode& n : scene.nodes)
-    if (domain.owns(n.point.dof[0])) own.push_back(n);
-  scene.nodes = std::move(own);
-}
-
 /// Calls visit for each number that is sent of a contact point.
 template <class Visit>
 void for_each_number(BoundaryNode& n, const Visit& visit) {

@@ -19,23 +19,6 @@ PetscErrorCode remember(MPI_Comm, int, const char* function, const char*, PetscE
   first_error = memory ? PETSC_ERR_MEM : error;
   return error;
 }
-}  // namespace
-
-void check(PetscErrorCode error) {
-  if (!error) return;
-  failed = true;
-  const char* text = nullptr;
-  if (first_error) error = first_error;
-  first_error = {};
-  if (error == PETSC_ERR_MEM) throw std::bad_alloc();
-  PetscErrorMessage(error, &text, nullptr);
-  throw std::runtime_error("PETSc: " +
-                           (text ? std::string(text) : "error " + std::to_string(error)));
-}
-
-bool petsc_failed() { return failed; }
-
-namespace {
 
 constexpr const char* phase_names[] = {"fCGPose",  "fCGPairing", "fCGHierarchy", "fCGSolve",
                                        "fCGFaces", "fCGCycle",   "fCGProduct"};
@@ -52,6 +35,20 @@ void name_phases() {
 }
 
 }  // namespace
+
+void check(PetscErrorCode error) {
+  if (!error) return;
+  failed = true;
+  const char* text = nullptr;
+  if (first_error) error = first_error;
+  first_error = {};
+  if (error == PETSC_ERR_MEM) throw std::bad_alloc();
+  PetscErrorMessage(error, &text, nullptr);
+  throw std::runtime_error("PETSc: " +
+                           (text ? std::string(text) : "error " + std::to_string(error)));
+}
+
+bool petsc_failed() { return failed; }
 
 void start_petsc(const std::vector<std::string>& arguments) {
   PetscBool started = PETSC_FALSE;

@@ -97,10 +97,11 @@ class SharedSite final : public Site {
     domain.agree([&] {
       std::vector<BoundaryNode> points = contact_points(d, surface, own);
       if (place->begun()) remember(contact_points(d, begun, own), points);
+      const auto is_ghost = [&](const BoundaryNode& n) { return !domain.owns(n.point.dof[0]); };
+      points.erase(std::remove_if(points.begin(), points.end(), is_ghost), points.end());
       scene = obstacle_scene(place, std::move(points));
     });
     scene->at = stage.at;
-    keep_own_points(domain, *scene);
     follow_motions_of_all(domain, name_bodies(domain, std::move(places), *scene),
                           place->begun() != nullptr, *scene);
     return scene;
@@ -116,7 +117,7 @@ class SharedSite final : public Site {
       if (!V2 && opening.labels == opening.masters)
         throw IllegalInput("slave and master have the same labels " + in_brackets(opening.labels) +
                            ": what touches itself is of one process; with domain= name two labels");
-      PairLabels labels(opening.labels, opening.masters);
+      PairLabels labels{opening.labels, opening.masters};
       labels.slave = slave;
       labels.master = master;
       labels.of_part = true;
