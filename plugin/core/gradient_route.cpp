@@ -9,11 +9,6 @@ namespace frictioncg {
 
 namespace {
 
-Layer layer_of(Method method) {
-  if (method == Method::sorp) return Layer::sorp;
-  return method == Method::gcx ? Layer::gcx : Layer::gc;
-}
-
 /// The rigid motions of A: from the candidates of the system, or, where none of them floats, by
 /// conjugate gradients; not after a call that was to be short.
 DenseMatrix motions_of_A(const ContactProblem& problem, const DenseMatrix& known, Status status) {
@@ -53,7 +48,9 @@ Solution by_gradients(const ContactProblem& problem, const Settings& settings, c
                       Observer* observer, FloatingMotions& floating) {
   const auto tresca = make_tresca_solver(problem, settings, bound_of(problem, settings), observer);
   Solution s = fixed_point(problem, settings, *tresca, x0);
-  s.layer = layer_of(settings.method);
+  s.layer = settings.method == Method::sorp  ? Layer::sorp
+            : settings.method == Method::gcx ? Layer::gcx
+                                             : Layer::gc;
   decide_on_equilibrium(problem, floating, s);
   settle(problem, settings, floating, s);
   return s;

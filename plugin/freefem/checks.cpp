@@ -272,11 +272,6 @@ long largest_data(const Scene& scene, const Vector& b, const Vector& u0) {
 
 bool is_tiny(Real u, const Scales& s) { return u > 0 && u * tgv_ratio < s.extent; }
 
-void refuse_huge_data(const Scene& scene, const Vector& b, const Vector& u0, const Scales& s) {
-  const long i = largest_data(scene, b, u0);
-  if (i >= 0 && is_huge(std::abs(u0[i]), s)) refuse_data(b, u0, i, different_tgv);
-}
-
 /// Data that are next to nothing are 0 where b = A U + r leaves the rest: what the other entries of
 /// the row make of a displacement U, at every node, of its own size at each. Refused is what they
 /// cannot make (U as large as a thousand bodies), what is the same at all nodes (data of another
@@ -296,11 +291,11 @@ void refuse_tiny_data(const Scene& scene, const Vector& b, const Vector& u0, lon
 
 Real check_data(const Scene& scene, const Vector& b, const Vector& u0, const Together& all) {
   const Scales s = scales_of(scene, b, all);
+  const long i = largest_data(scene, b, u0);
   all.agree([&] {
     refuse_data_without_row(scene, b, s);
-    refuse_huge_data(scene, b, u0, s);
+    if (i >= 0 && is_huge(std::abs(u0[i]), s)) refuse_data(b, u0, i, different_tgv);
   });
-  const long i = largest_data(scene, b, u0);
   if (scene.at || !is_tiny(all.system.largest(i < 0 ? 0 : std::abs(u0[i])), s)) return 0;
   Real most = 0;
   const std::vector<Leftover> bodies = all.leftovers();

@@ -33,12 +33,12 @@ class ContactProblemVariable {
   }
   /// A copy, so that what the script assigns meanwhile takes nothing away from a call.
   PosedProblem get() const {
-    if (!is_set()) throw IllegalInput(not_set);
+    if (!problem_)
+      throw IllegalInput(
+          "the contactproblem is not set; write contactproblem C = contactProblem(A, Vh, labels, "
+          "...)");
     return *problem_;
   }
-  bool is_set() const { return problem_ != nullptr; }
-  static constexpr const char* not_set =
-      "the contactproblem is not set; write contactproblem C = contactProblem(A, Vh, labels, ...)";
 
  private:
   PosedProblem* problem_ = nullptr;
@@ -177,22 +177,6 @@ inline void add_refusal(aType result, int arguments, bool constructs) {
   };
   Global.Add(name, "(",
              new Overload(result, std::vector<aType>(arguments, atype<AnyType>()), refuse));
-}
-
-/// The longest form has six arguments; four bodies with a space each have ten.
-constexpr int most_arguments = 10;
-
-/// What a script asks for as a number, frictionCGversion.
-inline void add_version() {
-  Global.New("frictionCGversion", CConstant<double>(std::strtod(version, nullptr)));
-}
-
-/// Registers the refusals, of up to as many arguments as anybody may try.
-inline void add_usage() {
-  for (int arguments = 0; arguments <= most_arguments; ++arguments) {
-    add_refusal(atype<KN_<double>>(), arguments, false);
-    add_refusal(atype<ContactProblemVariable*>(), arguments, true);
-  }
 }
 
 /// The field of a call, a temporary to the end of the statement.
@@ -403,8 +387,12 @@ void add_operators() {
   });
   Global.Add(operator_name, "(", new OneOperatorCode<Increment>());
   Global.Add(operator_name, "(", new OneOperatorCode<Renew>());
-  add_usage();
-  add_version();
+  constexpr int most = 10;  // the longest form has six arguments; four bodies with spaces have ten
+  for (int arguments = 0; arguments <= most; ++arguments) {
+    add_refusal(atype<KN_<double>>(), arguments, false);
+    add_refusal(atype<ContactProblemVariable*>(), arguments, true);
+  }
+  Global.New("frictionCGversion", CConstant<double>(std::strtod(version, nullptr)));
 }
 
 }  // namespace frictioncg

@@ -337,20 +337,14 @@ void Pairing::add_bodies(const Triplets& A, int d,
 
 mortar::Nodes Pairing::nodes_at(int d, const Vector& u_old,
                                 const std::vector<ContactPoint>& obstacle) const {
-  mortar::Nodes nodes{d, between_.X, mortar::held_components(d, between_.dof, *dirichlet_),
-                      taken_by(obstacle)};
+  mortar::Nodes nodes{d, between_.X, mortar::held_components(d, between_.dof, *dirichlet_)};
+  std::set<Index> of_obstacle;
+  for (const ContactPoint& p : obstacle) of_obstacle.insert(p.dof[0]);
+  for (std::size_t i = 0; i < between_.dof.size() && !obstacle.empty(); ++i)
+    nodes.taken.push_back(of_obstacle.count(between_.dof[i][0]) > 0);
   if (between_.is_moved) nodes.reference = displaced(between_, d);
   if (u_old.size() > 0) nodes.before = displaced(between_, d, u_old);
   return nodes;
-}
-
-std::vector<char> Pairing::taken_by(const std::vector<ContactPoint>& obstacle) const {
-  std::vector<char> taken;
-  if (obstacle.empty()) return taken;
-  std::set<Index> dofs;
-  for (const ContactPoint& p : obstacle) dofs.insert(p.dof[0]);
-  for (const std::array<Index, 3>& dof : between_.dof) taken.push_back(dofs.count(dof[0]) > 0);
-  return taken;
 }
 
 void Pairing::add_edge(mortar::MidEdge e, FacedPart& faced) const {

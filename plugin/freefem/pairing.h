@@ -144,8 +144,6 @@ class Pairing {
                   mortar::Options& options, bool& asked) const;
   mortar::Nodes nodes_at(int d, const Vector& u_old,
                          const std::vector<ContactPoint>& obstacle) const;
-  /// The nodes that an obstacle has; none where there is no obstacle.
-  std::vector<char> taken_by(const std::vector<ContactPoint>& obstacle) const;
   /// A mid-edge is the pair's, between ends of which an obstacle has one at most.
   void add_edge(mortar::MidEdge e, FacedPart& faced) const;
   /// A node of the slave as one of its facets sees it, of the label if there is one.

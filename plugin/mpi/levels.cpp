@@ -82,9 +82,6 @@ void set_rings(PC gamg, Index dimension) {
 bool has_at_most(const SharedMatrix& A, PetscInt in_2D, PetscInt in_3D) {
   return rows_of(A.matrix()) <= (A.numbering().dimension == 2 ? in_2D : in_3D);
 }
-bool is_small(const SharedMatrix& A) {
-  return has_at_most(A, limited(direct_2D), limited(direct_3D));
-}
 
 /// GAMG gives levels and prolongations alone, whose cycle is made anew: options that would be read
 /// and change nothing, or take away what this needs.
@@ -142,7 +139,7 @@ std::vector<Level> make_levels(const SharedMatrix& A, const Eigen::MatrixXd& mod
                                Coarsening coarsening) {
   refuse_options_without_effect();
   std::vector<Level> levels;
-  if (coarsening == Coarsening::none || is_small(A)) {
+  if (coarsening == Coarsening::none || has_at_most(A, limited(direct_2D), limited(direct_3D))) {
     levels.push_back(level_of(A.matrix()));
     levels.back().exact = true;
     return levels;

@@ -77,7 +77,13 @@ void LocalSystem::assemble(const Triplets& A, int dimension, const std::vector<I
   system->dimension = dimension;
   system->first = basis_->first;
   system->border = border(A.n);
-  transform_to(A, before, system->A);
+  if (before) {  // over the pattern that was there, where it still holds
+    system->A = before->system_->entries();
+    places_ = before->places_;
+    transform_again(A, *basis_, places_, system->A, K_);
+  } else {
+    transform(A, *basis_, system->A, K_);
+  }
   system->D = system->A.diagonal();
   check_stiffness(A, *system);
   if (!A.half) check_symmetry(A, system->A, system->D, basis_->origin);
@@ -89,14 +95,6 @@ void LocalSystem::assemble(const Triplets& A, int dimension, const std::vector<I
   system->body_modes = in_local_dofs(std::move(body_modes));
   system->weight = node_weights(*system);
   system_ = system;
-}
-
-/// A_local and K, over the pattern that was there before where it still holds.
-void LocalSystem::transform_to(const Triplets& A, const LocalSystem* before, Matrix& A_local) {
-  if (!before) return transform(A, *basis_, A_local, K_);
-  A_local = before->system_->entries();
-  places_ = before->places_;
-  transform_again(A, *basis_, places_, A_local, K_);
 }
 
 /// Modes of another number of dofs are as none: System's are asked for their rows.

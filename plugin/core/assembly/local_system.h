@@ -105,7 +105,6 @@ class LocalSystem {
   void make_basis(const Triplets& A, int dimension);
   void assemble(const Triplets& A, int dimension, const std::vector<Index>& mesh_node,
                 RigidModes modes, BodyModes body_modes, const LocalSystem* before);
-  void transform_to(const Triplets& A, const LocalSystem* before, Matrix& A_local);
   Matrix border(Index n) const;
   template <class Modes>
   std::function<Modes()> in_local_dofs(std::function<Modes()> modes) const;

@@ -109,10 +109,7 @@ std::vector<DenseMatrix> gram(const System& system, const Candidates& all, const
   return sums;
 }
 
-/// The same of the candidates in A, and in the product of a diagonal.
-std::vector<DenseMatrix> gram_in_A(const System& system, const Candidates& all) {
-  return gram(system, all, [&](const VisitRow& visit) { system.product(all.M, visit); });
-}
+/// The same of the candidates in the product of a diagonal.
 std::vector<DenseMatrix> gram_in(const System& system, const Candidates& all, const Vector& diag) {
   return gram(system, all, [&](const VisitRow& visit) {
     std::vector<Index> columns;
@@ -254,7 +251,8 @@ DenseMatrix beside(const Matrix& V, const std::vector<Index>& candidates, Index 
 DenseMatrix floating_motions(const System& system) {
   const Candidates all(system);
   if (all.count() == 0) return DenseMatrix(system.dofs(), 0);
-  const std::vector<DenseMatrix> in_A = gram_in_A(system, all),
+  const auto of_A = [&](const VisitRow& visit) { system.product(all.M, visit); };
+  const std::vector<DenseMatrix> in_A = gram(system, all, of_A),
                                  in_D = gram_in(system, all, system.D);
   const Index each = rigid_components(system.dimension);
   RigidMotions motions(system, all);

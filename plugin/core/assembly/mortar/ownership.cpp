@@ -81,7 +81,8 @@ Ownership::Ownership(const Nodes& nodes, const std::vector<Side>& slaves,
     take_normals(nodes, options.normals);
   if (!begun) find_faced(masters, covers);
   remove_shared(masters);
-  remove_taken(nodes.taken);
+  for (std::size_t i = 0; i < nodes.taken.size(); ++i)
+    if (nodes.taken[i] && state[i] == State::kept) state[i] = State::taken;
   if (!nodes.held.empty())
     remove_held(nodes, slaves, undeformed_normals(nodes, slaves, options, owns, normal));
   if (begun) take_off_slaves(masters, covers);
@@ -207,11 +208,6 @@ void Ownership::take_off_slaves(const std::vector<Side>& masters,
           covers[p].fraction[f] -= extent(cell.part) / extent(reference_facet(masters[p].d));
       cells.erase(std::remove_if(cells.begin(), cells.end(), is_slave), cells.end());
     }
-}
-
-void Ownership::remove_taken(const std::vector<char>& taken) {
-  for (std::size_t i = 0; i < taken.size(); ++i)
-    if (taken[i] && state[i] == State::kept) state[i] = State::taken;
 }
 
 void Ownership::remove_held(const Nodes& nodes, const std::vector<Side>& slaves,

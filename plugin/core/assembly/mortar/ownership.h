@@ -62,7 +62,6 @@ struct Ownership {
   void find_faced(const std::vector<Side>& masters, const std::vector<Cover>& covers);
   void remove_shared(const std::vector<Side>& masters);
   void take_off_slaves(const std::vector<Side>& masters, std::vector<Cover>& covers) const;
-  void remove_taken(const std::vector<char>& taken);
   void remove_held(const Nodes& nodes, const std::vector<Side>& slaves,
                    const std::vector<Vec3>& deciding);
   void choose_carriers(Index p, const Side& slave, const Cover& cover);
