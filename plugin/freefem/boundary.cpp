@@ -129,8 +129,7 @@ class SurfaceNormals {
   std::vector<FanNormal> normal_;                   ///< of each fan
 };
 
-/// The contact points of a node: one per normal. Where there are more normals than the node can
-/// obey (the tip of a pyramid), one mean normal stands for all.
+/// Those of contact_points at one node, number i.
 void add_points(const SharedNode& node, std::size_t i, int d, const SurfaceNormals& normal,
                 std::vector<BoundaryNode>& points) {
   std::vector<FacetGroup> groups = groups_by_normal(node.facets);

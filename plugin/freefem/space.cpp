@@ -227,10 +227,81 @@ class SpaceOn final : public Space {
     return node;
   }
   Boundary boundary(const std::vector<long>& labels, const SpaceInWords& words) const override;
-  SharedNode node_at_vertex(Index element, int vertex) const override;
-  std::vector<NodePlace> places() const override;
-  std::vector<LabelledNode> labelled() const override;
-  Vector unit_load(const std::vector<char>& of) const override;
+  SharedNode node_at_vertex(Index element, int vertex) const override {
+    const typename D::Element K(space()[element]);
+    Interpolation ip;
+    D::interpolate(K, ip);
+    SharedNode node;
+    for (const auto& e : ip.entries) {
+      const R3& hat = ip.hat[e.point];
+      if (corner_at(as_vector(hat), D::d) != vertex || e.coefficient != 1) continue;
+      node.dof[e.component] = K(e.dof);
+      node.x = as_vector(place(element, hat));
+    }
+    node.moved = as_vector(moved(node.dof));
+    return node;
+  }
+  /// Elements with nothing new are passed over: most of them, in 3D.
+  std::vector<NodePlace> places() const override {
+    const std::vector<Index> body = body_of_element();
+    std::vector<NodePlace> places, at_point;
+    std::vector<char> seen(dofs(), 0);
+    Interpolation ip;
+    for (int k = 0; k < elements(); ++k) {
+      const typename D::Element K(space()[k]);
+      bool news = false;
+      for (int i = 0; i < K.NbDoF() && !news; ++i) news = !seen[K(i)];
+      if (!news) continue;
+      D::interpolate(K, ip);
+      at_point.assign(ip.hat.size(), NodePlace());
+      for (const auto& e : ip.entries)
+        if (e.coefficient == 1) at_point[e.point].dof[e.component] = K(e.dof);
+      for (std::size_t p = 0; p < at_point.size(); ++p) {
+        NodePlace& n = at_point[p];
+        bool whole = true;
+        for (int c = 0; c < D::d; ++c) whole &= n.dof[c] >= 0;
+        if (!whole || seen[n.dof[0]]) continue;
+        n.x = as_vector(node(k, ip.hat[p], n.dof));
+        n.body = body[k];
+        places.push_back(n);
+        seen[n.dof[0]] = 1;
+      }
+      for (int i = 0; i < K.NbDoF(); ++i) seen[K(i)] = 1;
+    }
+    return places;
+  }
+  std::vector<LabelledNode> labelled() const override {
+    std::vector<LabelledNode> all;
+    for (int ib = 0; ib < D::facets(mesh()); ++ib) {
+      int facet;
+      const int k = mesh().BoundaryElement(ib, facet);
+      const Real measure = Norme2(D::normal(vertices_of(k), facet));
+      const FacetNodes nodes = facet_nodes(k, facet);
+      for (const FacetNodes::Node& n : nodes.node)
+        all.push_back(
+            {D::label(mesh(), ib), n.dof, measure * D::share(nodes.node.size(), n.corner), 0});
+    }
+    return all;
+  }
+  Vector unit_load(const std::vector<char>& of) const override {
+    Vector load = Vector::Zero(dofs());
+    Interpolation ip;
+    for (int k = 0; k < elements(); ++k) {
+      const typename D::Element K(space()[k]);
+      bool wanted = false;
+      for (int i = 0; i < K.NbDoF() && !wanted; ++i) wanted = of[K(i)];
+      if (!wanted) continue;
+      D::interpolate(K, ip);
+      const auto at_corner = [&](int p) { return corner_at(as_vector(ip.hat[p]), D::d) >= 0; };
+      const bool quadratic = std::any_of(ip.hat.begin(), ip.hat.end(), [](const R3& hat) {
+        return hat.x + hat.y + hat.z == 0.5;  // in the middle of an edge, which no bubble is
+      });
+      const Real content = std::abs(D::content(vertices_of(k)));
+      for (const auto& e : ip.entries)
+        load[K(e.dof)] += content * D::integral(quadratic, at_corner(e.point));
+    }
+    return load;
+  }
   Vec3 go_to(Stack stack, const BoundaryNode& node) const override {
     const auto& there = static_cast<const SpaceOn&>(node.is_begun ? *begun() : *this);
     const Vec3 x = as_vector(there.place(node.element, as_R3(node.hat))) + node.aside;
@@ -269,6 +340,26 @@ class SpaceOn final : public Space {
     for (int v = 0; v <= D::d; ++v) X[v] = D::position(mesh(), k, corner(v));
     return !(D::content(vertices_of(k)) > flat * D::content(X));
   }
+  FacetNodes facet_nodes(int k, int facet) const {
+    const typename D::Element K(space()[k]);
+    Interpolation ip;
+    D::interpolate(K, ip);
+    std::map<int, int> uses;  // dof -> interpolation points it is made from
+    for (const auto& e : ip.entries) ++uses[e.dof];
+    FacetNodes found;
+    for (const auto& e : ip.entries) {
+      if (!D::on_facet(facet, K.DFOnWhat(e.dof))) continue;
+      if (uses[e.dof] != 1 || e.coefficient != 1)
+        refuse_space("has degrees of freedom that are not nodal values");
+      const R3& hat = ip.hat[e.point];
+      FacetNodes::Node& n = found.at(hat);
+      n.x = place(k, hat);
+      n.dof[e.component] = K(e.dof);
+      n.corner = D::is_corner(K.DFOnWhat(e.dof));
+    }
+    check_trace<FESpaceType>(found);
+    return found;
+  }
 
  private:
   static R3 corner(int v) { return R3(v == 1, v == 2, v == 3); }
@@ -296,112 +387,6 @@ class SpaceOn final : public Space {
   CountPointer<FESpaceType> keep_;
   std::shared_ptr<const std::vector<R3>> of_vertex_;  ///< displacements; null: none
 };
-
-template <class FESpaceType>
-FacetNodes facet_nodes(const SpaceOn<FESpaceType>& Vh, int k, int facet) {
-  using D = Dimension<FESpaceType>;
-  const typename D::Element K(Vh.space()[k]);
-  Interpolation ip;
-  D::interpolate(K, ip);
-  std::map<int, int> uses;  // dof -> interpolation points it is made from
-  for (const auto& e : ip.entries) ++uses[e.dof];
-  FacetNodes found;
-  for (const auto& e : ip.entries) {
-    if (!D::on_facet(facet, K.DFOnWhat(e.dof))) continue;
-    if (uses[e.dof] != 1 || e.coefficient != 1)
-      refuse_space("has degrees of freedom that are not nodal values");
-    const R3& hat = ip.hat[e.point];
-    FacetNodes::Node& n = found.at(hat);
-    n.x = Vh.place(k, hat);
-    n.dof[e.component] = K(e.dof);
-    n.corner = D::is_corner(K.DFOnWhat(e.dof));
-  }
-  check_trace<FESpaceType>(found);
-  return found;
-}
-
-template <class FESpaceType>
-SharedNode SpaceOn<FESpaceType>::node_at_vertex(Index element, int vertex) const {
-  const typename D::Element K(space()[element]);
-  Interpolation ip;
-  D::interpolate(K, ip);
-  SharedNode node;
-  for (const auto& e : ip.entries) {
-    const R3& hat = ip.hat[e.point];
-    if (corner_at(as_vector(hat), D::d) != vertex || e.coefficient != 1) continue;
-    node.dof[e.component] = K(e.dof);
-    node.x = as_vector(place(element, hat));
-  }
-  node.moved = as_vector(moved(node.dof));
-  return node;
-}
-
-/// Elements with nothing new are passed over: most of them, in 3D.
-template <class FESpaceType>
-std::vector<NodePlace> SpaceOn<FESpaceType>::places() const {
-  const std::vector<Index> body = body_of_element();
-  std::vector<NodePlace> places, at_point;
-  std::vector<char> seen(dofs(), 0);
-  Interpolation ip;
-  for (int k = 0; k < elements(); ++k) {
-    const typename D::Element K(space()[k]);
-    bool news = false;
-    for (int i = 0; i < K.NbDoF() && !news; ++i) news = !seen[K(i)];
-    if (!news) continue;
-    D::interpolate(K, ip);
-    at_point.assign(ip.hat.size(), NodePlace());
-    for (const auto& e : ip.entries)
-      if (e.coefficient == 1) at_point[e.point].dof[e.component] = K(e.dof);
-    for (std::size_t p = 0; p < at_point.size(); ++p) {
-      NodePlace& n = at_point[p];
-      bool whole = true;
-      for (int c = 0; c < D::d; ++c) whole &= n.dof[c] >= 0;
-      if (!whole || seen[n.dof[0]]) continue;
-      n.x = as_vector(node(k, ip.hat[p], n.dof));
-      n.body = body[k];
-      places.push_back(n);
-      seen[n.dof[0]] = 1;
-    }
-    for (int i = 0; i < K.NbDoF(); ++i) seen[K(i)] = 1;
-  }
-  return places;
-}
-
-template <class FESpaceType>
-std::vector<LabelledNode> SpaceOn<FESpaceType>::labelled() const {
-  std::vector<LabelledNode> all;
-  for (int ib = 0; ib < D::facets(mesh()); ++ib) {
-    int facet;
-    const int k = mesh().BoundaryElement(ib, facet);
-    const Real measure = Norme2(D::normal(vertices_of(k), facet));
-    const FacetNodes nodes = facet_nodes(*this, k, facet);
-    for (const FacetNodes::Node& n : nodes.node)
-      all.push_back(
-          {D::label(mesh(), ib), n.dof, measure * D::share(nodes.node.size(), n.corner), 0});
-  }
-  return all;
-}
-
-template <class FESpaceType>
-Vector SpaceOn<FESpaceType>::unit_load(const std::vector<char>& of) const {
-  Vector load = Vector::Zero(dofs());
-  Interpolation ip;
-  for (int k = 0; k < elements(); ++k) {
-    const typename D::Element K(space()[k]);
-    bool wanted = false;
-    for (int i = 0; i < K.NbDoF() && !wanted; ++i) wanted = of[K(i)];
-    if (!wanted) continue;
-    D::interpolate(K, ip);
-    const auto at_corner = [&](int p) { return corner_at(as_vector(ip.hat[p]), D::d) >= 0; };
-    const bool quadratic = std::any_of(ip.hat.begin(), ip.hat.end(), [](const R3& hat) {
-      return hat.x + hat.y + hat.z == 0.5;  // in the middle of an edge, which no bubble is
-    });
-    const Real content = std::abs(D::content(vertices_of(k)));
-    for (const auto& e : ip.entries)
-      load[K(e.dof)] += content * D::integral(quadratic, at_corner(e.point));
-  }
-  return load;
-}
 
 /// Collects the nodes of the contact boundary facet by facet.
 template <class FESpaceType>
@@ -447,7 +432,7 @@ class BoundaryNodes {
   }
   void add(long label, int k, int facet) {
     const Vec3 normal = as_vector(D::normal(place_.vertices_of(k), facet));
-    const FacetNodes nodes = facet_nodes(place_, k, facet);
+    const FacetNodes nodes = place_.facet_nodes(k, facet);
     if (!D::outer(Vh_.Th, k, facet)) refuse_inside(label, nodes.node.front().x);
     if (place_.is_inverted(k)) refuse_inverted(label, k, nodes);
     std::vector<std::size_t> place;
