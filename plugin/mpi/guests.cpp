@@ -22,24 +22,192 @@ class Growth {
         addend_(addend),
         numbers_(numbers),
         grown_(grown) {}
-  void exchange_rows(const Triplets& A, const Dirichlet& of_A);
-  void find_guests(const Triplets& A);
-  void invite_guests();
-  void fill_matrix(const Triplets& A, const Dirichlet& of_A);
-  void fill_coupling();
+  void exchange_rows(const Triplets& A, const Dirichlet& of_A) {
+    std::vector<Index> place(A.n, -1);  // of a row among those that may be sent
+    std::vector<std::vector<Entry>> rows;
+    for (Number node : interface_.number) {
+      if (!owns(node)) continue;
+      for (Index c = 0; c < interface_.d; ++c) {
+        const Index dof = numbers_.dof(node, c);
+        whole_rows_.push_back(numbers_.of(dof));
+        if (of_A.holds(dof)) continue;
+        place[dof] = static_cast<Index>(rows.size());
+        rows.emplace_back();
+      }
+    }
+    for_each_entry(A, [&](Index i, Index j, Real a) {
+      if (place[i] >= 0) rows[place[i]].push_back({numbers_.of(i), numbers_.of(j), a});
+    });
+    for (const auto& [rank, letter] : part_.delivered(packed_rows(place, rows)))
+      for (const Real* in = letter.data(); in != letter.data() + letter.size();) {
+        const Number i = static_cast<Number>(*in++);
+        received_rows_.push_back(i);
+        for (Index left = static_cast<Index>(*in++); left > 0; --left, in += 2)
+          received_.push_back({i, static_cast<Number>(in[0]), in[1]});
+      }
+    whole_rows_.insert(whole_rows_.end(), received_rows_.begin(), received_rows_.end());
+    sort_once(whole_rows_);
+  }
+  /// Own rows off the interface, too, see ghosts of the slave: their rows of T are needed whole.
+  void find_guests(const Triplets& A) {
+    std::vector<Number> in_T = whole_rows_;
+    std::vector<char> seen(A.n, 0);
+    for_each_entry(A, [&](Index i, Index j, Real) { seen[j] |= part_.owns(i); });
+    for (Index j = 0; j < A.n; ++j)
+      if (seen[j] && interface_.at.count(numbers_.node(numbers_.of(j))) > 0)
+        in_T.push_back(numbers_.of(j));
+    for (const Entry& e : received_) {
+      in_T.push_back(e.j);
+      guests_.push_back(numbers_.node(e.j));
+    }
+    for (const Entry& e : addend_)
+      if (is_whole(e.i)) {
+        in_T.push_back(e.j);
+        guests_.push_back(numbers_.node(e.j));
+      }
+    for (Number i : received_rows_) guests_.push_back(numbers_.node(i));
+    std::vector<char> wanted(interface_.nodes(), 0);
+    const auto add_columns = [&](std::vector<Number>& dofs, const std::vector<Matrix>& M) {
+      sort_once(dofs);
+      for (Number j : dofs) {
+        const auto found = interface_.at.find(numbers_.node(j));
+        if (found == interface_.at.end()) continue;
+        for (Matrix::InnerIterator e(M[numbers_.component(j)], found->second); e; ++e)
+          wanted[e.col()] = 1;
+      }
+    };
+    add_columns(in_T, basis_.T);
+    add_columns(whole_rows_, basis_.W);
+    for (Index i = 0; i < interface_.nodes(); ++i)
+      if (wanted[i]) guests_.push_back(interface_.number[i]);
+    sort_once(guests_);
+    guests_.erase(std::remove_if(guests_.begin(), guests_.end(),
+                                 [&](Number node) { return numbers_.is_here(node); }),
+                  guests_.end());
+  }
+  /// Owners learn whom their nodes visit.
+  void invite_guests() {
+    const Index d = interface_.d;
+    Domain::Letters asked;
+    std::map<int, Domain::Exchange> exchanges;
+    Index next = part_.dofs();
+    for (Number node : guests_) {
+      const int owner = numbers_.owner(node);
+      asked[owner].push_back(Real(node));
+      numbers_.add(node, next);
+      for (Index c = 0; c < d; ++c) exchanges[owner].received.push_back(next++);
+    }
+    for (const auto& [rank, wanted] : part_.delivered(asked))
+      for (Real node : wanted)
+        for (Index c = 0; c < d; ++c)
+          exchanges[rank].sent.push_back(numbers_.dof(static_cast<Number>(node), c));
+    const Index more = d * static_cast<Index>(guests_.size());
+    grown_.domain = std::make_shared<const Domain>(part_, more, exchanges);
+  }
+  /// Rows that were received replace those of the part, and their mirror images the columns between
+  /// free dofs: the matrix stays symmetric. Guests without a row have a diagonal.
+  void fill_matrix(const Triplets& A, const Dirichlet& of_A) {
+    const Domain& domain = *grown_.domain;
+    Vector held = Vector::Zero(domain.dofs()), diagonal = Vector::Zero(domain.dofs());
+    for (Index i = 0; i < A.n; ++i) held[i] = of_A.holds(i);
+    for_each_entry(A, [&](Index i, Index j, Real a) { diagonal[i] += i == j ? a : 0; });
+    domain.update(held);
+    domain.update(diagonal);
+    for (Index i = 0; i < domain.dofs(); ++i) {
+      grown_.held.push_back(held[i] != 0);
+      grown_.own_.push_back(domain.owns(i));
+    }
+    grown_.dirichlet = std::make_unique<const Dirichlet>(of_A.with_more(grown_.held, diagonal));
+    std::vector<char> replaced(domain.dofs(), 0);
+    for (Number i : received_rows_) replaced[numbers_.dof(i)] = 1;
+    const std::vector<char>& fixed = grown_.held;
+    const std::size_t most = (A.half ? 2 : 1) * A.size + 2 * received_.size() + domain.dofs() - A.n;
+    grown_.i_.reserve(most);
+    grown_.j_.reserve(most);
+    grown_.a_.reserve(most);
+    for_each_entry(A, [&](Index i, Index j, Real a) {
+      if (!replaced[i] && !(replaced[j] && !fixed[i] && !fixed[j])) grown_.put(i, j, a);
+    });
+    add_received(replaced);
+    for (Index i = A.n; i < domain.dofs(); ++i)
+      if (!replaced[i]) grown_.put(i, i, diagonal[i]);
+    add_addend();
+  }
+  void fill_coupling() {
+    std::vector<Index> first;
+    for (Number node : interface_.number)
+      first.push_back(numbers_.is_here(node) ? numbers_.dof(node, 0) : -1);
+    EntryList T, W;
+    std::vector<char> coupled(grown_.domain->dofs(), 0);
+    for (Index i = 0; i < interface_.nodes(); ++i) {
+      if (first[i] < 0) continue;
+      for (Index c = 0; c < interface_.d; ++c) {
+        coupled[first[i] + c] = 1;
+        add_row(basis_.T[c], first, i, c, T);
+        add_row(basis_.W[c], first, i, c, W);
+      }
+    }
+    grown_.coupling = mortar::on_all_dofs(coupled, std::move(T), std::move(W));
+  }
 
  private:
   using Number = NodeNumbers::Number;
   using Entry = NumberedEntry;
+  /// Row i for the owners of all p that T_ip or W_ip couple it to: the number, how many entries,
+  /// these.
   Domain::Letters packed_rows(const std::vector<Index>& place,
-                              const std::vector<std::vector<Entry>>& rows) const;
-  void add_received(const std::vector<char>& replaced);
-  void add_addend();
+                              const std::vector<std::vector<Entry>>& rows) const {
+    Domain::Letters out;
+    for (Index i = 0; i < interface_.nodes(); ++i) {
+      if (!owns(interface_.number[i])) continue;
+      for (Index c = 0; c < interface_.d; ++c) {
+        const Index dof = numbers_.dof(interface_.number[i], c);
+        if (place[dof] < 0) continue;
+        std::set<int> readers;
+        for (const Matrix* M : {&basis_.T[c], &basis_.W[c]})
+          for (Matrix::InnerIterator e(*M, i); e; ++e)
+            readers.insert(numbers_.owner(interface_.number[e.col()]));
+        readers.erase(part_.rank());
+        const std::vector<Entry>& row = rows[place[dof]];
+        for (int r : readers) {
+          out[r].insert(out[r].end(), {Real(numbers_.of(dof)), Real(row.size())});
+          for (const Entry& e : row) out[r].insert(out[r].end(), {Real(e.j), e.a});
+        }
+      }
+    }
+    return out;
+  }
+  void add_received(const std::vector<char>& replaced) {
+    for (const Entry& e : received_) {
+      const Index i = numbers_.dof(e.i), j = numbers_.dof(e.j);
+      grown_.put(i, j, e.a);
+      if (!replaced[j] && !grown_.held[j]) grown_.put(j, i, e.a);
+    }
+  }
+  /// In the rows that are whole, and their mirror images.
+  void add_addend() {
+    grown_.plain_ = grown_.a_.size();
+    for (const Entry& e : addend_) {
+      if (!is_whole(e.i)) continue;
+      const Index i = numbers_.dof(e.i), j = numbers_.dof(e.j);
+      grown_.put(i, j, e.a);
+      if (!is_whole(e.j)) grown_.put(j, i, e.a);
+    }
+  }
   bool is_whole(Number row) const {
     return std::binary_search(whole_rows_.begin(), whole_rows_.end(), row);
   }
+  /// A row that is not whole here is one of the identity: no own row of T'AT sees it. first: dof of
+  /// each node of the interface, or -1.
   void add_row(const Matrix& M, const std::vector<Index>& first, Index node, Index component,
-               EntryList& entries) const;
+               EntryList& entries) const {
+    const Index i = first[node] + component;
+    bool whole = true;
+    for (Matrix::InnerIterator e(M, node); e; ++e) whole = whole && first[e.col()] >= 0;
+    if (!whole) entries.emplace_back(i, i, 1);
+    for (Matrix::InnerIterator e(M, node); e && whole; ++e)
+      entries.emplace_back(i, first[e.col()] + component, e.value());
+  }
   bool owns(Number node) const { return numbers_.owner(node) == part_.rank(); }
 
   const Domain& part_;
@@ -86,194 +254,6 @@ Triplets GrownPart::matrix(bool with_addend) const {
 void GrownPart::multiply_addend(const Vector& u, Vector& f) const {
   for (std::size_t k = plain_; k < a_.size(); ++k)
     if (own_[i_[k]]) f[i_[k]] += a_[k] * u[j_[k]];
-}
-
-void Growth::exchange_rows(const Triplets& A, const Dirichlet& of_A) {
-  std::vector<Index> place(A.n, -1);  // of a row among those that may be sent
-  std::vector<std::vector<Entry>> rows;
-  for (Number node : interface_.number) {
-    if (!owns(node)) continue;
-    for (Index c = 0; c < interface_.d; ++c) {
-      const Index dof = numbers_.dof(node, c);
-      whole_rows_.push_back(numbers_.of(dof));
-      if (of_A.holds(dof)) continue;
-      place[dof] = static_cast<Index>(rows.size());
-      rows.emplace_back();
-    }
-  }
-  for_each_entry(A, [&](Index i, Index j, Real a) {
-    if (place[i] >= 0) rows[place[i]].push_back({numbers_.of(i), numbers_.of(j), a});
-  });
-  for (const auto& [rank, letter] : part_.delivered(packed_rows(place, rows)))
-    for (const Real* in = letter.data(); in != letter.data() + letter.size();) {
-      const Number i = static_cast<Number>(*in++);
-      received_rows_.push_back(i);
-      for (Index left = static_cast<Index>(*in++); left > 0; --left, in += 2)
-        received_.push_back({i, static_cast<Number>(in[0]), in[1]});
-    }
-  whole_rows_.insert(whole_rows_.end(), received_rows_.begin(), received_rows_.end());
-  sort_once(whole_rows_);
-}
-
-/// Row i for the owners of all p that T_ip or W_ip couple it to: the number, how many entries,
-/// these.
-Domain::Letters Growth::packed_rows(const std::vector<Index>& place,
-                                    const std::vector<std::vector<Entry>>& rows) const {
-  Domain::Letters out;
-  for (Index i = 0; i < interface_.nodes(); ++i) {
-    if (!owns(interface_.number[i])) continue;
-    for (Index c = 0; c < interface_.d; ++c) {
-      const Index dof = numbers_.dof(interface_.number[i], c);
-      if (place[dof] < 0) continue;
-      std::set<int> readers;
-      for (const Matrix* M : {&basis_.T[c], &basis_.W[c]})
-        for (Matrix::InnerIterator e(*M, i); e; ++e)
-          readers.insert(numbers_.owner(interface_.number[e.col()]));
-      readers.erase(part_.rank());
-      const std::vector<Entry>& row = rows[place[dof]];
-      for (int r : readers) {
-        out[r].insert(out[r].end(), {Real(numbers_.of(dof)), Real(row.size())});
-        for (const Entry& e : row) out[r].insert(out[r].end(), {Real(e.j), e.a});
-      }
-    }
-  }
-  return out;
-}
-
-/// Own rows off the interface, too, see ghosts of the slave: their rows of T are needed whole.
-void Growth::find_guests(const Triplets& A) {
-  std::vector<Number> in_T = whole_rows_;
-  std::vector<char> seen(A.n, 0);
-  for_each_entry(A, [&](Index i, Index j, Real) { seen[j] |= part_.owns(i); });
-  for (Index j = 0; j < A.n; ++j)
-    if (seen[j] && interface_.at.count(numbers_.node(numbers_.of(j))) > 0)
-      in_T.push_back(numbers_.of(j));
-  for (const Entry& e : received_) {
-    in_T.push_back(e.j);
-    guests_.push_back(numbers_.node(e.j));
-  }
-  for (const Entry& e : addend_)
-    if (is_whole(e.i)) {
-      in_T.push_back(e.j);
-      guests_.push_back(numbers_.node(e.j));
-    }
-  for (Number i : received_rows_) guests_.push_back(numbers_.node(i));
-  std::vector<char> wanted(interface_.nodes(), 0);
-  const auto add_columns = [&](std::vector<Number>& dofs, const std::vector<Matrix>& M) {
-    sort_once(dofs);
-    for (Number j : dofs) {
-      const auto found = interface_.at.find(numbers_.node(j));
-      if (found == interface_.at.end()) continue;
-      for (Matrix::InnerIterator e(M[numbers_.component(j)], found->second); e; ++e)
-        wanted[e.col()] = 1;
-    }
-  };
-  add_columns(in_T, basis_.T);
-  add_columns(whole_rows_, basis_.W);
-  for (Index i = 0; i < interface_.nodes(); ++i)
-    if (wanted[i]) guests_.push_back(interface_.number[i]);
-  sort_once(guests_);
-  guests_.erase(std::remove_if(guests_.begin(), guests_.end(),
-                               [&](Number node) { return numbers_.is_here(node); }),
-                guests_.end());
-}
-
-/// Owners learn whom their nodes visit.
-void Growth::invite_guests() {
-  const Index d = interface_.d;
-  Domain::Letters asked;
-  std::map<int, Domain::Exchange> exchanges;
-  Index next = part_.dofs();
-  for (Number node : guests_) {
-    const int owner = numbers_.owner(node);
-    asked[owner].push_back(Real(node));
-    numbers_.add(node, next);
-    for (Index c = 0; c < d; ++c) exchanges[owner].received.push_back(next++);
-  }
-  for (const auto& [rank, wanted] : part_.delivered(asked))
-    for (Real node : wanted)
-      for (Index c = 0; c < d; ++c)
-        exchanges[rank].sent.push_back(numbers_.dof(static_cast<Number>(node), c));
-  const Index more = d * static_cast<Index>(guests_.size());
-  grown_.domain = std::make_shared<const Domain>(part_, more, exchanges);
-}
-
-/// Rows that were received replace those of the part, and their mirror images the columns between
-/// free dofs: the matrix stays symmetric. Guests without a row have a diagonal.
-void Growth::fill_matrix(const Triplets& A, const Dirichlet& of_A) {
-  const Domain& domain = *grown_.domain;
-  Vector held = Vector::Zero(domain.dofs()), diagonal = Vector::Zero(domain.dofs());
-  for (Index i = 0; i < A.n; ++i) held[i] = of_A.holds(i);
-  for_each_entry(A, [&](Index i, Index j, Real a) { diagonal[i] += i == j ? a : 0; });
-  domain.update(held);
-  domain.update(diagonal);
-  for (Index i = 0; i < domain.dofs(); ++i) {
-    grown_.held.push_back(held[i] != 0);
-    grown_.own_.push_back(domain.owns(i));
-  }
-  grown_.dirichlet = std::make_unique<const Dirichlet>(of_A.with_more(grown_.held, diagonal));
-  std::vector<char> replaced(domain.dofs(), 0);
-  for (Number i : received_rows_) replaced[numbers_.dof(i)] = 1;
-  const std::vector<char>& fixed = grown_.held;
-  const std::size_t most = (A.half ? 2 : 1) * A.size + 2 * received_.size() + domain.dofs() - A.n;
-  grown_.i_.reserve(most);
-  grown_.j_.reserve(most);
-  grown_.a_.reserve(most);
-  for_each_entry(A, [&](Index i, Index j, Real a) {
-    if (!replaced[i] && !(replaced[j] && !fixed[i] && !fixed[j])) grown_.put(i, j, a);
-  });
-  add_received(replaced);
-  for (Index i = A.n; i < domain.dofs(); ++i)
-    if (!replaced[i]) grown_.put(i, i, diagonal[i]);
-  add_addend();
-}
-
-void Growth::add_received(const std::vector<char>& replaced) {
-  for (const Entry& e : received_) {
-    const Index i = numbers_.dof(e.i), j = numbers_.dof(e.j);
-    grown_.put(i, j, e.a);
-    if (!replaced[j] && !grown_.held[j]) grown_.put(j, i, e.a);
-  }
-}
-
-/// In the rows that are whole, and their mirror images.
-void Growth::add_addend() {
-  grown_.plain_ = grown_.a_.size();
-  for (const Entry& e : addend_) {
-    if (!is_whole(e.i)) continue;
-    const Index i = numbers_.dof(e.i), j = numbers_.dof(e.j);
-    grown_.put(i, j, e.a);
-    if (!is_whole(e.j)) grown_.put(j, i, e.a);
-  }
-}
-
-/// A row that is not whole here is one of the identity: no own row of T'AT sees it. first: dof of
-/// each node of the interface, or -1.
-void Growth::add_row(const Matrix& M, const std::vector<Index>& first, Index node, Index component,
-                     EntryList& entries) const {
-  const Index i = first[node] + component;
-  bool whole = true;
-  for (Matrix::InnerIterator e(M, node); e; ++e) whole = whole && first[e.col()] >= 0;
-  if (!whole) entries.emplace_back(i, i, 1);
-  for (Matrix::InnerIterator e(M, node); e && whole; ++e)
-    entries.emplace_back(i, first[e.col()] + component, e.value());
-}
-
-void Growth::fill_coupling() {
-  std::vector<Index> first;
-  for (Number node : interface_.number)
-    first.push_back(numbers_.is_here(node) ? numbers_.dof(node, 0) : -1);
-  EntryList T, W;
-  std::vector<char> coupled(grown_.domain->dofs(), 0);
-  for (Index i = 0; i < interface_.nodes(); ++i) {
-    if (first[i] < 0) continue;
-    for (Index c = 0; c < interface_.d; ++c) {
-      coupled[first[i] + c] = 1;
-      add_row(basis_.T[c], first, i, c, T);
-      add_row(basis_.W[c], first, i, c, W);
-    }
-  }
-  grown_.coupling = mortar::on_all_dofs(coupled, std::move(T), std::move(W));
 }
 
 }  // namespace frictioncg

@@ -51,18 +51,165 @@ class Covering {
         moved_(earlier ? moved_since(*earlier, X) : 0),
         tree_(d_, master.surface.facets, master.planes, X) {}
 
-  Cover run();
+  Cover run() {
+    Cover result;
+    result.cells.resize(slave_.facets());
+    result.fraction.assign(slave_.facets(), 0);
+    const Real whole = extent(reference_facet(d_));
+    Real total = 0;
+    for (Index f = 0; f < slave_.facets(); ++f) {
+      std::vector<Cell>& cells = result.cells[f];
+      find(f, maxgap_);
+      separate();
+      for (std::size_t k = 0; k < candidates_.size(); ++k) cut_behind(k, nearer_[k], cells);
+      const auto refused = [&](const Cell& cell) { return overlap_refused(f, cell); };
+      cells.erase(std::remove_if(cells.begin(), cells.end(), refused), cells.end());
+      const auto distance = [&](const Cell& cell) {
+        const Facet& facet = master_.facet(cell.master);
+        const Affine now = project(d_, slave_.planes[f], facet, X_).distance;
+        return deciding_distance(f, cell.master, now);
+      };
+      keep_nearest_sheet(master_, slave_.planes[f].size, distance, cells);
+    }
+    result.beyond_steps =
+        earlier_ ? earlier_->cover.beyond_steps : beyond_steps(slave_, master_, X_, result.cells);
+    for (Index f : result.beyond_steps) result.cells[f].clear();
+    for (Index f = 0; f < slave_.facets(); ++f) {
+      for (const Cell& cell : result.cells[f]) result.fraction[f] += extent(cell.part) / whole;
+      total += result.fraction[f];
+    }
+    result.visited = tree_.visited() + pairs_;
+    if (total == 0) result.nearest = nearest_facing();
+    return result;
+  }
 
  private:
-  void find(Index f, Real maxgap);
-  Projection projected_before(Index f, Index master) const;
-  bool faced(Index f, Index master) const;
-  Affine deciding_distance(Index f, Index master, const Affine& now) const;
-  void separate();
-  void cut_behind(std::size_t k, const std::vector<std::size_t>& before, std::vector<Cell>& cells);
-  bool overlap_refused(Index f, const Cell& cell);
-  bool shielded(Index f, const Vec2& xi, Real depth);
-  Real nearest_facing();
+  /// Fills candidates_.
+  void find(Index f, Real maxgap) {
+    const Plane& base = slave_.planes[f];
+    const Real reach = maxgap + 2 * moved_;
+    tree_.find({base, -reach, reach, true}, found_);
+    candidates_.clear();
+    for (Index m : found_) {
+      ++pairs_;
+      Candidate c;
+      c.master = m;
+      c.projection = project(d_, base, master_.facet(m), X_);
+      if (!c.projection.inverts) continue;
+      c.part = inside(d_, reference_facet(d_), c.projection);
+      if (c.part.empty()) continue;
+      c.extent = extent(c.part);
+      if (c.extent <= nothing) continue;
+      const Vec2 middle = centroid(c.part);
+      c.distance = c.projection.distance(middle);
+      if (std::abs(deciding_distance(f, m, c.projection.distance)(middle)) > maxgap) continue;
+      const Real deepest = std::max(base.size, master_.planes[m].size);
+      if (earlier_ && c.distance < -deepest && !faced(f, m)) continue;  // it has come past its end
+      if (own_ && own_->excludes(slave_, f, master_.facet(m), middle, c.distance, deepest))
+        continue;
+      c.left = infinity, c.right = -infinity;
+      for (const Vec2& xi : c.part)
+        c.left = std::min(c.left, xi[0]), c.right = std::max(c.right, xi[0]);
+      candidates_.push_back(std::move(c));
+    }
+  }
+  /// Of a master's facet, where it was decided what faces what.
+  Projection projected_before(Index f, Index master) const {
+    return project(d_, earlier_->slave.planes[f], earlier_->master.facet(master), earlier_->X);
+  }
+  /// Whether a part of the slave facet was before the master's, not their planes alone.
+  bool faced(Index f, Index master) const {
+    const Projection p = projected_before(f, master);
+    return p.inverts && !inside(d_, reference_facet(d_), p).empty();
+  }
+  /// The distance of a master's plane from a slave facet by which it is decided whether it faces
+  /// it. A plane far from its facet tells nothing: where no part was before, the place of now
+  /// decides.
+  Affine deciding_distance(Index f, Index master, const Affine& now) const {
+    if (!earlier_ || !faced(f, master)) return now;
+    const Projection p = projected_before(f, master);
+    const Real along = earlier_->master.planes[master].normal.dot(earlier_->slave.planes[f].normal);
+    return along < facing ? p.distance : now;
+  }
+  /// Fills nearer_: pairs whose parts overlap, found by a sweep along xi_1.
+  void separate() {
+    std::sort(candidates_.begin(), candidates_.end(),
+              [](const Candidate& a, const Candidate& b) { return a.left < b.left; });
+    nearer_.assign(candidates_.size(), {});
+    std::vector<std::size_t> open;
+    for (std::size_t k = 0; k < candidates_.size(); ++k) {
+      const Candidate& c = candidates_[k];
+      const auto passed = [&](std::size_t q) { return candidates_[q].right <= c.left; };
+      open.erase(std::remove_if(open.begin(), open.end(), passed), open.end());
+      for (std::size_t q : open) {
+        const Candidate& o = candidates_[q];
+        ++pairs_;
+        const Polygon common = inside(d_, c.part, o.projection);
+        if (common.empty() || extent(common) <= rounding * std::min(c.extent, o.extent)) continue;
+        const Vec2 xi = centroid(common);
+        const bool o_nearer =
+            std::abs(o.projection.distance(xi)) < std::abs(c.projection.distance(xi));
+        if (o_nearer)
+          nearer_[k].push_back(q);
+        else
+          nearer_[q].push_back(k);
+      }
+      open.push_back(k);
+    }
+  }
+  /// Adds what the nearer candidates leave of candidate k.
+  void cut_behind(std::size_t k, const std::vector<std::size_t>& before, std::vector<Cell>& cells) {
+    std::vector<Polygon> parts{candidates_[k].part};
+    for (std::size_t q : before) {
+      std::vector<Polygon> left;
+      for (const Polygon& part : parts)
+        for (Polygon& piece : outside(d_, part, candidates_[q].projection))
+          left.push_back(std::move(piece));
+      parts = std::move(left);
+    }
+    for (Polygon& part : parts)
+      if (extent(part) > nothing) cells.push_back({candidates_[k].master, std::move(part)});
+  }
+  /// A cell deeper behind the slave than a facet is long is an overlap, or, past the other side of
+  /// the master, no partner at all: true for the latter.
+  bool overlap_refused(Index f, const Cell& cell) {
+    const Plane& base = slave_.planes[f];
+    const Vec2 xi = centroid(cell.part);
+    const Projection p = project(d_, base, master_.facet(cell.master), X_);
+    const Real depth = -p.distance(xi);
+    const Real size = std::max(base.size, master_.planes[cell.master].size);
+    if (depth <= size) return false;
+    if (shielded(f, xi, depth)) return true;
+    const Vec3 lambda = slave_coordinates(d_, xi);
+    Vec3 x = Vec3::Zero();
+    for (int v = 0; v < d_; ++v) x += lambda[v] * X_[slave_.facet(f).node[v]];
+    refuse("slave and master overlap by ", depth, " at ", place(d_, x),
+           ", deeper than their facets are long (", size,
+           "); move the bodies apart, or, where this is no overlap, give maxgap below ", depth);
+  }
+  /// Does a master facet that faces away lie between the slave and what is `depth` behind it?
+  bool shielded(Index f, const Vec2& xi, Real depth) {
+    const Plane& base = slave_.planes[f];
+    tree_.find({base, -depth, 0, false}, found_);
+    for (Index m : found_) {
+      ++pairs_;
+      if (master_.planes[m].normal.dot(base.normal) < facing) continue;
+      const Projection p = project(d_, base, master_.facet(m), X_);
+      if (!p.inverts) continue;
+      const Real distance = p.distance(xi);
+      if (p.at(xi).head(d_).minCoeff() >= on_edge && distance < 0 && distance > -depth) return true;
+    }
+    return false;
+  }
+  Real nearest_facing() {
+    Real nearest = infinity;
+    for (Index f = 0; f < slave_.facets(); ++f) {
+      find(f, infinity);
+      for (const Candidate& c : candidates_)
+        if (std::abs(c.distance) > maxgap_) nearest = std::min(nearest, std::abs(c.distance));
+    }
+    return nearest;
+  }
 
   const Side &slave_, &master_;
   const std::vector<Vec3>& X_;
@@ -77,172 +224,6 @@ class Covering {
   std::vector<std::vector<std::size_t>> nearer_;  ///< per candidate: those that hide parts of it
   std::size_t pairs_ = 0;
 };
-
-/// Of a master's facet, where it was decided what faces what.
-Projection Covering::projected_before(Index f, Index master) const {
-  return project(d_, earlier_->slave.planes[f], earlier_->master.facet(master), earlier_->X);
-}
-
-/// The distance of a master's plane from a slave facet by which it is decided whether it faces it.
-/// A plane far from its facet tells nothing: where no part was before, the place of now decides.
-Affine Covering::deciding_distance(Index f, Index master, const Affine& now) const {
-  if (!earlier_ || !faced(f, master)) return now;
-  const Projection p = projected_before(f, master);
-  const Real along = earlier_->master.planes[master].normal.dot(earlier_->slave.planes[f].normal);
-  return along < facing ? p.distance : now;
-}
-
-/// Whether a part of the slave facet was before the master's, not their planes alone.
-bool Covering::faced(Index f, Index master) const {
-  const Projection p = projected_before(f, master);
-  return p.inverts && !inside(d_, reference_facet(d_), p).empty();
-}
-
-/// Fills candidates_.
-void Covering::find(Index f, Real maxgap) {
-  const Plane& base = slave_.planes[f];
-  const Real reach = maxgap + 2 * moved_;
-  tree_.find({base, -reach, reach, true}, found_);
-  candidates_.clear();
-  for (Index m : found_) {
-    ++pairs_;
-    Candidate c;
-    c.master = m;
-    c.projection = project(d_, base, master_.facet(m), X_);
-    if (!c.projection.inverts) continue;
-    c.part = inside(d_, reference_facet(d_), c.projection);
-    if (c.part.empty()) continue;
-    c.extent = extent(c.part);
-    if (c.extent <= nothing) continue;
-    const Vec2 middle = centroid(c.part);
-    c.distance = c.projection.distance(middle);
-    if (std::abs(deciding_distance(f, m, c.projection.distance)(middle)) > maxgap) continue;
-    const Real deepest = std::max(base.size, master_.planes[m].size);
-    if (earlier_ && c.distance < -deepest && !faced(f, m)) continue;  // it has come past its end
-    if (own_ && own_->excludes(slave_, f, master_.facet(m), middle, c.distance, deepest)) continue;
-    c.left = infinity, c.right = -infinity;
-    for (const Vec2& xi : c.part)
-      c.left = std::min(c.left, xi[0]), c.right = std::max(c.right, xi[0]);
-    candidates_.push_back(std::move(c));
-  }
-}
-
-/// Fills nearer_: pairs whose parts overlap, found by a sweep along xi_1.
-void Covering::separate() {
-  std::sort(candidates_.begin(), candidates_.end(),
-            [](const Candidate& a, const Candidate& b) { return a.left < b.left; });
-  nearer_.assign(candidates_.size(), {});
-  std::vector<std::size_t> open;
-  for (std::size_t k = 0; k < candidates_.size(); ++k) {
-    const Candidate& c = candidates_[k];
-    const auto passed = [&](std::size_t q) { return candidates_[q].right <= c.left; };
-    open.erase(std::remove_if(open.begin(), open.end(), passed), open.end());
-    for (std::size_t q : open) {
-      const Candidate& o = candidates_[q];
-      ++pairs_;
-      const Polygon common = inside(d_, c.part, o.projection);
-      if (common.empty() || extent(common) <= rounding * std::min(c.extent, o.extent)) continue;
-      const Vec2 xi = centroid(common);
-      const bool o_nearer =
-          std::abs(o.projection.distance(xi)) < std::abs(c.projection.distance(xi));
-      if (o_nearer)
-        nearer_[k].push_back(q);
-      else
-        nearer_[q].push_back(k);
-    }
-    open.push_back(k);
-  }
-}
-
-/// Adds what the nearer candidates leave of candidate k.
-void Covering::cut_behind(std::size_t k, const std::vector<std::size_t>& before,
-                          std::vector<Cell>& cells) {
-  std::vector<Polygon> parts{candidates_[k].part};
-  for (std::size_t q : before) {
-    std::vector<Polygon> left;
-    for (const Polygon& part : parts)
-      for (Polygon& piece : outside(d_, part, candidates_[q].projection))
-        left.push_back(std::move(piece));
-    parts = std::move(left);
-  }
-  for (Polygon& part : parts)
-    if (extent(part) > nothing) cells.push_back({candidates_[k].master, std::move(part)});
-}
-
-/// Does a master facet that faces away lie between the slave and what is `depth` behind it?
-bool Covering::shielded(Index f, const Vec2& xi, Real depth) {
-  const Plane& base = slave_.planes[f];
-  tree_.find({base, -depth, 0, false}, found_);
-  for (Index m : found_) {
-    ++pairs_;
-    if (master_.planes[m].normal.dot(base.normal) < facing) continue;
-    const Projection p = project(d_, base, master_.facet(m), X_);
-    if (!p.inverts) continue;
-    const Real distance = p.distance(xi);
-    if (p.at(xi).head(d_).minCoeff() >= on_edge && distance < 0 && distance > -depth) return true;
-  }
-  return false;
-}
-
-/// A cell deeper behind the slave than a facet is long is an overlap, or, past the other side of
-/// the master, no partner at all: true for the latter.
-bool Covering::overlap_refused(Index f, const Cell& cell) {
-  const Plane& base = slave_.planes[f];
-  const Vec2 xi = centroid(cell.part);
-  const Projection p = project(d_, base, master_.facet(cell.master), X_);
-  const Real depth = -p.distance(xi);
-  const Real size = std::max(base.size, master_.planes[cell.master].size);
-  if (depth <= size) return false;
-  if (shielded(f, xi, depth)) return true;
-  const Vec3 lambda = slave_coordinates(d_, xi);
-  Vec3 x = Vec3::Zero();
-  for (int v = 0; v < d_; ++v) x += lambda[v] * X_[slave_.facet(f).node[v]];
-  refuse("slave and master overlap by ", depth, " at ", place(d_, x),
-         ", deeper than their facets are long (", size,
-         "); move the bodies apart, or, where this is no overlap, give maxgap below ", depth);
-}
-
-Real Covering::nearest_facing() {
-  Real nearest = infinity;
-  for (Index f = 0; f < slave_.facets(); ++f) {
-    find(f, infinity);
-    for (const Candidate& c : candidates_)
-      if (std::abs(c.distance) > maxgap_) nearest = std::min(nearest, std::abs(c.distance));
-  }
-  return nearest;
-}
-
-Cover Covering::run() {
-  Cover result;
-  result.cells.resize(slave_.facets());
-  result.fraction.assign(slave_.facets(), 0);
-  const Real whole = extent(reference_facet(d_));
-  Real total = 0;
-  for (Index f = 0; f < slave_.facets(); ++f) {
-    std::vector<Cell>& cells = result.cells[f];
-    find(f, maxgap_);
-    separate();
-    for (std::size_t k = 0; k < candidates_.size(); ++k) cut_behind(k, nearer_[k], cells);
-    const auto refused = [&](const Cell& cell) { return overlap_refused(f, cell); };
-    cells.erase(std::remove_if(cells.begin(), cells.end(), refused), cells.end());
-    const auto distance = [&](const Cell& cell) {
-      const Facet& facet = master_.facet(cell.master);
-      const Affine now = project(d_, slave_.planes[f], facet, X_).distance;
-      return deciding_distance(f, cell.master, now);
-    };
-    keep_nearest_sheet(master_, slave_.planes[f].size, distance, cells);
-  }
-  result.beyond_steps =
-      earlier_ ? earlier_->cover.beyond_steps : beyond_steps(slave_, master_, X_, result.cells);
-  for (Index f : result.beyond_steps) result.cells[f].clear();
-  for (Index f = 0; f < slave_.facets(); ++f) {
-    for (const Cell& cell : result.cells[f]) result.fraction[f] += extent(cell.part) / whole;
-    total += result.fraction[f];
-  }
-  result.visited = tree_.visited() + pairs_;
-  if (total == 0) result.nearest = nearest_facing();
-  return result;
-}
 
 }  // namespace
 

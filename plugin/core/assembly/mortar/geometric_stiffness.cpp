@@ -19,9 +19,30 @@ class Row {
  public:
   /// choice: of the row as it is
   Row(const SlopedRow& row, const RowChoice& choice, const ContactNode& at, const Turns& turns,
-      const std::vector<Vec3>& X);
+      const std::vector<Vec3>& X)
+      : i_(at.node), n_(at.normal), X_(X), turns_(turns), G_(row.own) {
+    T_ = Mat3::Identity() - n_ * n_.transpose();
+    G_[i_].value += 1;
+    for (const auto& [l, weight] : row.theirs) G_[l].add(weight, -1);
+    for (const auto& [c, weight] : G_) {
+      for (const auto& [j, by] : weight.slope) near_.insert(j);
+      near_.insert(c);
+      arm_ += weight.value * (X_[c] - X_[i_]);
+    }
+    for (const auto& [j, by] : turns_) near_.insert(j);
+    for (const auto& [j, by] : row.offset.slope) near_.insert(j);
+    set_gap(row);
+    balance(row.theirs, choice.rank);
+  }
   /// Of the force y
-  void add_to(NodeBlocks& blocks, const Vec3& y) const;
+  void add_to(NodeBlocks& blocks, const Vec3& y) const {
+    const Mat3 turning = n_.dot(y) * Mat3::Identity() - n_ * y.transpose();
+    for (const auto& [c, weight] : G_)
+      for (Index j : near_) {
+        const Mat3 by = y * weight.by(j).transpose() + weight.value * turning * turn(j);
+        if (!by.isZero(0)) blocks.emplace_back(std::make_pair(c, j), by);
+      }
+  }
   /// Of the gap n.(offset - arm)
   const std::map<Index, Vec3>& gap() const { return gap_; }
 
@@ -34,12 +55,73 @@ class Row {
     const auto found = turns_.find(j);
     return found == turns_.end() ? Mat3(Mat3::Zero()) : found->second;
   }
-  void place_master(const std::map<Index, Sloped>& theirs, Index rank);
-  void balance(const std::map<Index, Sloped>& theirs, Index rank);
-  void set_gap(const SlopedRow& row);
-  void balance_slopes(const std::map<Index, Sloped>& theirs, Index j);
-  Mat3 slope_of_arm(Index j) const;
-  Mat3 slope_of_mean(const std::map<Index, Sloped>& theirs, Index j) const;
+  void place_master(const std::map<Index, Sloped>& theirs, Index rank) {
+    for (const auto& [l, weight] : theirs) {
+      sum_ += std::abs(weight.value);
+      mean_ += std::abs(weight.value) * X_[l];
+    }
+    mean_ /= sum_;
+    Mat3 M = Mat3::Zero();
+    for (const auto& [l, weight] : theirs) {
+      const Vec3 x = X_[l] - mean_, q = T_ * x;
+      at_[l] = {std::abs(weight.value), weight.value < 0 ? -1. : 1., x, q};
+      M += at_[l].w * q * q.transpose();
+    }
+    inverse_ = least_squares(M, Mat3::Identity(), singular(rank));
+  }
+  void balance(const std::map<Index, Sloped>& theirs, Index rank) {
+    place_master(theirs, rank);
+    b_ = inverse_ * arm_;
+    Real largest = most_change;
+    for (const auto& [l, p] : at_)
+      if (const Real change = std::abs(b_.dot(p.q)); change > largest) largest = change, most_ = l;
+    part_ = most_change / largest;
+    for (Index j : near_) balance_slopes(theirs, j);
+    for (const auto& [l, p] : at_) G_[l].value -= part_ * p.w * b_.dot(p.q);
+  }
+  void set_gap(const SlopedRow& row) {
+    for (Index j : near_)
+      gap_[j] = row.offset.by(j) - slope_of_arm(j).transpose() * n_ +
+                turn(j).transpose() * (row.between - arm_);
+  }
+  void balance_slopes(const std::map<Index, Sloped>& theirs, Index j) {
+    const Mat3 dn = turn(j), dmean = slope_of_mean(theirs, j);
+    Mat3 rest = slope_of_arm(j) - n_.dot(arm_) * dn;  // T d(T arm) - dM b
+    std::map<Index, Mat3> dq;
+    for (const auto& [l, p] : at_) {
+      dq[l] = -T_ * dmean - n_.dot(p.x) * dn - n_ * p.x.transpose() * dn;
+      if (l == j) dq[l] += T_;
+      const Eigen::RowVector3d dw = p.sign * theirs.at(l).by(j).transpose();
+      rest -= p.q.dot(b_) * (p.q * dw + p.w * dq[l]) + p.w * p.q * (b_.transpose() * dq[l]);
+    }
+    Mat3 db = inverse_ * rest;
+    if (part_ < 1) {
+      const Vec3& q = at_[most_].q;
+      const Eigen::RowVector3d change = q.transpose() * db + b_.transpose() * dq[most_];
+      db -= b_ * change / b_.dot(q);
+    }
+    for (const auto& [l, p] : at_)
+      G_[l].at(j) -= part_ * (p.sign * b_.dot(p.q) * theirs.at(l).by(j) +
+                              p.w * (db.transpose() * p.q + dq[l].transpose() * b_));
+  }
+  /// Of the weights before they are balanced.
+  Mat3 slope_of_arm(Index j) const {
+    Mat3 slope = Mat3::Zero();
+    for (const auto& [c, weight] : G_) {
+      slope += (X_[c] - X_[i_]) * weight.by(j).transpose();
+      if (c == j) slope += weight.value * Mat3::Identity();
+      if (i_ == j) slope -= weight.value * Mat3::Identity();
+    }
+    return slope;
+  }
+  Mat3 slope_of_mean(const std::map<Index, Sloped>& theirs, Index j) const {
+    Mat3 slope = Mat3::Zero();
+    for (const auto& [l, p] : at_) {
+      slope += p.sign * p.x * theirs.at(l).by(j).transpose();
+      if (l == j) slope += p.w * Mat3::Identity();
+    }
+    return slope / sum_;
+  }
 
   Index i_;
   Vec3 n_;
@@ -55,105 +137,6 @@ class Row {
   Vec3 arm_ = Vec3::Zero(), mean_ = Vec3::Zero(), b_ = Vec3::Zero();
   Mat3 T_, inverse_;  ///< of M
 };
-
-Row::Row(const SlopedRow& row, const RowChoice& choice, const ContactNode& at, const Turns& turns,
-         const std::vector<Vec3>& X)
-    : i_(at.node), n_(at.normal), X_(X), turns_(turns), G_(row.own) {
-  T_ = Mat3::Identity() - n_ * n_.transpose();
-  G_[i_].value += 1;
-  for (const auto& [l, weight] : row.theirs) G_[l].add(weight, -1);
-  for (const auto& [c, weight] : G_) {
-    for (const auto& [j, by] : weight.slope) near_.insert(j);
-    near_.insert(c);
-    arm_ += weight.value * (X_[c] - X_[i_]);
-  }
-  for (const auto& [j, by] : turns_) near_.insert(j);
-  for (const auto& [j, by] : row.offset.slope) near_.insert(j);
-  set_gap(row);
-  balance(row.theirs, choice.rank);
-}
-
-void Row::add_to(NodeBlocks& blocks, const Vec3& y) const {
-  const Mat3 turning = n_.dot(y) * Mat3::Identity() - n_ * y.transpose();
-  for (const auto& [c, weight] : G_)
-    for (Index j : near_) {
-      const Mat3 by = y * weight.by(j).transpose() + weight.value * turning * turn(j);
-      if (!by.isZero(0)) blocks.emplace_back(std::make_pair(c, j), by);
-    }
-}
-
-void Row::place_master(const std::map<Index, Sloped>& theirs, Index rank) {
-  for (const auto& [l, weight] : theirs) {
-    sum_ += std::abs(weight.value);
-    mean_ += std::abs(weight.value) * X_[l];
-  }
-  mean_ /= sum_;
-  Mat3 M = Mat3::Zero();
-  for (const auto& [l, weight] : theirs) {
-    const Vec3 x = X_[l] - mean_, q = T_ * x;
-    at_[l] = {std::abs(weight.value), weight.value < 0 ? -1. : 1., x, q};
-    M += at_[l].w * q * q.transpose();
-  }
-  inverse_ = least_squares(M, Mat3::Identity(), singular(rank));
-}
-
-void Row::balance(const std::map<Index, Sloped>& theirs, Index rank) {
-  place_master(theirs, rank);
-  b_ = inverse_ * arm_;
-  Real largest = most_change;
-  for (const auto& [l, p] : at_)
-    if (const Real change = std::abs(b_.dot(p.q)); change > largest) largest = change, most_ = l;
-  part_ = most_change / largest;
-  for (Index j : near_) balance_slopes(theirs, j);
-  for (const auto& [l, p] : at_) G_[l].value -= part_ * p.w * b_.dot(p.q);
-}
-
-void Row::set_gap(const SlopedRow& row) {
-  for (Index j : near_)
-    gap_[j] = row.offset.by(j) - slope_of_arm(j).transpose() * n_ +
-              turn(j).transpose() * (row.between - arm_);
-}
-
-/// Of the weights before they are balanced.
-Mat3 Row::slope_of_arm(Index j) const {
-  Mat3 slope = Mat3::Zero();
-  for (const auto& [c, weight] : G_) {
-    slope += (X_[c] - X_[i_]) * weight.by(j).transpose();
-    if (c == j) slope += weight.value * Mat3::Identity();
-    if (i_ == j) slope -= weight.value * Mat3::Identity();
-  }
-  return slope;
-}
-
-Mat3 Row::slope_of_mean(const std::map<Index, Sloped>& theirs, Index j) const {
-  Mat3 slope = Mat3::Zero();
-  for (const auto& [l, p] : at_) {
-    slope += p.sign * p.x * theirs.at(l).by(j).transpose();
-    if (l == j) slope += p.w * Mat3::Identity();
-  }
-  return slope / sum_;
-}
-
-void Row::balance_slopes(const std::map<Index, Sloped>& theirs, Index j) {
-  const Mat3 dn = turn(j), dmean = slope_of_mean(theirs, j);
-  Mat3 rest = slope_of_arm(j) - n_.dot(arm_) * dn;  // T d(T arm) - dM b
-  std::map<Index, Mat3> dq;
-  for (const auto& [l, p] : at_) {
-    dq[l] = -T_ * dmean - n_.dot(p.x) * dn - n_ * p.x.transpose() * dn;
-    if (l == j) dq[l] += T_;
-    const Eigen::RowVector3d dw = p.sign * theirs.at(l).by(j).transpose();
-    rest -= p.q.dot(b_) * (p.q * dw + p.w * dq[l]) + p.w * p.q * (b_.transpose() * dq[l]);
-  }
-  Mat3 db = inverse_ * rest;
-  if (part_ < 1) {
-    const Vec3& q = at_[most_].q;
-    const Eigen::RowVector3d change = q.transpose() * db + b_.transpose() * dq[most_];
-    db -= b_ * change / b_.dot(q);
-  }
-  for (const auto& [l, p] : at_)
-    G_[l].at(j) -= part_ * (p.sign * b_.dot(p.q) * theirs.at(l).by(j) +
-                            p.w * (db.transpose() * p.q + dq[l].transpose() * b_));
-}
 
 /// The turns of the normals of contact nodes, by node; none of those that have the master's.
 std::map<Index, Turns> turns_of(const Arrangement& of, const std::vector<ContactNode>& contact) {

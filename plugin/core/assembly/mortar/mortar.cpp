@@ -41,20 +41,163 @@ class Assembly {
       add_pair(static_cast<Index>(p), of.slaves[p], of.masters[p], of.covers[p]);
   }
   /// choices: as far as it is decided; the rest is added.
-  void finish(RowChoices& choices, Mortar& mortar);
+  void finish(RowChoices& choices, Mortar& mortar) {
+    const Index n = size();
+    mortar.size_ = n;
+    mortar.edges_ = std::move(edges_);
+    place_removed();
+    const Vector inverse = (D_.array() == 0).select(Vector::Ones(n), D_).cwiseInverse();
+    mortar.N_ = Matrix(inverse.asDiagonal() * sparse(n, n, N_)).pruned(1., negligible);
+    mortar.P_ = Matrix(inverse.asDiagonal() * sparse(n, n, P_)).pruned(1., negligible);
+    set_nodes(mortar);
+    EntryList rows;
+    for (std::size_t k = 0; k < mortar.nodes_.size(); ++k)
+      rows.emplace_back(static_cast<Index>(k), mortar.nodes_[k].node, 1);
+    const Matrix K = sparse(static_cast<Index>(mortar.nodes_.size()), n, rows);
+    mortar.S_ = K * Matrix(identity(n) + mortar.N_) * mortar.halving({}, false, -0.5);
+    const auto take = [&](const Matrix& P) {
+      mortar.P_ = P;
+      mortar.G_ = mortar.S_ - Matrix(K * P);
+    };
+    take(mortar.P_);
+    set_gaps(mortar);  // from the integrals as they are
+    set_distances_of_edges(mortar);
+    take(balanced(mortar.P_, mortar.G_, mortar.nodes_, nodes_.X, choices));
+    take(along_normals(mortar.P_, mortar.G_, mortar.nodes_, ownership_.common.of_master, masters_,
+                       nodes_.X, choices));
+    take(across_gap(mortar.P_, mortar.G_, mortar.nodes_, nodes_, faced_));
+    set_statistics(mortar);
+  }
   std::map<Index, SlopedRow> sloped_rows() const { return slopes_.rows(takes_removed_); }
 
  private:
   Index size() const { return static_cast<Index>(nodes_.X.size()); }
-  void add_pair(Index p, const Side& slave, const Side& master, const Cover& cover);
+  void add_pair(Index p, const Side& slave, const Side& master, const Cover& cover) {
+    const Integration integration(slave, master, nodes_.X, options_);
+    Statistics& s = statistics_.emplace_back();
+    s.visited = cover.visited;
+    s.beyond_steps = static_cast<Index>(cover.beyond_steps.size());
+    for (Index f = 0; f < slave.facets(); ++f) {
+      const std::vector<Cell>& cells = cover.cells[f];
+      if (cells.empty()) continue;
+      if (cover.fraction[f] < 1 - uncovered) ++s.partly_covered;
+      const Part part{slave, master, f, cells};
+      const Moments moments = integration.over(part);
+      const Ownership::Carriers& carriers = ownership_.carriers[p][f];
+      for_each_multiplier(part, moments, carriers,
+                          [&](Index i, const auto& psi, const auto& kept, Real d) {
+                            D_[i] += d;
+                            add_multiplier(i, psi, part, moments, kept);
+                          });
+      slopes_.add(part, moments, integration, carriers);
+      if (slave.surface.quadratic) add_edges(slave, f, moments);
+    }
+  }
+  /// psi: coefficients of the multiplier of node i over the lambda of the facet.
   void add_multiplier(Index i, const Eigen::RowVector3d& psi, const Part& part,
-                      const Moments& moments, const std::array<bool, 3>& kept);
-  void place_removed();
-  void add_edges(const Side& slave, Index f, const Moments& moments);
-  void set_nodes(Mortar& mortar) const;
-  void set_gaps(Mortar& mortar) const;
-  void set_distances_of_edges(Mortar& mortar) const;
-  void set_statistics(Mortar& mortar);
+                      const Moments& moments, const std::array<bool, 3>& kept) {
+    const int d = part.slave.d, nodes_m = nodes_of_facet(d, part.master.surface.quadratic);
+    offset_[i] += (psi * moments.offset).transpose();
+    for (int v = 0; v < d; ++v)
+      if (!kept[v]) removed_.emplace_back(i, part.node(v), psi.dot(moments.vertices.col(v)));
+    for (int k = 0; part.slave.surface.quadratic && k < edges_of_facet(d); ++k)
+      N_.emplace_back(i, part.node(d + k), psi.dot(moments.edges.col(k)));
+    for (std::size_t c = 0; c < part.cells.size(); ++c) {
+      const Facet& master = part.master.facet(part.cells[c].master);
+      const Real weight = (psi * moments.master[c].leftCols(nodes_m)).sum();
+      faced_[i].emplace_back(&master, weight);
+      for (int l = 0; l < nodes_m; ++l)
+        P_.emplace_back(i, master.node[l], psi.dot(moments.master[c].col(l)));
+    }
+  }
+  /// A node with the master's normal takes on itself what removed nodes r move by: that normal lets
+  /// slip what turns the master at its own place alone. The gap stays that of all. Where the
+  /// weights of r, which have no sign on slivers, would take half of D_i, they stay those of r.
+  void place_removed() {
+    Vector sum = Vector::Zero(size());
+    for (const auto& e : removed_) sum[e.row()] += e.value();
+    takes_removed_.assign(size(), 0);
+    for (Index i = 0; i < size(); ++i) {
+      takes_removed_[i] = ownership_.common.of_master[i] && D_[i] + sum[i] > D_[i] / 2;
+      if (takes_removed_[i]) D_[i] += sum[i];
+    }
+    for (const auto& e : removed_) {
+      const Index i = e.row(), r = e.col();
+      if (takes_removed_[i])
+        offset_[i] -= e.value() * (nodes_.X[r] - nodes_.X[i]);
+      else
+        N_.emplace_back(i, r, e.value());
+    }
+  }
+  void add_edges(const Side& slave, Index f, const Moments& moments) {
+    const auto& node = slave.facet(f).node;
+    for (int k = 0; k < edges_of_facet(slave.d); ++k) {
+      const auto [a, b] = edge_ends(slave.d, k);
+      const Index e = node[slave.d + k];
+      const auto [at, is_new] = number_of_edge_.emplace(e, static_cast<Index>(edges_.size()));
+      if (is_new) {
+        edges_.push_back({e, node[a], node[b], 0});
+        edge_moments_.emplace_back();
+      }
+      EdgeMoments& sum = edge_moments_[at->second];
+      sum.of_distance += moments.distance[k];
+      for (int v = 0; v < slave.d; ++v) sum.of_vertices.emplace_back(node[v], moments.edges(v, k));
+    }
+  }
+  void set_nodes(Mortar& mortar) const {
+    for (Index i = 0; i < size(); ++i) {
+      if (D_[i] == 0) continue;
+      mortar.nodes_.push_back(
+          {i, ownership_.pair[i], ownership_.label[i], ownership_.normal[i], D_[i]});
+    }
+  }
+  /// g_i = n_i.( -(G X)_i + int psi_i (delta_m(chi) - delta_s) / D_i ), X seen from X_i.
+  void set_gaps(Mortar& mortar) const {
+    const Vector rows = mortar.S_ * Vector::Ones(size());
+    for (std::size_t k = 0; k < mortar.nodes_.size(); ++k) {
+      ContactNode& node = mortar.nodes_[k];
+      Vec3 between = offset_[node.node] / node.weight;
+      for (Matrix::InnerIterator it(mortar.G_, static_cast<Index>(k)); it; ++it)
+        between -= it.value() * (nodes_.X[it.col()] - nodes_.X[node.node]);
+      node.gap = node.normal.dot(between);
+      node.distance = node.gap / rows[static_cast<Index>(k)];
+    }
+  }
+  /// g_e = (g_a + g_b)/2 + int phi_e (g - sum_v lambda_v g_v) / int phi_e: as exact on parts of a
+  /// facet as on the whole. Where vertices carry no law, the mean of g, weighted by phi_e.
+  void set_distances_of_edges(Mortar& mortar) const {
+    std::vector<const ContactNode*> at(nodes_.X.size(), nullptr);
+    for (const ContactNode& node : mortar.nodes_) at[node.node] = &node;
+    for (std::size_t k = 0; k < mortar.edges_.size(); ++k) {
+      MidEdge& e = mortar.edges_[k];
+      Real room = 0, linear = 0;
+      bool laws = true;
+      for (const auto& [v, moment] : edge_moments_[k].of_vertices) {
+        room += moment;
+        laws = laws && at[v] != nullptr;
+        if (laws) linear += moment * at[v]->distance;
+      }
+      e.distance = room > 0 ? (edge_moments_[k].of_distance - (laws ? linear : 0)) / room : 0;
+      if (laws) e.distance += (at[e.a]->distance + at[e.b]->distance) / 2;
+    }
+  }
+  void set_statistics(Mortar& mortar) {
+    using State = Ownership::State;
+    for (Index i = 0; i < size(); ++i) {
+      const State state = ownership_.state[i];
+      if (state == State::uncovered || state == State::kept) continue;
+      Statistics& s = statistics_[ownership_.pair[i]];
+      ++s.removed;
+      if (state == State::held && s.held++ == 0) s.first_held = i;
+    }
+    for (const ContactNode& node : mortar.nodes_) {
+      Statistics& s = statistics_[node.pair];
+      const bool first = s.facing++ == 0;
+      s.least_gap = first ? node.gap : std::min(s.least_gap, node.gap);
+      s.largest_gap = first ? node.gap : std::max(s.largest_gap, node.gap);
+    }
+    mortar.statistics_ = std::move(statistics_);
+  }
 
   const Nodes& nodes_;
   const Options& options_;
@@ -71,168 +214,6 @@ class Assembly {
   std::vector<EdgeMoments> edge_moments_;  ///< in their order
   std::vector<Statistics> statistics_;     ///< per pair
 };
-
-void Assembly::add_pair(Index p, const Side& slave, const Side& master, const Cover& cover) {
-  const Integration integration(slave, master, nodes_.X, options_);
-  Statistics& s = statistics_.emplace_back();
-  s.visited = cover.visited;
-  s.beyond_steps = static_cast<Index>(cover.beyond_steps.size());
-  for (Index f = 0; f < slave.facets(); ++f) {
-    const std::vector<Cell>& cells = cover.cells[f];
-    if (cells.empty()) continue;
-    if (cover.fraction[f] < 1 - uncovered) ++s.partly_covered;
-    const Part part{slave, master, f, cells};
-    const Moments moments = integration.over(part);
-    const Ownership::Carriers& carriers = ownership_.carriers[p][f];
-    for_each_multiplier(part, moments, carriers,
-                        [&](Index i, const auto& psi, const auto& kept, Real d) {
-                          D_[i] += d;
-                          add_multiplier(i, psi, part, moments, kept);
-                        });
-    slopes_.add(part, moments, integration, carriers);
-    if (slave.surface.quadratic) add_edges(slave, f, moments);
-  }
-}
-
-/// psi: coefficients of the multiplier of node i over the lambda of the facet.
-void Assembly::add_multiplier(Index i, const Eigen::RowVector3d& psi, const Part& part,
-                              const Moments& moments, const std::array<bool, 3>& kept) {
-  const int d = part.slave.d, nodes_m = nodes_of_facet(d, part.master.surface.quadratic);
-  offset_[i] += (psi * moments.offset).transpose();
-  for (int v = 0; v < d; ++v)
-    if (!kept[v]) removed_.emplace_back(i, part.node(v), psi.dot(moments.vertices.col(v)));
-  for (int k = 0; part.slave.surface.quadratic && k < edges_of_facet(d); ++k)
-    N_.emplace_back(i, part.node(d + k), psi.dot(moments.edges.col(k)));
-  for (std::size_t c = 0; c < part.cells.size(); ++c) {
-    const Facet& master = part.master.facet(part.cells[c].master);
-    const Real weight = (psi * moments.master[c].leftCols(nodes_m)).sum();
-    faced_[i].emplace_back(&master, weight);
-    for (int l = 0; l < nodes_m; ++l)
-      P_.emplace_back(i, master.node[l], psi.dot(moments.master[c].col(l)));
-  }
-}
-
-/// A node with the master's normal takes on itself what removed nodes r move by: that normal lets
-/// slip what turns the master at its own place alone. The gap stays that of all. Where the weights
-/// of r, which have no sign on slivers, would take half of D_i, they stay those of r.
-void Assembly::place_removed() {
-  Vector sum = Vector::Zero(size());
-  for (const auto& e : removed_) sum[e.row()] += e.value();
-  takes_removed_.assign(size(), 0);
-  for (Index i = 0; i < size(); ++i) {
-    takes_removed_[i] = ownership_.common.of_master[i] && D_[i] + sum[i] > D_[i] / 2;
-    if (takes_removed_[i]) D_[i] += sum[i];
-  }
-  for (const auto& e : removed_) {
-    const Index i = e.row(), r = e.col();
-    if (takes_removed_[i])
-      offset_[i] -= e.value() * (nodes_.X[r] - nodes_.X[i]);
-    else
-      N_.emplace_back(i, r, e.value());
-  }
-}
-
-void Assembly::add_edges(const Side& slave, Index f, const Moments& moments) {
-  const auto& node = slave.facet(f).node;
-  for (int k = 0; k < edges_of_facet(slave.d); ++k) {
-    const auto [a, b] = edge_ends(slave.d, k);
-    const Index e = node[slave.d + k];
-    const auto [at, is_new] = number_of_edge_.emplace(e, static_cast<Index>(edges_.size()));
-    if (is_new) {
-      edges_.push_back({e, node[a], node[b], 0});
-      edge_moments_.emplace_back();
-    }
-    EdgeMoments& sum = edge_moments_[at->second];
-    sum.of_distance += moments.distance[k];
-    for (int v = 0; v < slave.d; ++v) sum.of_vertices.emplace_back(node[v], moments.edges(v, k));
-  }
-}
-
-void Assembly::set_nodes(Mortar& mortar) const {
-  for (Index i = 0; i < size(); ++i) {
-    if (D_[i] == 0) continue;
-    mortar.nodes_.push_back(
-        {i, ownership_.pair[i], ownership_.label[i], ownership_.normal[i], D_[i]});
-  }
-}
-
-/// g_i = n_i.( -(G X)_i + int psi_i (delta_m(chi) - delta_s) / D_i ), X seen from X_i.
-void Assembly::set_gaps(Mortar& mortar) const {
-  const Vector rows = mortar.S_ * Vector::Ones(size());
-  for (std::size_t k = 0; k < mortar.nodes_.size(); ++k) {
-    ContactNode& node = mortar.nodes_[k];
-    Vec3 between = offset_[node.node] / node.weight;
-    for (Matrix::InnerIterator it(mortar.G_, static_cast<Index>(k)); it; ++it)
-      between -= it.value() * (nodes_.X[it.col()] - nodes_.X[node.node]);
-    node.gap = node.normal.dot(between);
-    node.distance = node.gap / rows[static_cast<Index>(k)];
-  }
-}
-
-/// g_e = (g_a + g_b)/2 + int phi_e (g - sum_v lambda_v g_v) / int phi_e: as exact on parts of a
-/// facet as on the whole. Where vertices carry no law, the mean of g, weighted by phi_e.
-void Assembly::set_distances_of_edges(Mortar& mortar) const {
-  std::vector<const ContactNode*> at(nodes_.X.size(), nullptr);
-  for (const ContactNode& node : mortar.nodes_) at[node.node] = &node;
-  for (std::size_t k = 0; k < mortar.edges_.size(); ++k) {
-    MidEdge& e = mortar.edges_[k];
-    Real room = 0, linear = 0;
-    bool laws = true;
-    for (const auto& [v, moment] : edge_moments_[k].of_vertices) {
-      room += moment;
-      laws = laws && at[v] != nullptr;
-      if (laws) linear += moment * at[v]->distance;
-    }
-    e.distance = room > 0 ? (edge_moments_[k].of_distance - (laws ? linear : 0)) / room : 0;
-    if (laws) e.distance += (at[e.a]->distance + at[e.b]->distance) / 2;
-  }
-}
-
-void Assembly::set_statistics(Mortar& mortar) {
-  using State = Ownership::State;
-  for (Index i = 0; i < size(); ++i) {
-    const State state = ownership_.state[i];
-    if (state == State::uncovered || state == State::kept) continue;
-    Statistics& s = statistics_[ownership_.pair[i]];
-    ++s.removed;
-    if (state == State::held && s.held++ == 0) s.first_held = i;
-  }
-  for (const ContactNode& node : mortar.nodes_) {
-    Statistics& s = statistics_[node.pair];
-    const bool first = s.facing++ == 0;
-    s.least_gap = first ? node.gap : std::min(s.least_gap, node.gap);
-    s.largest_gap = first ? node.gap : std::max(s.largest_gap, node.gap);
-  }
-  mortar.statistics_ = std::move(statistics_);
-}
-
-void Assembly::finish(RowChoices& choices, Mortar& mortar) {
-  const Index n = size();
-  mortar.size_ = n;
-  mortar.edges_ = std::move(edges_);
-  place_removed();
-  const Vector inverse = (D_.array() == 0).select(Vector::Ones(n), D_).cwiseInverse();
-  mortar.N_ = Matrix(inverse.asDiagonal() * sparse(n, n, N_)).pruned(1., negligible);
-  mortar.P_ = Matrix(inverse.asDiagonal() * sparse(n, n, P_)).pruned(1., negligible);
-  set_nodes(mortar);
-  EntryList rows;
-  for (std::size_t k = 0; k < mortar.nodes_.size(); ++k)
-    rows.emplace_back(static_cast<Index>(k), mortar.nodes_[k].node, 1);
-  const Matrix K = sparse(static_cast<Index>(mortar.nodes_.size()), n, rows);
-  mortar.S_ = K * Matrix(identity(n) + mortar.N_) * mortar.halving({}, false, -0.5);
-  const auto take = [&](const Matrix& P) {
-    mortar.P_ = P;
-    mortar.G_ = mortar.S_ - Matrix(K * P);
-  };
-  take(mortar.P_);
-  set_gaps(mortar);  // from the integrals as they are
-  set_distances_of_edges(mortar);
-  take(balanced(mortar.P_, mortar.G_, mortar.nodes_, nodes_.X, choices));
-  take(along_normals(mortar.P_, mortar.G_, mortar.nodes_, ownership_.common.of_master, masters_,
-                     nodes_.X, choices));
-  take(across_gap(mortar.P_, mortar.G_, mortar.nodes_, nodes_, faced_));
-  set_statistics(mortar);
-}
 
 namespace {
 
