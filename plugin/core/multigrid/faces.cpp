@@ -50,18 +50,14 @@ void Faces::start_from(const Vector& x, const Vector& b_C) {
   update_rows();
 }
 
-Eigen::Vector2d Faces::slip_force(Index i, const Vector& x, const Vector& b_C) const {
+/// The force of friction on the present branch: where it sticks, whatever b is.
+Eigen::Vector2d Faces::friction(Index i, const Vector& x, const Vector& b_C) const {
   const Branch& face = face_[i];
+  if (face.stick) return tangent(b_C, normal(i) + 1, system_.tangents(i));
   const Branch::Limit limit = face.limit(law_of(increment_, i));
   const Real g = lagged_ ? face.g : limit.base + limit.slope * b_C[normal(i)];
   const Eigen::Vector2d x_T = tangent(x, system_.first[i] + 1, system_.tangents(i));
   return g * face.d + face.stiffness() * x_T;
-}
-
-/// The force of friction on the present branch: where it sticks, whatever b is.
-Eigen::Vector2d Faces::friction(Index i, const Vector& x, const Vector& b_C) const {
-  if (face_[i].stick) return tangent(b_C, normal(i) + 1, system_.tangents(i));
-  return slip_force(i, x, b_C);
 }
 
 /// The branch of friction for the force f, where the pressure of a closed node is r_N.

@@ -44,7 +44,6 @@ class Faces {
 
  private:
   Index normal(Index i) const { return system_.first[i] - system_.interior(); }
-  Eigen::Vector2d slip_force(Index i, const Vector& x, const Vector& b_C) const;
   Eigen::Vector2d friction(Index i, const Vector& x, const Vector& b_C) const;
   Branch branch(Index i, bool closed, const Eigen::Vector2d& f, Real r_N, const Vector& x) const;
   void update_rows();
