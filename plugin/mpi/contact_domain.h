@@ -9,12 +9,6 @@ extern KN<String>* pkarg;  // FreeFEM's: the words of the command line
 
 namespace frictioncg {
 
-inline std::vector<std::string> command_line() {
-  std::vector<std::string> words;
-  for (long k = 0; pkarg && k < pkarg->N(); ++k) words.push_back(*(*pkarg)[k].getap()[0]);
-  return words;
-}
-
 /// What a script's variable of type contactdomain stands for. FreeFEM allots its bytes without a
 /// constructor, and calls destroy() in place of the destructor.
 class ContactDomainVariable {
@@ -81,7 +75,9 @@ class MakeDomain : public E_F0mps {
   AnyType operator()(Stack stack) const override {
     MPI_Comm communicator = MPI_COMM_WORLD;
     beforehand("createMat", [&] {
-      start_petsc(command_line());
+      std::vector<std::string> words;
+      for (long k = 0; pkarg && k < pkarg->N(); ++k) words.push_back(*(*pkarg)[k].getap()[0]);
+      start_petsc(words);
       if (named_[0])
         if (const auto* given = static_cast<MPI_Comm*>(GetAny<pcommworld>((*named_[0])(stack))))
           communicator = *given;

@@ -52,11 +52,11 @@ class Sample {
  public:
   /// Collective.
   explicit Sample(const SharedScene& shared) : domain_(*shared.domain), d_(shared.scene->d) {
-    choose_own(shared.scene->places());
-    Matrix4 packed(4, own_.size());
-    for (std::size_t k = 0; k < own_.size(); ++k)
-      packed.col(static_cast<Index>(k)) << own_[k].x, Real(own_[k].body);
-    const Vector all = domain_.gathered(Eigen::Map<const Vector>(packed.data(), packed.size()));
+    const std::vector<NodePlace> own = chosen(shared.scene->places());
+    Vector packed(4 * own.size());
+    for (std::size_t k = 0; k < own.size(); ++k)
+      packed.segment<4>(4 * static_cast<Index>(k)) << own[k].x, Real(own[k].body);
+    const Vector all = domain_.gathered(packed);
     for (Index i = 0; 4 * i < all.size(); ++i) {
       NodePlace n;
       n.x = all.segment<3>(4 * i);
@@ -70,10 +70,10 @@ class Sample {
   Vector of(const Vector& field) const { return domain_.gathered(field(own_dofs_)); }
 
  private:
-  using Matrix4 = Eigen::Matrix<Real, 4, Eigen::Dynamic>;
-  void choose_own(const std::vector<NodePlace>& places) {
+  /// Some of the own ones; notes their dofs.
+  std::vector<NodePlace> chosen(const std::vector<NodePlace>& places) {
     constexpr Index of_all = 3000, least = 4;
-    std::vector<NodePlace> own;
+    std::vector<NodePlace> own, some;
     for (const NodePlace& p : places)
       if (domain_.owns(p.dof[0])) own.push_back(p);
     const auto bodies = by_body(own);
@@ -81,14 +81,15 @@ class Sample {
     const std::size_t most = std::max(least, of_all / (domain_.size() * count));
     for (const auto& [number, body] : bodies)
       for (std::size_t k = 0; k < body.size(); k += 1 + body.size() / most) {
-        own_.push_back(body[k]);
+        some.push_back(body[k]);
         own_dofs_.insert(own_dofs_.end(), body[k].dof.begin(), body[k].dof.begin() + d_);
       }
+    return some;
   }
 
   const Domain& domain_;
   const int d_;
-  std::vector<NodePlace> own_, nodes_;
+  std::vector<NodePlace> nodes_;
   std::vector<Index> own_dofs_;
 };
 
