@@ -31,6 +31,28 @@ RigidMotion motion_of_obstacle(const Scene& scene, Index obstacle, const Vector&
   return m;
 }
 
+/// A motion of the local dofs in words: of the bodies, and of the obstacles that move.
+std::string describe(const Scene& scene, const Vector& motion) {
+  const Vector all = scene.system->to_global(motion), u = all.head(scene.ndof());
+  if (!scene.moving) return describe_motion(scene.places(), scene.d, u);
+  const Index each = rigid_components(scene.d), count = scene.moving->rigid.dofs() / each;
+  std::vector<RigidMotion> of_obstacle;
+  Real most = u.lpNorm<Eigen::Infinity>();
+  const auto way = [](const RigidMotion& m) { return m.a.norm() + m.w.norm() * m.extent; };
+  for (Index o = 0; o < count; ++o) {
+    of_obstacle.push_back(motion_of_obstacle(scene, o, all.segment(scene.ndof() + o * each, each)));
+    most = std::max(most, way(of_obstacle.back()));
+  }
+  std::string text;
+  if (u.lpNorm<Eigen::Infinity>() > at_rest * most)
+    text = describe_motion(scene.places(), scene.d, u);
+  for (Index o = 0; o < count; ++o)
+    if (way(of_obstacle[o]) > at_rest * most)
+      text += (text.empty() ? "" : ", with ") + describe(of_obstacle[o], scene.d) + " of " +
+              name_of(*scene.moving, o);
+  return text;
+}
+
 }  // namespace
 
 bool held_by_contact(const Scene& scene, const std::vector<Index>& nodes,
@@ -85,27 +107,6 @@ std::string runaway(const Scene& scene, const Solution& s, const Vector& u) {
     return held_by_contact(scene, nodes, s.state, system, turn, V);
   };
   return runaway(places, scene.d, field, system, field_of, held);
-}
-
-std::string describe(const Scene& scene, const Vector& motion) {
-  const Vector all = scene.system->to_global(motion), u = all.head(scene.ndof());
-  if (!scene.moving) return describe_motion(scene.places(), scene.d, u);
-  const Index each = rigid_components(scene.d), count = scene.moving->rigid.dofs() / each;
-  std::vector<RigidMotion> of_obstacle;
-  Real most = u.lpNorm<Eigen::Infinity>();
-  const auto way = [](const RigidMotion& m) { return m.a.norm() + m.w.norm() * m.extent; };
-  for (Index o = 0; o < count; ++o) {
-    of_obstacle.push_back(motion_of_obstacle(scene, o, all.segment(scene.ndof() + o * each, each)));
-    most = std::max(most, way(of_obstacle.back()));
-  }
-  std::string text;
-  if (u.lpNorm<Eigen::Infinity>() > at_rest * most)
-    text = describe_motion(scene.places(), scene.d, u);
-  for (Index o = 0; o < count; ++o)
-    if (way(of_obstacle[o]) > at_rest * most)
-      text += (text.empty() ? "" : ", with ") + describe(of_obstacle[o], scene.d) + " of " +
-              name_of(*scene.moving, o);
-  return text;
 }
 
 std::string blamed_motion(const Scene& scene, const Solution& solution) {

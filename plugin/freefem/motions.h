@@ -22,9 +22,6 @@ std::string runaway(const std::vector<NodePlace>& nodes, int d, const Vector& u,
 /// is, the laws being those of that, not the increment.
 std::string runaway(const Scene& scene, const Solution& s, const Vector& u);
 
-/// A motion of the local dofs in words: of the bodies, and of the obstacles that move.
-std::string describe(const Scene& scene, const Vector& motion);
-
 /// In words, the motion that nothing holds, or that costs negative energy; or empty.
 std::string blamed_motion(const Scene& scene, const Solution& solution);
 

@@ -224,8 +224,7 @@ std::vector<BoundaryNode> Pairing::face(const Triplets& A, int d, mortar::Option
     contact.push_back(contact_node(m.node, m));
     faced.add(m);
   }
-  add_moved(*mortar_, between_.moved, contact);
-  add_slip(*mortar_, contact);
+  add_motions(*mortar_, between_.moved, contact);
   for (const mortar::MidEdge& e : mortar_->edges()) add_edge(e, faced);
   for (std::size_t p = 0; p < between_.pairs.size(); ++p)
     faced.add(between_.pairs[p], mortar_->statistics(static_cast<Index>(p)), d, between_.X);
@@ -233,14 +232,11 @@ std::vector<BoundaryNode> Pairing::face(const Triplets& A, int d, mortar::Option
   return contact;
 }
 
-void Pairing::add_moved(const mortar::Mortar& mortar, const std::vector<Vec3>& U,
-                        std::vector<BoundaryNode>& contact) {
-  for (std::size_t k = 0; k < contact.size(); ++k)
+void Pairing::add_motions(const mortar::Mortar& mortar, const std::vector<Vec3>& U,
+                          std::vector<BoundaryNode>& contact) {
+  for (std::size_t k = 0; k < contact.size() && !U.empty(); ++k)
     for (Matrix::InnerIterator G(mortar.relative(), static_cast<Index>(k)); G; ++G)
       contact[k].moved += G.value() * U[G.col()];
-}
-
-void Pairing::add_slip(const mortar::Mortar& mortar, std::vector<BoundaryNode>& contact) {
   for (std::size_t k = 0; k < mortar.slip().size(); ++k) contact[k].slid = mortar.slip()[k];
 }
 

@@ -106,11 +106,10 @@ class Pairing {
                                  const std::function<std::vector<NodePlace>()>& places,
                                  bool again = false);
   void set(FacedPart faced) { faced_ = std::move(faced); }
-  /// G U at each contact node.
-  static void add_moved(const mortar::Mortar& mortar, const std::vector<Vec3>& U,
-                        std::vector<BoundaryNode>& contact);
-  /// What their slip lacks of their motion, where the increment began elsewhere.
-  static void add_slip(const mortar::Mortar& mortar, std::vector<BoundaryNode>& contact);
+  /// G U at each contact node, U empty where nothing has moved; and what their slip lacks of their
+  /// motion, where the increment began elsewhere.
+  static void add_motions(const mortar::Mortar& mortar, const std::vector<Vec3>& U,
+                          std::vector<BoundaryNode>& contact);
   /// Node i of the slave with what a mortar makes of it.
   BoundaryNode contact_node(Index i, const mortar::ContactNode& m) const;
   std::unique_ptr<LocalSystem> system(const Triplets& A, int d, std::vector<ContactPoint> points,

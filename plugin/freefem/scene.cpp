@@ -37,6 +37,16 @@ void observe(const SpacePtr& Vh, Scene& scene) {
   scene.unit_load_of = [Vh](const std::vector<char>& of) { return Vh->unit_load(of); };
 }
 
+/// Normals that motions of a body leave tangential, as far as the mesh can tell, do so exactly.
+void follow_motions(const Space& Vh, std::vector<BoundaryNode>& points) {
+  if (!any_curved(points)) return;
+  const std::vector<Index> of_element = Vh.body_of_element();
+  std::vector<Index> body;
+  for (const BoundaryNode& p : points) body.push_back(of_element[p.element]);
+  follow_motions(Vh.d, body, *std::max_element(body.begin(), body.end()) + 1, Vh.begun() != nullptr,
+                 points);
+}
+
 /// The contact points of the labels, in one process.
 std::vector<BoundaryNode> obstacle_points(const Space& Vh, const SpaceInWords& words,
                                           const std::vector<long>& labels) {
@@ -178,15 +188,6 @@ Vector Scene::slip_from(const Vector& u_old) const {
 
 LocalIncrement Scene::increment(const LocalLoad& load, const PointLaws& laws) const {
   return placed([&] { return system->increment(load, laws); });
-}
-
-void follow_motions(const Space& Vh, std::vector<BoundaryNode>& points) {
-  if (!any_curved(points)) return;
-  const std::vector<Index> of_element = Vh.body_of_element();
-  std::vector<Index> body;
-  for (const BoundaryNode& p : points) body.push_back(of_element[p.element]);
-  follow_motions(Vh.d, body, *std::max_element(body.begin(), body.end()) + 1, Vh.begun() != nullptr,
-                 points);
 }
 
 DofCount dofs_of(const Space& V1, const Space* V2) {

@@ -145,9 +145,6 @@ inline bool has_curved_obstacle(const Scene& scene) {
   return !scene.given_normals && any_curved(scene.nodes);
 }
 
-/// Normals that motions of a body leave tangential, as far as the mesh can tell, do so exactly.
-void follow_motions(const Space& Vh, std::vector<BoundaryNode>& points);
-
 /// Of one space, or of two.
 DofCount dofs_of(const Space& V1, const Space* V2 = nullptr);
 

@@ -129,8 +129,7 @@ inline std::vector<BoundaryNode> face_whole(const Arguments& args, const Opening
   if (args.has(p_forceold)) options.force = faces.motion.force;
   shared.mortar = std::make_shared<mortar::Mortar>(nodes_of(args, faces), faces.pairs, options);
   std::vector<BoundaryNode> contact(shared.mortar->nodes().size());
-  if (!faces.motion.now.empty()) Pairing::add_moved(*shared.mortar, faces.motion.now, contact);
-  Pairing::add_slip(*shared.mortar, contact);
+  Pairing::add_motions(*shared.mortar, faces.motion.now, contact);
   return contact;
 }
 

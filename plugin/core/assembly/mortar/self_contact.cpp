@@ -161,6 +161,14 @@ void part(const std::vector<char>& is_slave, Pair& pair) {
       pair.master.facets.push_back(master[f]);
 }
 
+/// Whether the facets of slave and master are the same.
+bool touches_itself(const Pair& pair) {
+  const std::vector<Facet>&slave = pair.slave.facets, &master = pair.master.facets;
+  const auto same = [](const Facet& a, const Facet& b) { return a.node == b.node; };
+  return !slave.empty() &&
+         std::equal(slave.begin(), slave.end(), master.begin(), master.end(), same);
+}
+
 }  // namespace
 
 bool OwnSurface::excludes(const Side& side, Index f, const Facet& m, const Vec2& xi, Real distance,
@@ -172,13 +180,6 @@ bool OwnSurface::excludes(const Side& side, Index f, const Facet& m, const Vec2&
   if (-distance > deepest) return true;
   const Projection p = project(side.d, planes[f], m, X);
   return p.inverts && p.distance(xi) < 0 && p.at(xi).head(side.d).minCoeff() >= 0;
-}
-
-bool touches_itself(const Pair& pair) {
-  const std::vector<Facet>&slave = pair.slave.facets, &master = pair.master.facets;
-  const auto same = [](const Facet& a, const Facet& b) { return a.node == b.node; };
-  return !slave.empty() &&
-         std::equal(slave.begin(), slave.end(), master.begin(), master.end(), same);
 }
 
 Cover cover(const Nodes& nodes, const Pair& given, const Side& slave, const Side& master,

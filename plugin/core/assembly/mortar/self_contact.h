@@ -22,9 +22,6 @@ struct OwnSurface {
                 Real deepest) const;
 };
 
-/// Whether the facets of slave and master are the same.
-bool touches_itself(const Pair& pair);
-
 /// Which facets are slaves, per pair; empty of one that does not touch or face itself.
 using SlaveFacets = std::vector<std::vector<char>>;
 
