@@ -52,9 +52,8 @@ void InterfaceBuilder::add_slave(const SpacePtr& space, const Boundary& side) {
 
 void InterfaceBuilder::add_master(const Space& space, const Boundary& side, Index dof_offset) {
   add(space, side, dof_offset, &mortar::Pair::master);
-  if (dof_offset > 0) return;
-  count_bodies(space, side);
-  add_vertices_behind(space, side);
+  if (dof_offset == 0) count_bodies(space, side);
+  add_vertices_behind(space, side, dof_offset);
 }
 
 void InterfaceBuilder::add(const Space& space, const Boundary& side, Index dof_offset,
@@ -109,22 +108,23 @@ void InterfaceBuilder::count_bodies(const Space& space, const Boundary& master) 
     all_.body_count[i] = mortar::facet_connected_groups(space.d, elements);
 }
 
-void InterfaceBuilder::add_vertices_behind(const Space& space, const Boundary& master) {
-  const std::vector<Index> body = space.body_of_element();
-  std::vector<std::set<Index>> of_slave;
-  for (const mortar::Pair& pair : all_.pairs) {
-    std::set<Index>& bodies = of_slave.emplace_back();
-    for (const mortar::Facet& f : pair.slave.facets)
-      bodies.insert(body[all_.slave[f.node[0]].facets.front().element]);
-  }
+void InterfaceBuilder::add_vertices_behind(const Space& space, const Boundary& master,
+                                           Index dof_offset) {
+  if (dof_offset > 0 && !space.is_moved()) return;
+  std::vector<std::set<Index>> of_slave(all_.pairs.size());
+  const std::vector<Index> body = dof_offset > 0 ? std::vector<Index>() : space.body_of_element();
+  for (std::size_t p = 0; p < all_.pairs.size() && !body.empty(); ++p)
+    for (const mortar::Facet& f : all_.pairs[p].slave.facets)
+      of_slave[p].insert(body[all_.slave[f.node[0]].facets.front().element]);
   std::map<long, std::set<std::size_t>> of_label =
       pairs_of_labels(all_.pairs, &mortar::Pair::master);
   std::vector<std::size_t> next(all_.pairs.size(), 0);
   for (const BoundaryFacet& f : master.facets)
     for (std::size_t p : of_label[f.label]) {
       mortar::Facet& facet = all_.pairs[p].master.facets[next[p]++];
-      if (of_part_ || of_slave[p].count(body[f.element]))
-        facet.behind = node(space.node_at_vertex(f.element, f.facet), space.d, 0);
+      facet.one_body = !body.empty() && of_slave[p].count(body[f.element]) > 0;
+      if (of_part_ || space.is_moved() || facet.one_body)
+        facet.behind = node(space.node_at_vertex(f.element, f.facet), space.d, dof_offset);
     }
 }
 

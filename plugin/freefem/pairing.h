@@ -36,8 +36,9 @@ class InterfaceBuilder {
   Index node(const SharedNode& n, int d, Index dof_offset);
   /// How many bodies meet at each vertex that both sides have.
   void count_bodies(const Space& space, const Boundary& master);
-  /// Of the elements behind a master that is one body with its slave: the faces of a crack.
-  void add_vertices_behind(const Space& space, const Boundary& master);
+  /// Of the elements behind a master that is moved, or one body with its slave: the faces of a
+  /// crack.
+  void add_vertices_behind(const Space& space, const Boundary& master, Index dof_offset);
 
   Interface all_;
   const bool of_part_;

@@ -17,7 +17,7 @@ WholeInterface::WholeInterface(const Domain& domain, const NodeNumbers& numbers,
     for (mortar::Surface* side : {&pair.slave, &pair.master}) side->facets.clear();
   gather_nodes(domain, numbers, part);
   gather_facets(domain, numbers, part);
-  drop_other_bodies();
+  find_one_body(part.is_moved);
   find_own(domain, numbers);
 }
 
@@ -98,13 +98,16 @@ void WholeInterface::add_facet(const Real*& in) {
   surface.facets.push_back(f);
 }
 
-/// What lies behind a master counts where it is one body with its slave: a part does not know that.
-void WholeInterface::drop_other_bodies() {
+/// A part does not know whether a master is one body with its slave. Where it is not, what lies
+/// behind counts if it is moved.
+void WholeInterface::find_one_body(bool is_moved) {
   for (mortar::Pair& pair : pairs) {
     std::set<Index> of_slave;
     for (const mortar::Facet& f : pair.slave.facets) of_slave.insert(body[f.node[0]]);
-    for (mortar::Facet& f : pair.master.facets)
-      if (of_slave.count(body[f.node[0]]) == 0) f.behind = -1;
+    for (mortar::Facet& f : pair.master.facets) {
+      f.one_body = of_slave.count(body[f.node[0]]) > 0;
+      if (!f.one_body && !is_moved) f.behind = -1;
+    }
   }
 }
 

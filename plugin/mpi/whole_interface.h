@@ -70,7 +70,7 @@ struct WholeInterface {
   void gather_nodes(const Domain& domain, const NodeNumbers& numbers, const InterfacePart& part);
   void gather_facets(const Domain& domain, const NodeNumbers& numbers, const InterfacePart& part);
   void add_facet(const Real*& in);
-  void drop_other_bodies();
+  void find_one_body(bool is_moved);
   void find_own(const Domain& domain, const NodeNumbers& numbers);
 
   std::vector<Index> own_slaves_;  ///< of the part, that this process owns

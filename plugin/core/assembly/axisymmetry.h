@@ -8,7 +8,9 @@ namespace frictioncg {
 ///
 /// A translation along the radius strains rings, u_r/r, at every node; along the axis nothing is
 /// strained, and in plane forms neither way. What both ways meet alike (mass) is no sign of it, and
-/// springs and supports, at a few nodes, are none either.
+/// springs and supports, at a few nodes, are none either. A bed of springs along one component is
+/// told from rings by these: stretched, they press along the axis, too, where nu is not 0, which
+/// the ends of the body feel.
 int radial_component(const Triplets& A, const std::vector<Index>& node);
 
 }  // namespace frictioncg

@@ -1,6 +1,5 @@
 #include "assembly/mortar/geometric_stiffness.h"
 
-#include "assembly/mortar/moments.h"
 #include "assembly/mortar/smooth_side.h"
 #include "assembly/mortar/turning_normal.h"
 #include "linear_algebra.h"
@@ -14,12 +13,14 @@ namespace {
 ///   P_l += w_l b.q_l,   w_l = |P_l|,   q_l = T (X_l - mean),   T = 1 - n n',
 ///   M b = T arm,   M = sum_l w_l q_l q_l',   arm = sum_c G_c (X_c - X_i)
 ///
-/// with the part of b that changes no weight by more than most_change.
+/// with the part of b that changes no weight by more than most_change; then across the gap
+///
+///   P_v += s c_v,   c_v = grad lambda_v.e,   dc_v = grad lambda_v.(de - sum_w c_w dX_w)
 class Row {
  public:
   /// choice: of the row as it is
   Row(const SlopedRow& row, const RowChoice& choice, const ContactNode& at, const Turns& turns,
-      const std::vector<Vec3>& X)
+      const std::vector<Crossing>& crossings, const std::vector<Vec3>& X)
       : i_(at.node), n_(at.normal), X_(X), turns_(turns), G_(row.own) {
     T_ = Mat3::Identity() - n_ * n_.transpose();
     G_[i_].value += 1;
@@ -27,12 +28,13 @@ class Row {
     for (const auto& [c, weight] : G_) {
       for (const auto& [j, by] : weight.slope) near_.insert(j);
       near_.insert(c);
-      arm_ += weight.value * (X_[c] - X_[i_]);
     }
+    arm_ = arm();
     for (const auto& [j, by] : turns_) near_.insert(j);
     for (const auto& [j, by] : row.offset.slope) near_.insert(j);
     set_gap(row);
     balance(row.theirs, choice.rank);
+    cross(crossings);
   }
   /// Of the force y
   void add_to(NodeBlocks& blocks, const Vec3& y) const {
@@ -80,6 +82,7 @@ class Row {
     for (const auto& [l, p] : at_) G_[l].value -= part_ * p.w * b_.dot(p.q);
   }
   void set_gap(const SlopedRow& row) {
+    g_ = n_.dot(row.between - arm_);
     for (Index j : near_)
       gap_[j] = row.offset.by(j) - slope_of_arm(j).transpose() * n_ +
                 turn(j).transpose() * (row.between - arm_);
@@ -104,7 +107,37 @@ class Row {
       G_[l].at(j) -= part_ * (p.sign * b_.dot(p.q) * theirs.at(l).by(j) +
                               p.w * (db.transpose() * p.q + dq[l].transpose() * b_));
   }
-  /// Of the weights before they are balanced.
+  void cross(const std::vector<Crossing>& crossings) {
+    const Vec3 left = arm();
+    std::map<Index, Mat3> slope, slope_apart;  // of e, of one body and of two
+    for (Index j : crossings.empty() ? std::set<Index>() : near_) {
+      slope[j] = slope_of_arm(j);
+      slope_apart[j] = slope[j] + n_ * gap_[j].transpose() + g_ * turn(j);
+    }
+    std::map<Index, Sloped> change;
+    for (const Crossing& crossing : crossings) {
+      near_.insert(crossing.vertices.begin(), crossing.vertices.end());
+      const DenseMatrix along = crossing.share * crossing.gradients;
+      const Vec3 e = crossing.e(left, n_, g_);
+      const Vector c = crossing.gradients * e;
+      for (std::size_t v = 0; v < crossing.vertices.size(); ++v) {
+        Sloped& of_vertex = change[crossing.vertices[v]];
+        const Vec3 by = along.row(static_cast<Index>(v)).transpose();
+        of_vertex.value += by.dot(e);
+        for (const auto& [k, of_e] : crossing.one_body ? slope : slope_apart)
+          of_vertex.at(k) += of_e.transpose() * by;
+        for (std::size_t w = 0; w < crossing.vertices.size(); ++w)
+          of_vertex.at(crossing.vertices[w]) -= c[static_cast<Index>(w)] * by;
+      }
+    }
+    for (const auto& [v, weight] : change) G_[v].add(weight, -1);
+  }
+  /// Of the weights as they are so far
+  Vec3 arm() const {
+    Vec3 sum = Vec3::Zero();
+    for (const auto& [c, weight] : G_) sum += weight.value * (X_[c] - X_[i_]);
+    return sum;
+  }
   Mat3 slope_of_arm(Index j) const {
     Mat3 slope = Mat3::Zero();
     for (const auto& [c, weight] : G_) {
@@ -131,6 +164,7 @@ class Row {
   std::set<Index> near_;  ///< nodes that the row depends on
   std::map<Index, Place> at_;
   std::map<Index, Vec3> gap_;
+  Real g_ = 0;
   Real sum_ = 0;     ///< of w
   Real part_ = 1;    ///< of b, which most_change leaves
   Index most_ = -1;  ///< whose weight would change most, where that is less than 1
@@ -175,7 +209,7 @@ DenseMatrix multipliers(const Mortar& mortar, const std::vector<Vec3>& force) {
 
 GeometricStiffness geometric_stiffness(const Mortar& mortar, const Arrangement& of,
                                        const std::map<Index, SlopedRow>& rows,
-                                       const Options& options) {
+                                       const Crossings& crossings, const Options& options) {
   GeometricStiffness found;
   if (options.force.empty()) return found;
   const DenseMatrix y = multipliers(mortar, options.force);
@@ -187,7 +221,7 @@ GeometricStiffness geometric_stiffness(const Mortar& mortar, const Arrangement& 
     if (row == rows.end() || y.col(k).isZero(0)) continue;
     const auto choice = of.choices.find(at.node);
     const Row sloped(row->second, choice == of.choices.end() ? RowChoice() : choice->second, at,
-                     turns[at.node], of.nodes.X);
+                     turns[at.node], crossings[k], of.nodes.X);
     sloped.add_to(found.forces, y.col(k));
     for (const auto& [j, by] : sloped.gap()) found.gaps.push_back({{k, j}, by});
   }

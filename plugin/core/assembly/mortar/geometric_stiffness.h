@@ -1,4 +1,5 @@
 #pragma once
+#include "assembly/mortar/moments.h"
 #include "assembly/mortar/weight_slopes.h"
 
 namespace frictioncg::mortar {
@@ -9,12 +10,12 @@ namespace frictioncg::mortar {
 ///   dy_i = (n_i x dn_i) x y_i
 ///
 /// and dg_i/dX of the nodes that y loads. Left out are the rims of what is covered, normals that
-/// the master gives or the caller, which are taken to stand still, and what across_gap changes.
+/// the master gives or the caller, and the shares of crossings: they are taken to stand still.
 ///
 /// y of Options::force are those of the mortar, whose rows are given; none where it is empty.
 GeometricStiffness geometric_stiffness(const Mortar& mortar, const Arrangement& of,
                                        const std::map<Index, SlopedRow>& rows,
-                                       const Options& options);
+                                       const Crossings& crossings, const Options& options);
 
 /// To first order, where U grows by v, and by it the places of nodes by x: those of P2 edges stay
 /// between their ends.

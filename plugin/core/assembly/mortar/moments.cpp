@@ -212,45 +212,55 @@ std::vector<Index> element_of(const Facet& facet, int d) {
   return vertices;
 }
 
-/// grad lambda_l . e of the vertices of a simplex: their sum is 0, and that of times X_l is e.
-Vector shift(const std::vector<Index>& vertices, const std::vector<Vec3>& X, const Vec3& e) {
+/// grad lambda_l of the vertices of a simplex, as rows: their sum is 0, and that of times X_l is 1.
+DenseMatrix gradients_of(const std::vector<Index>& vertices, const std::vector<Vec3>& X) {
   const int d = static_cast<int>(vertices.size()) - 1;
-  DenseMatrix edges(d, d);
+  DenseMatrix edges(d, d), gradients = DenseMatrix::Zero(d + 1, 3);
   for (int k = 0; k < d; ++k) edges.col(k) = (X[vertices[k]] - X[vertices[d]]).head(d);
-  Vector c(d + 1);
-  c.head(d) = least_squares(edges, e.head(d));
-  c[d] = -c.head(d).sum();
-  return c;
+  gradients.topLeftCorner(d, d) = least_squares(edges, DenseMatrix::Identity(d, d));
+  gradients.row(d) = -gradients.topRows(d).colwise().sum();
+  return gradients;
 }
 
 }  // namespace
 
-Matrix across_gap(const Matrix& P, const Matrix& G, const std::vector<ContactNode>& nodes,
-                  const Nodes& all, const FacedFacets& faced) {
+Crossings crossings(const Matrix& G, const std::vector<ContactNode>& nodes, const Nodes& all,
+                    bool smooth, const FacedFacets& faced) {
+  const bool apart = smooth && !all.before.empty();
   std::vector<char> has_law(all.X.size(), 0);
   for (const ContactNode& node : nodes) has_law[node.node] = 1;
+  const auto lawful = [&](Index l) { return has_law[l] != 0; };
+  Crossings found(nodes.size());
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const auto& [i, pair, label, n, D, g, distance] = nodes[k];
+    const Vec3 arm = Arm(G, static_cast<Index>(k), i, all.X).sum;
+    Real whole = 0;
+    for (const auto& [facet, weight] : faced[i]) {
+      if (!(weight > 0) || facet->behind < 0 || !(apart || facet->one_body)) continue;
+      std::vector<Index> vertices = element_of(*facet, all.dimension);
+      if (std::any_of(vertices.begin(), vertices.end(), lawful)) continue;
+      whole += weight;
+      const DenseMatrix gradients = gradients_of(vertices, all.X);
+      Crossing& here =
+          found[k].emplace_back(Crossing{std::move(vertices), gradients, facet->one_body, weight});
+      const Real change = (gradients * here.e(arm, n, g)).lpNorm<Eigen::Infinity>();
+      here.share *= std::clamp<Real>((widest - change) / (widest - narrow), 0, 1);
+    }
+    for (Crossing& crossing : found[k]) crossing.share /= whole;
+  }
+  return found;
+}
+
+Matrix across_gap(const Matrix& P, const Matrix& G, const std::vector<ContactNode>& nodes,
+                  const std::vector<Vec3>& X, const Crossings& crossings) {
   EntryList change;
   for (std::size_t k = 0; k < nodes.size(); ++k) {
-    const Index i = nodes[k].node;
-    const Vec3 e = Arm(G, static_cast<Index>(k), i, all.X).sum;
-    const auto lawful = [&](Index l) { return has_law[l] != 0; };
-    const auto usable = [&](const Facet& facet) {
-      if (facet.behind < 0) return false;
-      const std::vector<Index> vertices = element_of(facet, all.dimension);
-      return std::none_of(vertices.begin(), vertices.end(), lawful);
-    };
-    Real whole = 0;
-    for (const auto& [facet, weight] : faced[i])
-      if (usable(*facet)) whole += std::max<Real>(weight, 0);
-    for (const auto& [facet, signed_weight] : faced[i]) {
-      const Real weight = std::max<Real>(signed_weight, 0);
-      if (weight == 0 || !usable(*facet)) continue;
-      const std::vector<Index> vertices = element_of(*facet, all.dimension);
-      const Vector c = shift(vertices, all.X, e);
-      const Real room = (widest - c.lpNorm<Eigen::Infinity>()) / (widest - narrow);
-      const Real share = std::clamp<Real>(room, 0, 1) * weight / whole;
-      for (std::size_t v = 0; v < vertices.size() && share != 0; ++v)
-        change.emplace_back(i, vertices[v], share * c[static_cast<Index>(v)]);
+    const ContactNode& at = nodes[k];
+    const Vec3 arm = Arm(G, static_cast<Index>(k), at.node, X).sum;
+    for (const Crossing& crossing : crossings[k]) {
+      const Vector c = crossing.gradients * (crossing.share * crossing.e(arm, at.normal, at.gap));
+      for (std::size_t v = 0; v < crossing.vertices.size() && crossing.share != 0; ++v)
+        change.emplace_back(at.node, crossing.vertices[v], c[static_cast<Index>(v)]);
     }
   }
   return changed(P, change);

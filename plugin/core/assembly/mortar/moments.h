@@ -52,6 +52,28 @@ Matrix along_normals(const Matrix& P, const Matrix& G, const std::vector<Contact
 /// Of a node: the master's facets before it, and int psi_i over each; one may come several times.
 using FacedFacets = std::vector<std::vector<std::pair<const Facet*, Real>>>;
 
+/// Of a node: the master's facets before it, and int psi_i over each; one may come several times.
+using FacedFacets = std::vector<std::vector<std::pair<const Facet*, Real>>>;
+
+/// The element behind a facet of the master, by which a row sees across e, below.
+struct Crossing {
+  std::vector<Index> vertices;
+  DenseMatrix gradients;  ///< of their barycentric coordinates, as rows [1/length]
+  bool one_body;          ///< with the slave
+  Real share;             ///< of the facet in the row, times what does not fade out
+
+  /// g: the node's gap along n; arm: sum_l G_il (X_l - X_i)
+  Vec3 e(const Vec3& arm, const Vec3& n, Real g) const {
+    return one_body ? arm : Vec3(arm + g * n);
+  }
+};
+using Crossings = std::vector<std::vector<Crossing>>;  ///< per contact node
+
+/// Facets without a vertex behind them, or of two bodies but for a path along smooth surfaces, and
+/// elements with a vertex that carries a law, add nothing; shares are those of the others.
+Crossings crossings(const Matrix& G, const std::vector<ContactNode>& nodes, const Nodes& all,
+                    bool smooth, const FacedFacets& faced);
+
 /// P with rows that see no rotation of a body that has both faces, such as one with a crack. Where
 /// the faces are a hair apart, forces G'y act at X_i on the slave and at sum_l P_il X_l on the
 /// master, and turn a free body by the couple of friction and the gap, which nothing balances:
@@ -63,15 +85,18 @@ using FacedFacets = std::vector<std::vector<std::pair<const Facet*, Real>>>;
 ///
 ///   P_il += sum_m s_im grad lambda_l . e,   so that sum_l G_il (X_l - X_i) = 0
 ///
-/// in every component: the sums of rows stay, and forces and their moments balance. s_im is the
+/// in every component: the sums of rows stay, and forces and their moments balance. Along a path
+/// the gap is closed where there are forces, and what smooth surfaces have between their facets is
+/// left of e: friction would take work of two bodies that stick and turn together. There
+///
+///   e = sum_l G_il (X_l - X_i) + g_i n_i
+///
+/// so that an open gap changes nothing. s_im is the
 /// share of facet m in the row: a row goes from facet to facet without a jump as bodies slide. The
 /// change, of about |e| over the height of the element, is an error of the stress there: what is
 /// crossed fades out between a tenth of it and 0.15. Weights of the facet's nodes alone could not
 /// move a point across the gap: they lie in one plane.
-///
-/// Facets without a vertex behind them, and elements with a vertex that carries a law, add nothing;
-/// shares are those of the others.
 Matrix across_gap(const Matrix& P, const Matrix& G, const std::vector<ContactNode>& nodes,
-                  const Nodes& all, const FacedFacets& faced);
+                  const std::vector<Vec3>& X, const Crossings& crossings);
 
 }  // namespace frictioncg::mortar

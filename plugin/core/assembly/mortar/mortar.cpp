@@ -65,10 +65,12 @@ class Assembly {
     take(balanced(mortar.P_, mortar.G_, mortar.nodes_, nodes_.X, choices));
     take(along_normals(mortar.P_, mortar.G_, mortar.nodes_, ownership_.common.of_master, masters_,
                        nodes_.X, choices));
-    take(across_gap(mortar.P_, mortar.G_, mortar.nodes_, nodes_, faced_));
+    crossings_ = crossings(mortar.G_, mortar.nodes_, nodes_, options_.smooth, faced_);
+    take(across_gap(mortar.P_, mortar.G_, mortar.nodes_, nodes_.X, crossings_));
     set_statistics(mortar);
   }
   std::map<Index, SlopedRow> sloped_rows() const { return slopes_.rows(takes_removed_); }
+  const Crossings& crossed() const { return crossings_; }
 
  private:
   Index size() const { return static_cast<Index>(nodes_.X.size()); }
@@ -205,10 +207,11 @@ class Assembly {
   const Ownership& ownership_;
   WeightSlopes slopes_;
   Vector D_;
-  EntryList N_, P_, removed_;              ///< the last: (i, r), int psi_i lambda_r
-  std::vector<char> takes_removed_;        ///< per node
-  std::vector<Vec3> offset_;               ///< int psi_i (delta_m(chi) - delta_s)
-  FacedFacets faced_;                      ///< per node
+  EntryList N_, P_, removed_;        ///< the last: (i, r), int psi_i lambda_r
+  std::vector<char> takes_removed_;  ///< per node
+  std::vector<Vec3> offset_;         ///< int psi_i (delta_m(chi) - delta_s)
+  FacedFacets faced_;                ///< per node
+  Crossings crossings_;
   std::map<Index, Index> number_of_edge_;  ///< in edges_, by node
   std::vector<MidEdge> edges_;
   std::vector<EdgeMoments> edge_moments_;  ///< in their order
@@ -260,7 +263,7 @@ Mortar::Mortar(const Nodes& nodes, const std::vector<Pair>& given, const Options
 void Mortar::assemble(Arrangement& of, const Options& options) {
   Assembly assembly(of, options);
   assembly.finish(of.choices, *this);
-  stiffness_ = geometric_stiffness(*this, of, assembly.sloped_rows(), options);
+  stiffness_ = geometric_stiffness(*this, of, assembly.sloped_rows(), assembly.crossed(), options);
 }
 
 /// The identity with `half` of each end in the rows of mid-edges, of those held or of the others.

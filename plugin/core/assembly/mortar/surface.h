@@ -17,9 +17,10 @@ struct Facet {
   std::array<Index, 6> node{{-1, -1, -1, -1, -1, -1}};
   Vec3 outward = Vec3::Zero();  ///< any vector towards the outside: it chooses the normal's sign
   long label = 0;
-  /// Of a master that is one body with its slave: the vertex of the element opposite the facet; -1
-  /// otherwise.
+  /// The vertex of the element opposite a facet of a master that is moved, or one body with its
+  /// slave; -1 otherwise.
   Index behind = -1;
+  bool one_body = true;  ///< of a facet with a vertex behind
 };
 
 /// One side of a contact pair, as a mesh has it.
