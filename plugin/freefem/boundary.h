@@ -30,6 +30,7 @@ struct SharedNode {
   Vec3 moved = Vec3::Zero();               ///< by the displacement at which the geometry is
   Vec3 aside = Vec3::Zero();               ///< by so much a P2 mid-edge lies beside x
   std::vector<AdjacentFacet> facets;       ///< in the order in which the labels were given
+  std::optional<Vec3> other;               ///< its other place, at the seam of a periodic space
 };
 
 /// A facet of the contact boundary by its nodes, as places among those of the boundary: the

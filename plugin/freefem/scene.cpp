@@ -202,6 +202,22 @@ std::shared_ptr<Scene> obstacle_scene(const SpacePtr& Vh, std::vector<BoundaryNo
   return scene;
 }
 
+namespace {
+
+/// Facets between two bodies are seen from where their nodes are, and a node has one place.
+Boundary beside_seam(const Space& Vh, const std::vector<long>& labels, const SpaceInWords& words) {
+  Boundary side = Vh.boundary(labels, words);
+  for (const SharedNode& n : side.nodes)
+    if (n.other)
+      refuse(words.name, " is periodic, and ", coordinates(n.x, Vh.d), " and ",
+             coordinates(*n.other, Vh.d), " on label ", n.facets.front().label,
+             " are one node, which may not touch another body; end the label before the seam, hold "
+             "its sides by on() in place of the period, or let one of the bodies be an obstacle");
+  return side;
+}
+
+}  // namespace
+
 std::shared_ptr<Scene> pair_scene(const SpacePtr& V1, const SpacePtr& V2, const PairLabels& labels,
                                   const std::vector<long>& obstacle) {
   auto scene = std::make_shared<Scene>();
@@ -212,8 +228,8 @@ std::shared_ptr<Scene> pair_scene(const SpacePtr& V1, const SpacePtr& V2, const 
   scene->dofs = dofs_of(*V1, V2.get());
   scene->nodes = obstacle_points(*V1, V2.get(), labels, obstacle);
   InterfaceBuilder faces(labels.pairs, labels.of_part);
-  faces.add_slave(V1, V1->boundary(labels.slave, V2 ? slave : one));
-  faces.add_master(of_master, of_master.boundary(labels.master, V2 ? master : one), offset);
+  faces.add_slave(V1, beside_seam(*V1, labels.slave, V2 ? slave : one));
+  faces.add_master(of_master, beside_seam(of_master, labels.master, V2 ? master : one), offset);
   scene->pairing.emplace(faces.take());
   observe(V1, *scene);
   if (!V2) return scene;

@@ -441,10 +441,13 @@ class BoundaryNodes {
       const R3 aside = place_.is_moved() ? place_.node(k, n.hat, n.dof) - n.x : R3();
       if (is_new)
         nodes_.push_back(
-            {n.dof, as_vector(n.x), as_vector(place_.moved(n.dof)), as_vector(aside), {}});
+            {n.dof, as_vector(n.x), as_vector(place_.moved(n.dof)), as_vector(aside), {}, {}});
+      SharedNode& shared = nodes_[entry->second];
+      const double size = std::pow(length(normal), 1. / (D::d - 1));
+      if (const Vec3 x = as_vector(n.x); (x - shared.x).norm() > one_place * size) shared.other = x;
       const double share = length(normal) * D::share(nodes.node.size(), n.corner);
-      nodes_[entry->second].facets.push_back({label, k, facet, as_vector(n.hat), normal, share,
-                                              facets_.size(), D::own(nodes.node.size()), normal});
+      shared.facets.push_back({label, k, facet, as_vector(n.hat), normal, share, facets_.size(),
+                               D::own(nodes.node.size()), normal});
       place.push_back(entry->second);
     }
     facets_.push_back({label, normal, {}, k, facet});
@@ -471,6 +474,8 @@ class BoundaryNodes {
            " inside out, or makes it flat; take a smaller increment of the load, or a "
            "part of the step");
   }
+
+  static constexpr double one_place = 1e-3;  // of the size of a facet: a period is larger
 
   const SpaceInWords& words_;
   const SpaceOn<FESpaceType>& place_;

@@ -362,4 +362,128 @@ CommonNormals choose_common_normals(const Nodes& nodes, const std::vector<Side>&
   return common;
 }
 
+namespace {
+
+/// A part reaches a vertex that is this near to one of its own, in reference coordinates: rounding.
+constexpr Real on_vertex = 1e-9;
+/// Square of the sine of the angle up to which two rims are one.
+constexpr Real parallel_to = 1e-12;
+
+using Ridge = std::array<Index, 2>;
+
+bool juts_out(const Side& side, const Joint& joint, const std::vector<Vec3>& X) {
+  const auto [f, g] = joint.facet;
+  Vec3 middle = Vec3::Zero();
+  for (int v = 0; v < side.d; ++v) middle += X[side.facet(g).node[v]] / side.d;
+  return side.planes[f].normal.dot(middle - X[joint.vertex[0]]) < 0;
+}
+
+/// visit(f, v, outward): the vertices v of each ridge of a facet f that is a rim or juts out.
+/// outward: across it, in the plane of f, unit
+template <class Visit>
+void for_each_end(const Side& side, const std::vector<Vec3>& X, const Visit& visit) {
+  const std::vector<char> goes_on = joints_that_go_on(side);
+  std::set<Ridge> inner;
+  for (std::size_t k = 0; k < side.joints.size(); ++k)
+    if (goes_on[k] || !juts_out(side, side.joints[k], X)) inner.insert(side.joints[k].vertex);
+  for (Index f = 0; f < side.facets(); ++f)
+    for (int v = 0; v < side.d; ++v) {
+      const auto& node = side.facet(f).node;
+      const Index a = node[v], b = side.d == 2 ? a : node[(v + 1) % 3],
+                  beyond = node[(v + side.d - 1) % side.d];
+      if (inner.count({std::min(a, b), std::max(a, b)}) > 0) continue;
+      Vec3 outward = X[a] - X[beyond];
+      if (side.d == 3) {
+        const Vec3 along = (X[b] - X[a]).normalized();
+        outward -= outward.dot(along) * along;
+      }
+      visit(f, v, outward.normalized());
+      if (b != a) visit(f, (v + 1) % 3, outward.normalized());
+    }
+}
+
+/// The point of the cone that plane vectors g span which is nearest to t, in their plane.
+Vec3 nearest_in_cone(const Vec3& t, const std::vector<Vec3>& g) {
+  Vec3 nearest = Vec3::Zero();
+  for (std::size_t p = 0; p < g.size(); ++p) {
+    const Vec3 on_ray = std::max<Real>(t.dot(g[p]), 0) * g[p];
+    if (on_ray.norm() > nearest.norm()) nearest = on_ray;
+    for (std::size_t q = 0; q < p; ++q) {
+      const Real c = g[p].dot(g[q]), a = t.dot(g[p]), b = t.dot(g[q]);
+      if (1 - c * c > parallel_to && a - c * b >= 0 && b - c * a >= 0) return t;
+    }
+  }
+  return nearest;
+}
+
+/// A node at the end of a face, as a vertex of one of its facets there.
+struct End {
+  Index facet = -1;
+  int vertex = 0;
+  const Cell* cell = nullptr;  ///< before it; null: none
+  std::vector<Vec3> outward;   ///< of the face, in its plane, unit
+
+  Vec2 xi() const { return Vec2(vertex == 1, vertex == 2); }
+};
+
+std::map<Index, End> ends_of_faces(const Nodes& nodes, std::size_t p, const Side& slave,
+                                   const Cover& cover, const Owns& owns) {
+  std::map<Index, End> ends;
+  for_each_end(slave, nodes.X, [&](Index f, int v, const Vec3& outward) {
+    const Index i = slave.facet(f).node[v];
+    if (!owns(p, f, i)) return;
+    End& end = ends[i];
+    end.outward.push_back(outward);
+    if (end.cell) return;
+    end.facet = f, end.vertex = v;
+    for (const Cell& cell : cover.cells[f])
+      for (const Vec2& xi : cell.part)
+        if ((xi - end.xi()).norm() < on_vertex) end.cell = &cell;
+  });
+  return ends;
+}
+
+/// The curves of the bodies as they are not deformed.
+class AtRest {
+ public:
+  AtRest(const Side& side, const Nodes& nodes)
+      : X_(side.is_moved ? nodes.reference : nodes.X),
+        side_(side, nodes.X, X_),
+        smooth_(side_, X_, joints_that_go_on(side_)) {}
+  bool is_flat(const End& end) const { return smooth_.at(end.facet, end.vertex).turn == 0; }
+
+ private:
+  const std::vector<Vec3>& X_;
+  const Side side_;
+  const SmoothSide smooth_;
+};
+
+}  // namespace
+
+void take_masters_at_ends(const Nodes& nodes, const std::vector<Side>& slaves,
+                          const std::vector<Side>& masters, const std::vector<Cover>& covers,
+                          const Owns& owns, std::vector<Vec3>& normal,
+                          std::vector<char>& of_master) {
+  for (std::size_t p = 0; p < slaves.size(); ++p) {
+    const Side &slave = slaves[p], &master = masters[p];
+    std::optional<AtRest> own;
+    std::optional<Curves> theirs;
+    for (const auto& [i, end] : ends_of_faces(nodes, p, slave, covers[p], owns)) {
+      const Vec3 n = normal[i];
+      if (!end.cell || of_master[i] || same_direction(-master.planes[end.cell->master].normal, n))
+        continue;
+      if (!own) own.emplace(slave, nodes);
+      if (!own->is_flat(end)) continue;
+      if (!theirs) theirs.emplace(master, nodes.X);
+      const Projection chi =
+          project(slave.d, slave.planes[end.facet], master.facet(end.cell->master), nodes.X);
+      const Vec3 m = -theirs->at(end.cell->master, chi.at(end.xi())).normal;
+      const Vec3 leaning = m.dot(n) * n + nearest_in_cone(m - m.dot(n) * n, end.outward);
+      if (same_direction(leaning.normalized(), n)) continue;
+      normal[i] = leaning.normalized();
+      of_master[i] = 1;
+    }
+  }
+}
+
 }  // namespace frictioncg::mortar

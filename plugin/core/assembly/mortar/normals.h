@@ -64,4 +64,18 @@ CommonNormals choose_common_normals(const Nodes& nodes, const std::vector<Side>&
                                     const Owns& owns, const CommonNormals* begun,
                                     std::vector<Vec3>& normal);
 
+/// At the end of a flat face of the slave, a rim or a ridge that juts out, it is the edge that
+/// touches where the face leans on it: a block on its corner presses along the normal of what is
+/// below, without friction, however it leans. A node there that is before a master has
+///
+///   n ~ (m.n_s) n_s + P_C (m - (m.n_s) n_s)
+///
+/// m: minus the normal of the master's smooth surface before it; C: the cone of the directions that
+/// leave the face there. So it keeps n_s, which the others have, where the gap does
+/// not open into the face. Curved faces keep theirs.
+void take_masters_at_ends(const Nodes& nodes, const std::vector<Side>& slaves,
+                          const std::vector<Side>& masters, const std::vector<Cover>& covers,
+                          const Owns& owns, std::vector<Vec3>& normal,
+                          std::vector<char>& of_master);
+
 }  // namespace frictioncg::mortar

@@ -74,11 +74,13 @@ Ownership::Ownership(const Nodes& nodes, const std::vector<Side>& slaves,
   set_labels(slaves);
   const Owns owns = [&](std::size_t p, Index f, Index i) { return owner_[i] == rank_[p][f]; };
   normal = slave_normals(nodes, slaves, options, owns, slipping);
-  if (options.normals.empty())
+  if (options.normals.empty()) {
     common = choose_common_normals(nodes, slaves, masters, covers, options, owns,
                                    begun ? &begun->ownership->common : nullptr, normal);
-  else
+    take_masters_at_ends(nodes, slaves, masters, covers, owns, normal, common.of_master);
+  } else {
     take_normals(nodes, options.normals);
+  }
   if (!begun) find_faced(masters, covers);
   remove_shared(masters);
   for (std::size_t i = 0; i < nodes.taken.size(); ++i)
