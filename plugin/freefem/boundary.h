@@ -33,6 +33,12 @@ struct SharedNode {
   std::optional<Vec3> other;               ///< its other place, at the seam of a periodic space
 };
 
+/// Whether x is another place than y, which the rounding of a facet of that normal does not
+/// explain: a period is longer.
+inline bool is_elsewhere(const Vec3& x, const Vec3& y, const Vec3& normal, int d) {
+  return (x - y).norm() > 1e-3 * std::pow(length(normal), 1. / (d - 1));
+}
+
 /// A facet of the contact boundary by its nodes, as places among those of the boundary: the
 /// vertices, then the middle of the edge opposite each of them, in 2D of the only edge.
 struct BoundaryFacet {

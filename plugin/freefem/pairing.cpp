@@ -123,8 +123,10 @@ void InterfaceBuilder::add_vertices_behind(const Space& space, const Boundary& m
     for (std::size_t p : of_label[f.label]) {
       mortar::Facet& facet = all_.pairs[p].master.facets[next[p]++];
       facet.one_body = !body.empty() && of_slave[p].count(body[f.element]) > 0;
-      if (of_part_ || space.is_moved() || facet.one_body)
-        facet.behind = node(space.node_at_vertex(f.element, f.facet), space.d, dof_offset);
+      if (!of_part_ && !space.is_moved() && !facet.one_body) continue;
+      const SharedNode n = space.node_at_vertex(f.element, f.facet);
+      const Index i = node(n, space.d, dof_offset);
+      if (!is_elsewhere(n.x, all_.X[i], f.normal, space.d)) facet.behind = i;  // not over a seam
     }
 }
 

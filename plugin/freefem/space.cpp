@@ -443,8 +443,7 @@ class BoundaryNodes {
         nodes_.push_back(
             {n.dof, as_vector(n.x), as_vector(place_.moved(n.dof)), as_vector(aside), {}, {}});
       SharedNode& shared = nodes_[entry->second];
-      const double size = std::pow(length(normal), 1. / (D::d - 1));
-      if (const Vec3 x = as_vector(n.x); (x - shared.x).norm() > one_place * size) shared.other = x;
+      if (is_elsewhere(as_vector(n.x), shared.x, normal, D::d)) shared.other = as_vector(n.x);
       const double share = length(normal) * D::share(nodes.node.size(), n.corner);
       shared.facets.push_back({label, k, facet, as_vector(n.hat), normal, share, facets_.size(),
                                D::own(nodes.node.size()), normal});
@@ -474,8 +473,6 @@ class BoundaryNodes {
            " inside out, or makes it flat; take a smaller increment of the load, or a "
            "part of the step");
   }
-
-  static constexpr double one_place = 1e-3;  // of the size of a facet: a period is larger
 
   const SpaceInWords& words_;
   const SpaceOn<FESpaceType>& place_;

@@ -27,24 +27,26 @@ int radial_component(const Triplets& A, const std::vector<Index>& node) {
   for (Index i = 1; i < A.n; ++i)
     if (node[i] == node[i - 1]) component[i] = component[i - 1] + 1;
   std::vector<Row> rows(A.n);
-  std::vector<Real> other(A.n, 0);  // what a translation along the other component meets
+  std::vector<Row> other(A.n);  // what a translation along the other component meets
   for_each_entry(A, [&](Index i, Index j, Real a) {
     if (component[i] == component[j])
       rows[i].add(a);
     else
-      other[i] += a;
+      other[i].add(a);
   });
   Index nodes = 0, strained[2] = {0, 0};
   bool pressed[2] = {false, false};  // by a translation along the component
   for (Index i = 0; i + 1 < A.n; ++i) {
     if (component[i] != 0 || component[i + 1] != 1) continue;
     const Row &x = rows[i], &y = rows[i + 1];
+    for (int c : {0, 1}) {
+      const Row& across = other[i + 1 - c];
+      if (std::abs(across.sum) > noise * across.size) pressed[c] = true;
+    }
     if (x.sum > alone * x.size || y.sum > alone * y.size) continue;
     ++nodes;
     if (x.sum - y.sum > noise * (x.size + y.size)) ++strained[0];
     if (y.sum - x.sum > noise * (x.size + y.size)) ++strained[1];
-    for (int c : {0, 1})
-      if (std::abs(other[i + 1 - c]) > noise * (x.size + y.size)) pressed[c] = true;
   }
   for (int c : {0, 1})
     if (2 * strained[c] > nodes && pressed[c]) return c;

@@ -42,7 +42,7 @@ struct Faces {
     if (swapped) std::swap(pairs[0].slave, pairs[0].master);
     pairs[0].slave.quadratic = pairs[0].master.quadratic = quadratic;
     for (Facet& f : pairs[0].master.facets)
-      if (one) f.behind = behind(f);
+      if (one) f.behind = behind(f), f.one_body = true;
   }
   Mortar mortar() const { return Mortar({bodies.d, bodies.X, {}}, pairs); }
 

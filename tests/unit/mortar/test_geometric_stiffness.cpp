@@ -196,6 +196,19 @@ TEST(GeometricStiffness, KnowsHowGapsOfCurvedSurfacesChangeIn3DToFirstOrder) {
   }
 }
 
+/// Elements behind the master's facets, by which rows see across what is between the bodies.
+Surfaces with_elements(Surfaces s, bool one_body) {
+  for (Facet& f : s.pairs[0].master.facets) {
+    Vec3 middle = Vec3::Zero();
+    for (int v = 0; v < s.nodes.dimension; ++v) middle += s.nodes.X[f.node[v]] / s.nodes.dimension;
+    f.behind = static_cast<Index>(s.nodes.X.size());
+    f.one_body = one_body;
+    s.nodes.X.push_back(middle - 0.3 * f.outward.normalized());
+  }
+  s.nodes.before = s.nodes.X;
+  return s;
+}
+
 TEST(GeometricStiffness, KnowsHowWhatIsBarelyCoveredSharesItsMultipliers) {
   for (int d : {2, 3}) {
     const Real covered = 1.5e-3 * 0.25, end = 0.25 - (d == 2 ? covered : covered / 2);
@@ -247,10 +260,12 @@ TEST(GeometricStiffness, KnowsHowWhatIsBarelyCoveredSharesItsMultipliers) {
   }
 }
 
-TEST(GeometricStiffness, ForcesFollowRigidMotions) {
+/// across: 1, 2: rows see across what is between one body, or two.
+void expect_forces_follow(int across) {
   for (int d : {2, 3})
     for (bool quadratic : {false, true}) {
-      const Surfaces s = bulges(d, quadratic, -0.3);
+      Surfaces s = bulges(d, quadratic, -0.3);
+      if (across > 0) s = with_elements(s, across == 1);
       const Mortar mortar = s.mortar();
       const auto f = force(mortar, multipliers(s, mortar, d == 2 ? 0.5 : 0), mortar.nodes());
       const Vec3 e(0.3, -0.2, d == 3 ? 0.5 : 0),
@@ -265,4 +280,11 @@ TEST(GeometricStiffness, ForcesFollowRigidMotions) {
         EXPECT_LT((turned[i] - r.cross(f[i])).norm(), 1e-12) << d << "D P" << 1 + quadratic;
       }
     }
+}
+
+TEST(GeometricStiffness, ForcesFollowRigidMotions) { expect_forces_follow(0); }
+
+TEST(GeometricStiffness, ForcesThatActAcrossAGapFollowRigidMotions) {
+  expect_forces_follow(1);
+  expect_forces_follow(2);
 }

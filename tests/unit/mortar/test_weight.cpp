@@ -87,6 +87,7 @@ TEST(MortarWeight, DistancesOfMidEdgesDoNotDependOnIt) {
       4, -1, [](const Vec3& x) { return Vec3(x[0], 0.1 + 0.2 * x[0], 0); }, 2);
   s.pairs[0].master = s.sheet(
       3, 1, [](const Vec3& x) { return x; }, 1);
+  s.options.normals.assign(s.nodes.X.size(), Vec3(0.2, -1, 0));
   const Mortar plain = s.mortar();
   for (const Vec3& x : s.nodes.X) s.options.weight.push_back(x[0]);
   const Mortar mortar = s.mortar();

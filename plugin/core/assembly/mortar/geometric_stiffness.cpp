@@ -108,9 +108,10 @@ class Row {
                               p.w * (db.transpose() * p.q + dq[l].transpose() * b_));
   }
   void cross(const std::vector<Crossing>& crossings) {
+    if (crossings.empty()) return;
     const Vec3 left = arm();
     std::map<Index, Mat3> slope, slope_apart;  // of e, of one body and of two
-    for (Index j : crossings.empty() ? std::set<Index>() : near_) {
+    for (Index j : near_) {
       slope[j] = slope_of_arm(j);
       slope_apart[j] = slope[j] + n_ * gap_[j].transpose() + g_ * turn(j);
     }

@@ -247,6 +247,8 @@ Crossings crossings(const Matrix& G, const std::vector<ContactNode>& nodes, cons
       here.share *= std::clamp<Real>((widest - change) / (widest - narrow), 0, 1);
     }
     for (Crossing& crossing : found[k]) crossing.share /= whole;
+    const auto fades = [](const Crossing& crossing) { return crossing.share == 0; };
+    found[k].erase(std::remove_if(found[k].begin(), found[k].end(), fades), found[k].end());
   }
   return found;
 }
@@ -259,7 +261,7 @@ Matrix across_gap(const Matrix& P, const Matrix& G, const std::vector<ContactNod
     const Vec3 arm = Arm(G, static_cast<Index>(k), at.node, X).sum;
     for (const Crossing& crossing : crossings[k]) {
       const Vector c = crossing.gradients * (crossing.share * crossing.e(arm, at.normal, at.gap));
-      for (std::size_t v = 0; v < crossing.vertices.size() && crossing.share != 0; ++v)
+      for (std::size_t v = 0; v < crossing.vertices.size(); ++v)
         change.emplace_back(at.node, crossing.vertices[v], c[static_cast<Index>(v)]);
     }
   }

@@ -52,9 +52,6 @@ Matrix along_normals(const Matrix& P, const Matrix& G, const std::vector<Contact
 /// Of a node: the master's facets before it, and int psi_i over each; one may come several times.
 using FacedFacets = std::vector<std::vector<std::pair<const Facet*, Real>>>;
 
-/// Of a node: the master's facets before it, and int psi_i over each; one may come several times.
-using FacedFacets = std::vector<std::vector<std::pair<const Facet*, Real>>>;
-
 /// The element behind a facet of the master, by which a row sees across e, below.
 struct Crossing {
   std::vector<Index> vertices;
@@ -91,11 +88,11 @@ Crossings crossings(const Matrix& G, const std::vector<ContactNode>& nodes, cons
 ///
 ///   e = sum_l G_il (X_l - X_i) + g_i n_i
 ///
-/// so that an open gap changes nothing. s_im is the
-/// share of facet m in the row: a row goes from facet to facet without a jump as bodies slide. The
-/// change, of about |e| over the height of the element, is an error of the stress there: what is
-/// crossed fades out between a tenth of it and 0.15. Weights of the facet's nodes alone could not
-/// move a point across the gap: they lie in one plane.
+/// so that an open gap changes nothing. s_im is the share of facet m in the row: a row goes from
+/// facet to facet without a jump as bodies slide. The change, of about |e| over the height of the
+/// element, is an error of the stress there: what is crossed fades out between a tenth of it and
+/// 0.15. Weights of the facet's nodes alone could not move a point across the gap: they lie in one
+/// plane.
 Matrix across_gap(const Matrix& P, const Matrix& G, const std::vector<ContactNode>& nodes,
                   const std::vector<Vec3>& X, const Crossings& crossings);
 

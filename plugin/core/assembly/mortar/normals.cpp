@@ -426,6 +426,14 @@ struct End {
   Vec2 xi() const { return Vec2(vertex == 1, vertex == 2); }
 };
 
+/// On a plane of symmetry the face goes on, as it does towards whatever a component is held of.
+bool towards_held(const Vec3& outward, unsigned char held) {
+  constexpr Real at_all = 0.02;
+  for (int c = 0; c < 3; ++c)
+    if ((held >> c & 1) != 0 && std::abs(outward[c]) > at_all) return true;
+  return false;
+}
+
 std::map<Index, End> ends_of_faces(const Nodes& nodes, std::size_t p, const Side& slave,
                                    const Cover& cover, const Owns& owns) {
   std::map<Index, End> ends;
@@ -433,7 +441,8 @@ std::map<Index, End> ends_of_faces(const Nodes& nodes, std::size_t p, const Side
     const Index i = slave.facet(f).node[v];
     if (!owns(p, f, i)) return;
     End& end = ends[i];
-    end.outward.push_back(outward);
+    if (!towards_held(outward, nodes.held.empty() ? 0 : nodes.held[i]))
+      end.outward.push_back(outward);
     if (end.cell) return;
     end.facet = f, end.vertex = v;
     for (const Cell& cell : cover.cells[f])
@@ -443,20 +452,39 @@ std::map<Index, End> ends_of_faces(const Nodes& nodes, std::size_t p, const Side
   return ends;
 }
 
-/// The curves of the bodies as they are not deformed.
-class AtRest {
- public:
-  AtRest(const Side& side, const Nodes& nodes)
-      : X_(side.is_moved ? nodes.reference : nodes.X),
-        side_(side, nodes.X, X_),
-        smooth_(side_, X_, joints_that_go_on(side_)) {}
-  bool is_flat(const End& end) const { return smooth_.at(end.facet, end.vertex).turn == 0; }
+bool lies_flat(const Side& slave, const Side& master, const Cover& cover) {
+  for (Index f = 0; f < slave.facets(); ++f)
+    for (const Cell& cell : cover.cells[f])
+      if (!same_direction(-master.planes[cell.master].normal, slave.planes[f].normal)) return false;
+  return true;
+}
 
- private:
-  const std::vector<Vec3>& X_;
-  const Side side_;
-  const SmoothSide smooth_;
-};
+/// From which angle on a face leans, and from which on it does so as a whole: less is what bodies
+/// deform by, and errors of a smooth face's normals, which its turn from facet to facet bounds.
+constexpr Real leans = 0.02, leans_whole = 0.04, of_turn = 2;
+
+/// The part of m that leaves the face, across n.
+Vec3 lean(const Vec3& m, const Vec3& n, const End& end) {
+  return nearest_in_cone(m - m.dot(n) * n, end.outward);
+}
+
+/// The share of the facet that is before what leans as much as the end: more than half of that, and
+/// as a whole from three quarters on. Beside a dent the end alone leans, and at the foot of a wall
+/// a part.
+Real leaning_share(const End& end, const Side& slave, const Side& master,
+                   const std::vector<Cell>& cells, const std::vector<Vec3>& X, const Curves& theirs,
+                   const Vec3& n, Real of_end) {
+  Real leaning = 0, all = 0;
+  for (const Cell& cell : cells) {
+    const Projection chi = project(slave.d, slave.planes[end.facet], master.facet(cell.master), X);
+    Real least = of_end;
+    for (const Vec2& xi : cell.part)
+      least = std::min(least, lean(-theirs.at(cell.master, chi.at(xi)).normal, n, end).norm());
+    all += extent(cell.part);
+    leaning += extent(cell.part) * std::clamp<Real>(4 * least / of_end - 2, 0, 1);
+  }
+  return leaning / all;
+}
 
 }  // namespace
 
@@ -466,21 +494,25 @@ void take_masters_at_ends(const Nodes& nodes, const std::vector<Side>& slaves,
                           std::vector<char>& of_master) {
   for (std::size_t p = 0; p < slaves.size(); ++p) {
     const Side &slave = slaves[p], &master = masters[p];
-    std::optional<AtRest> own;
-    std::optional<Curves> theirs;
+    if (lies_flat(slave, master, covers[p])) continue;
+    std::optional<Curves> own, theirs;
     for (const auto& [i, end] : ends_of_faces(nodes, p, slave, covers[p], owns)) {
       const Vec3 n = normal[i];
-      if (!end.cell || of_master[i] || same_direction(-master.planes[end.cell->master].normal, n))
-        continue;
-      if (!own) own.emplace(slave, nodes);
-      if (!own->is_flat(end)) continue;
+      if (!end.cell || of_master[i] || end.outward.empty()) continue;
+      if (same_direction(-master.planes[end.cell->master].normal, n)) continue;
       if (!theirs) theirs.emplace(master, nodes.X);
       const Projection chi =
           project(slave.d, slave.planes[end.facet], master.facet(end.cell->master), nodes.X);
-      const Vec3 m = -theirs->at(end.cell->master, chi.at(end.xi())).normal;
-      const Vec3 leaning = m.dot(n) * n + nearest_in_cone(m - m.dot(n) * n, end.outward);
-      if (same_direction(leaning.normalized(), n)) continue;
-      normal[i] = leaning.normalized();
+      const Vec3 m = -theirs->at(end.cell->master, chi.at(end.xi())).normal, t = lean(m, n, end);
+      if (t.norm() <= leans) continue;
+      if (!own) own.emplace(slave, nodes.X);
+      const Real turn = own->vertex(end.facet, end.vertex, 0).turn;
+      const Real from = std::max(leans, of_turn * turn), whole = leans_whole / leans * from;
+      const Real share = std::clamp<Real>((t.norm() - from) / (whole - from), 0, 1) *
+                         leaning_share(end, slave, master, covers[p].cells[end.facet], nodes.X,
+                                       *theirs, n, t.norm());
+      if (share == 0) continue;
+      normal[i] = (m.dot(n) * n + share * t).normalized();
       of_master[i] = 1;
     }
   }

@@ -64,15 +64,18 @@ CommonNormals choose_common_normals(const Nodes& nodes, const std::vector<Side>&
                                     const Owns& owns, const CommonNormals* begun,
                                     std::vector<Vec3>& normal);
 
-/// At the end of a flat face of the slave, a rim or a ridge that juts out, it is the edge that
-/// touches where the face leans on it: a block on its corner presses along the normal of what is
-/// below, without friction, however it leans. A node there that is before a master has
+/// At the end of a face of the slave, a rim or a ridge that juts out, it is the edge that touches
+/// where the face leans on it: a block on its corner presses along the normal of what is below,
+/// without friction, however it leans. A node there that is before a master has
 ///
-///   n ~ (m.n_s) n_s + P_C (m - (m.n_s) n_s)
+///   n ~ (m.n_s) n_s + s P_C (m - (m.n_s) n_s)
 ///
 /// m: minus the normal of the master's smooth surface before it; C: the cone of the directions that
-/// leave the face there. So it keeps n_s, which the others have, where the gap does
-/// not open into the face. Curved faces keep theirs.
+/// leave the face there, but for those that supports hold: on a plane of symmetry it goes on. So it
+/// keeps n_s, which the others have, where the gap does not open into the face. s is 1 where the
+/// lean is clear and what the facet is before leans as a whole; it fades to 0 where bodies deform
+/// by as much, where smooth faces turn by half as much from facet to facet, and where the facet
+/// lies on what does not lean: at the foot of a wall.
 void take_masters_at_ends(const Nodes& nodes, const std::vector<Side>& slaves,
                           const std::vector<Side>& masters, const std::vector<Cover>& covers,
                           const Owns& owns, std::vector<Vec3>& normal,

@@ -20,7 +20,7 @@ struct Facet {
   /// The vertex of the element opposite a facet of a master that is moved, or one body with its
   /// slave; -1 otherwise.
   Index behind = -1;
-  bool one_body = true;  ///< of a facet with a vertex behind
+  bool one_body = false;  ///< of a facet with a vertex behind
 };
 
 /// One side of a contact pair, as a mesh has it.
