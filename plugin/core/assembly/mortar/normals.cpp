@@ -468,9 +468,9 @@ Vec3 lean(const Vec3& m, const Vec3& n, const End& end) {
   return nearest_in_cone(m - m.dot(n) * n, end.outward);
 }
 
-/// The share of the facet that is before what leans as much as the end: more than half of that, and
-/// as a whole from three quarters on. Beside a dent the end alone leans, and at the foot of a wall
-/// a part.
+/// How far the facet leans as a whole: 1 where all that it is before leans three quarters as much
+/// as the end, 0 where half of that does not lean half as much. Beside a dent the end alone leans,
+/// and at the foot of a wall a part.
 Real leaning_share(const End& end, const Side& slave, const Side& master,
                    const std::vector<Cell>& cells, const std::vector<Vec3>& X, const Curves& theirs,
                    const Vec3& n, Real of_end) {
@@ -483,7 +483,7 @@ Real leaning_share(const End& end, const Side& slave, const Side& master,
     all += extent(cell.part);
     leaning += extent(cell.part) * std::clamp<Real>(4 * least / of_end - 2, 0, 1);
   }
-  return leaning / all;
+  return std::max<Real>(0, 2 * leaning / all - 1);
 }
 
 }  // namespace
