@@ -63,7 +63,7 @@ class OnScene : public E_F0mps {
 
 template <class Body, class... Extra>
 void add_on_site(const std::vector<aType>& site, const MakeSite<Site>& make) {
-  std::vector<aType> types = SolveOnce::before_site();
+  std::vector<aType> types = SolveOnce<Site>::before_site();
   const int first = static_cast<int>(types.size());
   types.insert(types.end(), site.begin(), site.end());
   const int next = static_cast<int>(types.size());
