@@ -37,9 +37,10 @@ InterfaceBuilder::InterfaceBuilder(const std::vector<mortar::LabelPair>& pairs, 
   }
 }
 
-void InterfaceBuilder::add_slave(const SpacePtr& space, const Boundary& side) {
+void InterfaceBuilder::add_slave(const SpacePtr& space, const Boundary& side,
+                                 const SpaceInWords& words) {
   all_.slave = side.nodes;
-  add(*space, side, 0, &mortar::Pair::slave);
+  add(*space, side, words, 0, &mortar::Pair::slave);
   std::vector<int> element;
   for (const SharedNode& n : side.nodes) element.push_back(n.facets.front().element);
   all_.slave_bodies = [space, element] {
@@ -50,19 +51,28 @@ void InterfaceBuilder::add_slave(const SpacePtr& space, const Boundary& side) {
   };
 }
 
-void InterfaceBuilder::add_master(const Space& space, const Boundary& side, Index dof_offset) {
-  add(space, side, dof_offset, &mortar::Pair::master);
+void InterfaceBuilder::add_master(const Space& space, const Boundary& side,
+                                  const SpaceInWords& words, Index dof_offset) {
+  add(space, side, words, dof_offset, &mortar::Pair::master);
   if (dof_offset == 0) count_bodies(space, side);
   add_vertices_behind(space, side, dof_offset);
 }
 
-void InterfaceBuilder::add(const Space& space, const Boundary& side, Index dof_offset,
-                           mortar::Surface mortar::Pair::*which) {
+void InterfaceBuilder::add(const Space& space, const Boundary& side, const SpaceInWords& words,
+                           Index dof_offset, mortar::Surface mortar::Pair::*which) {
   const int d = space.d;
   all_.is_moved = space.is_moved();
   std::map<long, std::set<std::size_t>> of_label = pairs_of_labels(all_.pairs, which);
   std::vector<Index> number;
-  for (const SharedNode& n : side.nodes) number.push_back(node(n, d, dof_offset));
+  for (const SharedNode& n : side.nodes) {
+    number.push_back(node(n, d, dof_offset));
+    const Vec3 &x = all_.X[number.back()], other = n.other.value_or(n.x);
+    if (is_elsewhere(other, x, n.facets.front().normal, d))
+      refuse(words.name, " is periodic, and ", mortar::place(d, x), " and ",
+             mortar::place(d, other), " on label ", n.facets.front().label,
+             " are one node, which may not touch another body; end the label before the seam, hold "
+             "its sides by on() in place of the period, or let one of the bodies be an obstacle");
+  }
   for (const BoundaryFacet& f : side.facets) {
     mortar::Facet facet;
     facet.label = f.label;

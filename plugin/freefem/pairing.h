@@ -23,14 +23,17 @@ class InterfaceBuilder {
  public:
   /// of_part: others may know what joins the bodies.
   InterfaceBuilder(const std::vector<mortar::LabelPair>& pairs, bool of_part);
-  void add_slave(const SpacePtr& space, const Boundary& side);
+  /// Throws IllegalInput where a node of the sides has two places: facets are seen from where their
+  /// nodes are.
+  void add_slave(const SpacePtr& space, const Boundary& side, const SpaceInWords& words);
   /// dof_offset: of the master's dofs among those of the call.
-  void add_master(const Space& space, const Boundary& side, Index dof_offset);
+  void add_master(const Space& space, const Boundary& side, const SpaceInWords& words,
+                  Index dof_offset);
   Interface take() { return std::move(all_); }
 
  private:
   /// Each pair takes the facets of its labels.
-  void add(const Space& space, const Boundary& side, Index dof_offset,
+  void add(const Space& space, const Boundary& side, const SpaceInWords& words, Index dof_offset,
            mortar::Surface mortar::Pair::*which);
   /// The number of a node, a new one if need be.
   Index node(const SharedNode& n, int d, Index dof_offset);

@@ -202,24 +202,6 @@ std::shared_ptr<Scene> obstacle_scene(const SpacePtr& Vh, std::vector<BoundaryNo
   return scene;
 }
 
-namespace {
-
-/// Facets between two bodies are seen from where their nodes are, and a node has one place.
-void refuse_seam(const Space& Vh, const SpaceInWords& words, std::vector<const Boundary*> sides) {
-  std::map<Index, Vec3> places;
-  for (const Boundary* side : sides)
-    for (const SharedNode& n : side->nodes) {
-      const Vec3 first = places.emplace(n.dof[0], n.x).first->second, other = n.other.value_or(n.x);
-      if (!is_elsewhere(other, first, n.facets.front().normal, Vh.d)) continue;
-      refuse(words.name, " is periodic, and ", mortar::place(Vh.d, first), " and ",
-             mortar::place(Vh.d, other), " on label ", n.facets.front().label,
-             " are one node, which may not touch another body; end the label before the seam, hold "
-             "its sides by on() in place of the period, or let one of the bodies be an obstacle");
-    }
-}
-
-}  // namespace
-
 std::shared_ptr<Scene> pair_scene(const SpacePtr& V1, const SpacePtr& V2, const PairLabels& labels,
                                   const std::vector<long>& obstacle) {
   auto scene = std::make_shared<Scene>();
@@ -230,16 +212,9 @@ std::shared_ptr<Scene> pair_scene(const SpacePtr& V1, const SpacePtr& V2, const 
   scene->dofs = dofs_of(*V1, V2.get());
   scene->nodes = obstacle_points(*V1, V2.get(), labels, obstacle);
   InterfaceBuilder faces(labels.pairs, labels.of_part);
-  const Boundary of_slaves = V1->boundary(labels.slave, V2 ? slave : one),
-                 of_masters = of_master.boundary(labels.master, V2 ? master : one);
-  if (V2) {
-    refuse_seam(*V1, slave, {&of_slaves});
-    refuse_seam(*V2, master, {&of_masters});
-  } else {
-    refuse_seam(*V1, one, {&of_slaves, &of_masters});
-  }
-  faces.add_slave(V1, of_slaves);
-  faces.add_master(of_master, of_masters, offset);
+  const SpaceInWords &of_slaves = V2 ? slave : one, &of_masters = V2 ? master : one;
+  faces.add_slave(V1, V1->boundary(labels.slave, of_slaves), of_slaves);
+  faces.add_master(of_master, of_master.boundary(labels.master, of_masters), of_masters, offset);
   scene->pairing.emplace(faces.take());
   observe(V1, *scene);
   if (!V2) return scene;

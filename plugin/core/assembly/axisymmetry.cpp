@@ -11,7 +11,7 @@ constexpr Real noise = 1e-11;
 /// or next to nothing but mass.
 constexpr Real alone = 0.99;
 
-/// What a translation along the dof's own component meets in its row.
+/// What a translation along one component meets in a row.
 struct Row {
   Real sum = 0, size = 0;
   void add(Real a) {
@@ -26,13 +26,9 @@ int radial_component(const Triplets& A, const std::vector<Index>& node) {
   std::vector<Index> component(A.n, 0);
   for (Index i = 1; i < A.n; ++i)
     if (node[i] == node[i - 1]) component[i] = component[i - 1] + 1;
-  std::vector<Row> rows(A.n);
-  std::vector<Row> other(A.n);  // what a translation along the other component meets
+  std::vector<Row> rows(A.n), other(A.n);  // along the dof's own component, and the other one
   for_each_entry(A, [&](Index i, Index j, Real a) {
-    if (component[i] == component[j])
-      rows[i].add(a);
-    else
-      other[i].add(a);
+    (component[i] == component[j] ? rows : other)[i].add(a);
   });
   Index nodes = 0, strained[2] = {0, 0};
   bool pressed[2] = {false, false};  // by a translation along the component

@@ -249,8 +249,8 @@ const DenseMatrix& CondensedSolver::rigid_motions_of_A(Run& run) {
   const DenseMatrix W_C =
       rigid_motions(elimination_->S(), system_->weight.tail(system_->contact_dofs()));
   run.rigid = elimination_->floating();
-  const bool enough = known.cols() >= run.rigid.cols() + W_C.cols();
-  for (Index k = 0; k < W_C.cols() && !enough; ++k) {
+  const bool all_known = known.cols() >= run.rigid.cols() + W_C.cols();
+  for (Index k = 0; k < W_C.cols() && !all_known; ++k) {  // each costs a solve
     const Vector w = elimination_->extend(W_C.col(k));
     if (!costs_no_energy(*system_, w)) continue;
     run.rigid.conservativeResize(system_->dofs(), run.rigid.cols() + 1);

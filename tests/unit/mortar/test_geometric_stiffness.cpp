@@ -135,6 +135,19 @@ Surfaces with_given_normals(Surfaces s) {
   return s;
 }
 
+/// Elements behind the master's facets, by which rows see across what is between the bodies.
+Surfaces with_elements(Surfaces s, bool one_body) {
+  for (Facet& f : s.pairs[0].master.facets) {
+    Vec3 middle = Vec3::Zero();
+    for (int v = 0; v < s.nodes.dimension; ++v) middle += s.nodes.X[f.node[v]] / s.nodes.dimension;
+    f.behind = static_cast<Index>(s.nodes.X.size());
+    f.one_body = one_body;
+    s.nodes.X.push_back(middle - 0.3 * f.outward.normalized());
+  }
+  s.nodes.before = s.nodes.X;
+  return s;
+}
+
 }  // namespace
 
 TEST(GeometricStiffness, IsTheDerivativeOfContactForcesWhoseNormalsStand) {
@@ -196,19 +209,6 @@ TEST(GeometricStiffness, KnowsHowGapsOfCurvedSurfacesChangeIn3DToFirstOrder) {
   }
 }
 
-/// Elements behind the master's facets, by which rows see across what is between the bodies.
-Surfaces with_elements(Surfaces s, bool one_body) {
-  for (Facet& f : s.pairs[0].master.facets) {
-    Vec3 middle = Vec3::Zero();
-    for (int v = 0; v < s.nodes.dimension; ++v) middle += s.nodes.X[f.node[v]] / s.nodes.dimension;
-    f.behind = static_cast<Index>(s.nodes.X.size());
-    f.one_body = one_body;
-    s.nodes.X.push_back(middle - 0.3 * f.outward.normalized());
-  }
-  s.nodes.before = s.nodes.X;
-  return s;
-}
-
 TEST(GeometricStiffness, KnowsHowWhatIsBarelyCoveredSharesItsMultipliers) {
   for (int d : {2, 3}) {
     const Real covered = 1.5e-3 * 0.25, end = 0.25 - (d == 2 ? covered : covered / 2);
@@ -260,6 +260,8 @@ TEST(GeometricStiffness, KnowsHowWhatIsBarelyCoveredSharesItsMultipliers) {
   }
 }
 
+namespace {
+
 /// across: 1, 2: rows see across what is between one body, or two.
 void expect_forces_follow(int across) {
   for (int d : {2, 3})
@@ -281,6 +283,8 @@ void expect_forces_follow(int across) {
       }
     }
 }
+
+}  // namespace
 
 TEST(GeometricStiffness, ForcesFollowRigidMotions) { expect_forces_follow(0); }
 

@@ -5,8 +5,8 @@
 namespace frictioncg::mortar {
 
 Polygon reference_facet(int d) {
-  if (d == 2) return {Vec2(0, 0), Vec2(1, 0)};
-  return {Vec2(0, 0), Vec2(1, 0), Vec2(0, 1)};
+  if (d == 2) return {reference_vertex(0), reference_vertex(1)};
+  return {reference_vertex(0), reference_vertex(1), reference_vertex(2)};
 }
 
 Polygon cut(const Polygon& polygon, const Affine& f, int side) {

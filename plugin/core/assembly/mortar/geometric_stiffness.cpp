@@ -110,11 +110,8 @@ class Row {
   void cross(const std::vector<Crossing>& crossings) {
     if (crossings.empty()) return;
     const Vec3 left = arm();
-    std::map<Index, Mat3> slope, slope_apart;  // of e, of one body and of two
-    for (Index j : near_) {
-      slope[j] = slope_of_arm(j);
-      slope_apart[j] = slope[j] + n_ * gap_[j].transpose() + g_ * turn(j);
-    }
+    std::map<Index, Mat3> slope;
+    for (Index j : near_) slope[j] = slope_of_arm(j);
     std::map<Index, Sloped> change;
     for (const Crossing& crossing : crossings) {
       near_.insert(crossing.vertices.begin(), crossing.vertices.end());
@@ -125,8 +122,11 @@ class Row {
         Sloped& of_vertex = change[crossing.vertices[v]];
         const Vec3 by = along.row(static_cast<Index>(v)).transpose();
         of_vertex.value += by.dot(e);
-        for (const auto& [k, of_e] : crossing.one_body ? slope : slope_apart)
-          of_vertex.at(k) += of_e.transpose() * by;
+        for (const auto& [j, of_arm] : slope) {
+          of_vertex.at(j) += of_arm.transpose() * by;
+          if (!crossing.one_body)  // and of g n
+            of_vertex.at(j) += n_.dot(by) * gap_[j] + g_ * turn(j).transpose() * by;
+        }
         for (std::size_t w = 0; w < crossing.vertices.size(); ++w)
           of_vertex.at(crossing.vertices[w]) -= c[static_cast<Index>(w)] * by;
       }

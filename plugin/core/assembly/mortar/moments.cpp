@@ -222,6 +222,21 @@ DenseMatrix gradients_of(const std::vector<Index>& vertices, const std::vector<V
   return gradients;
 }
 
+/// Each facet once, where it came first: the sum of its weights that are > 0.
+FacedFacets::value_type summed(const FacedFacets::value_type& faced) {
+  FacedFacets::value_type once;
+  for (const auto& [facet, weight] : faced) {
+    if (!(weight > 0)) continue;
+    const auto same = [of = facet](const auto& other) { return other.first == of; };
+    const auto found = std::find_if(once.begin(), once.end(), same);
+    if (found == once.end())
+      once.emplace_back(facet, weight);
+    else
+      found->second += weight;
+  }
+  return once;
+}
+
 }  // namespace
 
 Crossings crossings(const Matrix& G, const std::vector<ContactNode>& nodes, const Nodes& all,
@@ -235,8 +250,8 @@ Crossings crossings(const Matrix& G, const std::vector<ContactNode>& nodes, cons
     const auto& [i, pair, label, n, D, g, distance] = nodes[k];
     const Vec3 arm = Arm(G, static_cast<Index>(k), i, all.X).sum;
     Real whole = 0;
-    for (const auto& [facet, weight] : faced[i]) {
-      if (!(weight > 0) || facet->behind < 0 || !(apart || facet->one_body)) continue;
+    for (const auto& [facet, weight] : summed(faced[i])) {
+      if (facet->behind < 0 || !(apart || facet->one_body)) continue;
       std::vector<Index> vertices = element_of(*facet, all.dimension);
       if (std::any_of(vertices.begin(), vertices.end(), lawful)) continue;
       whole += weight;

@@ -369,13 +369,10 @@ constexpr Real on_vertex = 1e-9;
 /// Square of the sine of the angle up to which two rims are one.
 constexpr Real parallel_to = 1e-12;
 
-using Ridge = std::array<Index, 2>;
-
 bool juts_out(const Side& side, const Joint& joint, const std::vector<Vec3>& X) {
   const auto [f, g] = joint.facet;
-  Vec3 middle = Vec3::Zero();
-  for (int v = 0; v < side.d; ++v) middle += X[side.facet(g).node[v]] / side.d;
-  return side.planes[f].normal.dot(middle - X[joint.vertex[0]]) < 0;
+  const Vec3 beyond = centre_of(side.d, side.facet(g), X) - X[joint.vertex[0]];
+  return side.planes[f].normal.dot(beyond) < 0;
 }
 
 /// visit(f, v, outward): the vertices v of each ridge of a facet f that is a rim or juts out.
@@ -383,22 +380,20 @@ bool juts_out(const Side& side, const Joint& joint, const std::vector<Vec3>& X) 
 template <class Visit>
 void for_each_end(const Side& side, const std::vector<Vec3>& X, const Visit& visit) {
   const std::vector<char> goes_on = joints_that_go_on(side);
-  std::set<Ridge> inner;
+  std::vector<std::array<Index, 2>> inner;  // sorted, as joints are
   for (std::size_t k = 0; k < side.joints.size(); ++k)
-    if (goes_on[k] || !juts_out(side, side.joints[k], X)) inner.insert(side.joints[k].vertex);
+    if (goes_on[k] || !juts_out(side, side.joints[k], X)) inner.push_back(side.joints[k].vertex);
   for (Index f = 0; f < side.facets(); ++f)
     for (int v = 0; v < side.d; ++v) {
-      const auto& node = side.facet(f).node;
-      const Index a = node[v], b = side.d == 2 ? a : node[(v + 1) % 3],
-                  beyond = node[(v + side.d - 1) % side.d];
-      if (inner.count({std::min(a, b), std::max(a, b)}) > 0) continue;
-      Vec3 outward = X[a] - X[beyond];
+      const Facet& facet = side.facet(f);
+      if (std::binary_search(inner.begin(), inner.end(), ridge_of(side.d, facet, v))) continue;
+      Vec3 outward = X[facet.node[v]] - X[facet.node[(v + side.d - 1) % side.d]];
       if (side.d == 3) {
-        const Vec3 along = (X[b] - X[a]).normalized();
+        const Vec3 along = (X[facet.node[(v + 1) % 3]] - X[facet.node[v]]).normalized();
         outward -= outward.dot(along) * along;
       }
       visit(f, v, outward.normalized());
-      if (b != a) visit(f, (v + 1) % 3, outward.normalized());
+      if (side.d == 3) visit(f, (v + 1) % 3, outward.normalized());
     }
 }
 
@@ -422,15 +417,12 @@ struct End {
   int vertex = 0;
   const Cell* cell = nullptr;  ///< before it; null: none
   std::vector<Vec3> outward;   ///< of the face, in its plane, unit
-
-  Vec2 xi() const { return Vec2(vertex == 1, vertex == 2); }
 };
 
 /// On a plane of symmetry the face goes on, as it does towards whatever a component is held of.
 bool towards_held(const Vec3& outward, unsigned char held) {
-  constexpr Real at_all = 0.02;
   for (int c = 0; c < 3; ++c)
-    if ((held >> c & 1) != 0 && std::abs(outward[c]) > at_all) return true;
+    if ((held >> c & 1) != 0 && std::abs(outward[c]) > mostly_free) return true;
   return false;
 }
 
@@ -447,7 +439,7 @@ std::map<Index, End> ends_of_faces(const Nodes& nodes, std::size_t p, const Side
     end.facet = f, end.vertex = v;
     for (const Cell& cell : cover.cells[f])
       for (const Vec2& xi : cell.part)
-        if ((xi - end.xi()).norm() < on_vertex) end.cell = &cell;
+        if ((xi - reference_vertex(v)).norm() < on_vertex) end.cell = &cell;
   });
   return ends;
 }
@@ -463,23 +455,15 @@ bool lies_flat(const Side& slave, const Side& master, const Cover& cover) {
 /// deform by, and errors of a smooth face's normals, which its turn from facet to facet bounds.
 constexpr Real leans = 0.02, leans_whole = 0.04, of_turn = 2;
 
-/// The part of m that leaves the face, across n.
-Vec3 lean(const Vec3& m, const Vec3& n, const End& end) {
-  return nearest_in_cone(m - m.dot(n) * n, end.outward);
-}
-
 /// How far the facet leans as a whole: 1 where all that it is before leans three quarters as much
 /// as the end, 0 where half of that does not lean half as much. Beside a dent the end alone leans,
-/// and at the foot of a wall a part.
-Real leaning_share(const End& end, const Side& slave, const Side& master,
-                   const std::vector<Cell>& cells, const std::vector<Vec3>& X, const Curves& theirs,
-                   const Vec3& n, Real of_end) {
+/// and at the foot of a wall a part.   lean_at(cell, xi): there
+template <class LeanAt>
+Real leaning_share(const std::vector<Cell>& cells, Real of_end, const LeanAt& lean_at) {
   Real leaning = 0, all = 0;
   for (const Cell& cell : cells) {
-    const Projection chi = project(slave.d, slave.planes[end.facet], master.facet(cell.master), X);
     Real least = of_end;
-    for (const Vec2& xi : cell.part)
-      least = std::min(least, lean(-theirs.at(cell.master, chi.at(xi)).normal, n, end).norm());
+    for (const Vec2& xi : cell.part) least = std::min(least, lean_at(cell, xi).norm());
     all += extent(cell.part);
     leaning += extent(cell.part) * std::clamp<Real>(4 * least / of_end - 2, 0, 1);
   }
@@ -501,16 +485,21 @@ void take_masters_at_ends(const Nodes& nodes, const std::vector<Side>& slaves,
       if (!end.cell || of_master[i] || end.outward.empty()) continue;
       if (same_direction(-master.planes[end.cell->master].normal, n)) continue;
       if (!theirs) theirs.emplace(master, nodes.X);
-      const Projection chi =
-          project(slave.d, slave.planes[end.facet], master.facet(end.cell->master), nodes.X);
-      const Vec3 m = -theirs->at(end.cell->master, chi.at(end.xi())).normal, t = lean(m, n, end);
+      const auto m_at = [&, plane = slave.planes[end.facet]](const Cell& cell, const Vec2& xi) {
+        const Projection chi = project(slave.d, plane, master.facet(cell.master), nodes.X);
+        return Vec3(-theirs->at(cell.master, chi.at(xi)).normal);
+      };
+      const auto lean = [&n, &outward = end.outward](const Vec3& m) {
+        return nearest_in_cone(m - m.dot(n) * n, outward);
+      };
+      const Vec3 m = m_at(*end.cell, reference_vertex(end.vertex)), t = lean(m);
       if (t.norm() <= leans) continue;
       if (!own) own.emplace(slave, nodes.X);
       const Real turn = own->vertex(end.facet, end.vertex, 0).turn;
       const Real from = std::max(leans, of_turn * turn), whole = leans_whole / leans * from;
+      const auto lean_at = [&](const Cell& cell, const Vec2& xi) { return lean(m_at(cell, xi)); };
       const Real share = std::clamp<Real>((t.norm() - from) / (whole - from), 0, 1) *
-                         leaning_share(end, slave, master, covers[p].cells[end.facet], nodes.X,
-                                       *theirs, n, t.norm());
+                         leaning_share(covers[p].cells[end.facet], t.norm(), lean_at);
       if (share == 0) continue;
       normal[i] = (m.dot(n) * n + share * t).normalized();
       of_master[i] = 1;

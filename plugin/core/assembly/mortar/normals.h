@@ -5,6 +5,10 @@
 
 namespace frictioncg::mortar {
 
+/// A held part of a unit vector up to this length is none. That of a normal is projected away;
+/// beyond it the node carries no law.
+constexpr Real mostly_free = 0.02;
+
 /// Whether facet f of the slave of pair p belongs to the patch that owns node i.
 using Owns = std::function<bool(std::size_t p, Index f, Index i)>;
 

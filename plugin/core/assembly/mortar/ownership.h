@@ -8,9 +8,6 @@
 
 namespace frictioncg::mortar {
 
-/// A held part of a normal up to this length is projected away; beyond it the node carries no law.
-constexpr Real mostly_free = 0.02;
-
 /// Which vertices carry the laws on which slave facet.
 ///
 /// Slave facets form patches, parted at sharp ridges and where two labels meet at an angle. Patches

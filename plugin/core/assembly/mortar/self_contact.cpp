@@ -17,11 +17,8 @@ constexpr Real as_fine = 0.1, equal = 1e-3;
 /// Axes whose direction nothing tells are 0.
 Eigen::Matrix3d own_axes(const Side& side, const OwnSurface& own) {
   const auto sum = [&](const auto& of, auto total) {  // over the surface
-    for (Index f = 0; f < side.facets(); ++f) {
-      Vec3 x = Vec3::Zero();
-      for (int v = 0; v < side.d; ++v) x += own.X[side.facet(f).node[v]] / side.d;
-      total += own.planes[f].measure * of(x);
-    }
+    for (Index f = 0; f < side.facets(); ++f)
+      total += own.planes[f].measure * of(centre_of(side.d, side.facet(f), own.X));
     return total;
   };
   const Real measure = sum([](const Vec3&) { return 1; }, Real(0));
@@ -68,7 +65,7 @@ struct Half {
       if (side.planes[f].normal.dot(outward) <= -facing) continue;
       facets.push_back(f);
       size += own.planes[f].size;
-      for (int v = 0; v < side.d; ++v) place += own.X[side.facet(f).node[v]] / side.d;
+      place += centre_of(side.d, side.facet(f), own.X);
     }
     const Real count = static_cast<Real>(std::max<std::size_t>(1, facets.size()));
     size /= count;

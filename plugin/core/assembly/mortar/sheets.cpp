@@ -43,7 +43,7 @@ struct Faced {
 
 Faced faced_at(int v, const Side& slave, Index facet, const Side& master,
                const std::vector<Vec3>& X, const std::vector<Cell>& cells) {
-  const Vec2 corner = v == 0 ? Vec2(0, 0) : v == 1 ? Vec2(1, 0) : Vec2(0, 1);
+  const Vec2 corner = reference_vertex(v);
   const auto closer = [&](const Cell& a, const Cell& b) {
     return (centroid(a.part) - corner).norm() < (centroid(b.part) - corner).norm();
   };

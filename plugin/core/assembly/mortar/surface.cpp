@@ -44,6 +44,12 @@ constexpr Real degenerate = 1e-14;
 
 }  // namespace
 
+Vec3 centre_of(int d, const Facet& facet, const std::vector<Vec3>& X) {
+  Vec3 centre = Vec3::Zero();
+  for (int v = 0; v < d; ++v) centre += X[facet.node[v]] / d;
+  return centre;
+}
+
 Plane plane_of(int d, const Facet& facet, const std::vector<Vec3>& X) {
   Plane p;
   p.origin = X[facet.node[0]];

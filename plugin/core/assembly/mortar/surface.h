@@ -37,6 +37,9 @@ std::string labels_of(const Surface& surface);
 inline std::array<int, 2> edge_ends(int d, int k) {
   return d == 2 ? std::array<int, 2>{0, 1} : std::array<int, 2>{(k + 1) % 3, (k + 2) % 3};
 }
+/// A vertex of the reference facet.
+inline Vec2 reference_vertex(int v) { return Vec2(v == 1, v == 2); }
+Vec3 centre_of(int d, const Facet& facet, const std::vector<Vec3>& X);
 inline int edges_of_facet(int d) { return d == 2 ? 1 : 3; }
 inline int nodes_of_facet(int d, bool quadratic) { return quadratic ? d + edges_of_facet(d) : d; }
 

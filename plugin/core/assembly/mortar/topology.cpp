@@ -2,6 +2,11 @@
 
 namespace frictioncg::mortar {
 
+std::array<Index, 2> ridge_of(int d, const Facet& facet, int k) {
+  const Index a = facet.node[k], b = d == 2 ? a : facet.node[(k + 1) % 3];
+  return {std::min(a, b), std::max(a, b)};
+}
+
 namespace {
 
 struct Ridge {
@@ -15,10 +20,8 @@ struct Ridge {
 std::vector<Ridge> sorted_ridges(int d, const std::vector<Facet>& facets) {
   std::vector<Ridge> ridges;
   for (std::size_t f = 0; f < facets.size(); ++f)
-    for (int k = 0; k < d; ++k) {
-      const Index a = facets[f].node[k], b = d == 2 ? a : facets[f].node[(k + 1) % 3];
-      ridges.push_back({{std::min(a, b), std::max(a, b)}, static_cast<Index>(f)});
-    }
+    for (int k = 0; k < d; ++k)
+      ridges.push_back({ridge_of(d, facets[f], k), static_cast<Index>(f)});
   std::sort(ridges.begin(), ridges.end());
   return ridges;
 }

@@ -7,9 +7,12 @@ namespace frictioncg::mortar {
 /// Two facets that share a ridge: an edge, in 2D a vertex.
 struct Joint {
   std::array<Index, 2> facet;
-  std::array<Index, 2> vertex;  ///< ends of the ridge; 2D: the same twice
+  std::array<Index, 2> vertex;  ///< ridge_of
   Real cosine;                  ///< of the angle between the normals; -1 where more facets meet
 };
+
+/// The ends of ridge k of a facet, from its vertex k on, the lower one first; 2D: the same twice.
+std::array<Index, 2> ridge_of(int d, const Facet& facet, int k);
 
 /// A surface with what is derived from it.
 struct Side {
@@ -23,7 +26,7 @@ struct Side {
   bool is_moved = false;  ///< from the reference
   const Surface& surface;
   std::vector<Plane> planes;  ///< one per facet
-  std::vector<Joint> joints;
+  std::vector<Joint> joints;  ///< sorted by their ridges
   Index facets() const { return static_cast<Index>(planes.size()); }
   const Facet& facet(Index f) const { return surface.facets[f]; }
 
