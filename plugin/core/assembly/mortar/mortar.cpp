@@ -113,14 +113,16 @@ class Assembly {
     }
   }
   /// A node with the master's normal takes on itself what removed nodes r move by: that normal lets
-  /// slip what turns the master at its own place alone. The gap stays that of all. Where the
-  /// weights of r, which have no sign on slivers, would take half of D_i, they stay those of r.
+  /// slip what turns the master at its own place alone. So does one that no rank made an owner. The
+  /// gap stays that of all. Where the weights of r, which have no sign on slivers, would take half
+  /// of D_i, they stay those of r.
   void place_removed() {
     Vector sum = Vector::Zero(size());
     for (const auto& e : removed_) sum[e.row()] += e.value();
     takes_removed_.assign(size(), 0);
     for (Index i = 0; i < size(); ++i) {
-      takes_removed_[i] = ownership_.common.of_master[i] && D_[i] + sum[i] > D_[i] / 2;
+      takes_removed_[i] = (ownership_.common.of_master[i] || ownership_.by_nearness[i]) &&
+                          D_[i] + sum[i] > D_[i] / 2;
       if (takes_removed_[i]) D_[i] += sum[i];
     }
     for (const auto& e : removed_) {
@@ -280,7 +282,7 @@ Matrix Mortar::halving(const std::vector<char>& held, bool where_held, Real half
 
 /// With u = C u^, C the identity at held mid-edges: (I + N H) u^ = (I + P C) w, where H u^ gives
 /// the u~ of held mid-edges; rows of N and P vanish at held nodes. N H is nilpotent: a contact node
-/// depends on nodes that patches ranked before it own.
+/// depends on nodes that patches ranked before it own, or that depend on none.
 Matrix Mortar::change_of_basis(const std::vector<char>& held) const {
   Vector free = Vector::Ones(size_);
   for (std::size_t i = 0; i < held.size(); ++i) free[static_cast<Index>(i)] = !held[i];

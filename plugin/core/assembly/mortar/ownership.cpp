@@ -3,6 +3,7 @@
 #include <tuple>
 
 #include "assembly/mortar/self_contact.h"
+#include "assembly/mortar/sheets.h"
 #include "assembly/mortar/smooth_side.h"
 #include "assembly/mortar/validation.h"
 
@@ -13,6 +14,10 @@ namespace {
 /// One vertex stands for a facet of which less than this share is covered; from twice as much on
 /// each has its part, and between the two both ways share it: nothing jumps as bodies slide.
 constexpr Real barely = 1e-3;
+
+/// Patches at a vertex are equally near what they face up to this share of a facet's size: noise of
+/// meshes and of solutions decides nothing.
+constexpr Real equally_near = 0.01;
 
 Index label_position(const Surface& surface, long label) {
   const auto at = std::find(surface.labels.begin(), surface.labels.end(), label);
@@ -65,12 +70,13 @@ Ownership::Ownership(const Nodes& nodes, const std::vector<Side>& slaves,
       label(nodes.X.size(), 0),
       common{std::vector<char>(nodes.X.size(), 0), {}, {}},
       covered(nodes.X.size(), 0),
+      by_nearness(nodes.X.size(), 0),
       owner_(nodes.X.size(), -1) {
   if (begun)
     go_on_from(*begun->ownership);
   else
     rank_patches(slaves, covers);
-  own(slaves, covers);
+  own(nodes, slaves, masters, covers);
   set_labels(slaves);
   const Owns owns = [&](std::size_t p, Index f, Index i) { return owner_[i] == rank_[p][f]; };
   normal = slave_normals(nodes, slaves, options, owns, slipping);
@@ -129,18 +135,45 @@ void Ownership::go_on_from(const Ownership& begun) {
   owner_ = begun.owner_;
   pair = begun.pair;
   covered = begun.covered;
+  by_nearness = begun.by_nearness;
   slipping = begun.slipping;
   faced_ = begun.faced_;
 }
 
-void Ownership::own(const std::vector<Side>& slaves, const std::vector<Cover>& covers) {
+void Ownership::own(const Nodes& nodes, const std::vector<Side>& slaves,
+                    const std::vector<Side>& masters, const std::vector<Cover>& covers) {
   const std::vector<Index> decided = owner_;
-  for_each_vertex(slaves, [&](std::size_t p, Index f, Index i) {
-    if (covers[p].cells[f].empty()) return;
+  const auto for_each_covered = [&](const auto& visit) {
+    for_each_vertex(slaves, [&](std::size_t p, Index f, Index i) {
+      if (!covers[p].cells[f].empty()) visit(p, f, i);
+    });
+  };
+  std::vector<Index> one(owner_.size(), -1);
+  std::map<Index, Real> nearest;  // distance at nodes where several patches face something
+  for_each_covered([&](std::size_t p, Index f, Index i) {
     state[i] = State::kept;
+    if (one[i] >= 0 && one[i] != rank_[p][f]) nearest[i] = infinity;
+    one[i] = rank_[p][f];
+  });
+  const auto distance = [&](std::size_t p, Index f, Index i) {
+    const auto& node = slaves[p].facet(f).node;
+    const int v = static_cast<int>(std::find(node.begin(), node.end(), i) - node.begin());
+    return faced_at_vertex(v, slaves[p], f, masters[p], nodes.X, covers[p].cells[f]).distance;
+  };
+  for_each_covered([&](std::size_t p, Index f, Index i) {
+    const auto least = nearest.find(i);
+    if (least != nearest.end()) least->second = std::min(least->second, distance(p, f, i));
+  });
+  for_each_covered([&](std::size_t p, Index f, Index i) {
     if (decided[i] >= 0 || (owner_[i] >= 0 && owner_[i] <= rank_[p][f])) return;
+    const auto least = nearest.find(i);
+    const Real play = equally_near * slaves[p].planes[f].size;
+    if (least != nearest.end() && distance(p, f, i) > least->second + play) return;
     owner_[i] = rank_[p][f];
     pair[i] = static_cast<Index>(p);
+  });
+  for_each_covered([&](std::size_t p, Index f, Index i) {
+    if (decided[i] < 0 && rank_[p][f] < owner_[i]) by_nearness[i] = 1;
   });
   for_each_vertex(slaves, [&](std::size_t p, Index f, Index i) {
     if (decided[i] < 0 && owner_[i] == rank_[p][f])

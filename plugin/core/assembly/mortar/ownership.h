@@ -11,8 +11,9 @@ namespace frictioncg::mortar {
 /// Which vertices carry the laws on which slave facet.
 ///
 /// Slave facets form patches, parted at sharp ridges and where two labels meet at an angle. Patches
-/// are ranked by pair, by label as listed, by their covered measure; a vertex belongs to the first
-/// patch that covers something there, and is a removed node on the facets of others. It is removed
+/// are ranked by pair, by label as listed, by their covered measure; a vertex belongs to the patch
+/// that is nearest there to what it faces, of equally near ones to the first, and is a removed node
+/// on the facets of others. It is removed
 /// everywhere where it lies on the master too (tip of a crack), or on what another pair uses as
 /// master (bodies that meet crosswise), or where an obstacle takes it, or Dirichlet conditions hold
 /// its normal. Where no vertex of a facet is kept, nodes of the nearest facet with some stand in,
@@ -38,6 +39,9 @@ struct Ownership {
   CommonNormals common;      ///< choose_common_normals()
   /// Per node: measure covered around it, where it is decided what faces what.
   std::vector<Real> covered;
+  /// Per node: its patch is not the first there, but nearer to what it faces. No law of it depends
+  /// on removed nodes, which might depend on it.
+  std::vector<char> by_nearness;
 
   struct Carriers {
     std::array<bool, 3> kept{};   ///< vertices of the facet
@@ -53,7 +57,8 @@ struct Ownership {
   struct Patch;
   void go_on_from(const Ownership& begun);
   void rank_patches(const std::vector<Side>& slaves, const std::vector<Cover>& covers);
-  void own(const std::vector<Side>& slaves, const std::vector<Cover>& covers);
+  void own(const Nodes& nodes, const std::vector<Side>& slaves, const std::vector<Side>& masters,
+           const std::vector<Cover>& covers);
   void set_labels(const std::vector<Side>& slaves);
   void take_normals(const Nodes& nodes, const std::vector<Vec3>& normals);
   void find_faced(const std::vector<Side>& masters, const std::vector<Cover>& covers);

@@ -34,23 +34,12 @@ Real step_between(const Seen& a, const Seen& b) {
   return std::abs(a.distance(between) - b.distance(between));
 }
 
-/// What a slave facet faces at one of its vertices.
+/// A slave facet at one of its vertices.
 struct Faced {
   Index facet;
-  Index master;   ///< of the cell nearest to the vertex
-  Real distance;  ///< of that facet's plane, along the normal of the slave facet [length]
+  Index master;
+  Real distance;  ///< >= 0
 };
-
-Faced faced_at(int v, const Side& slave, Index facet, const Side& master,
-               const std::vector<Vec3>& X, const std::vector<Cell>& cells) {
-  const Vec2 corner = reference_vertex(v);
-  const auto closer = [&](const Cell& a, const Cell& b) {
-    return (centroid(a.part) - corner).norm() < (centroid(b.part) - corner).norm();
-  };
-  const Index nearest = std::min_element(cells.begin(), cells.end(), closer)->master;
-  const Projection p = project(slave.d, slave.planes[facet], master.facet(nearest), X);
-  return {facet, nearest, std::abs(p.distance(corner))};
-}
 
 /// Whether each facet around a vertex faces a sheet that lies beyond a step. Planes that meet at an
 /// angle also differ in distance, the more the farther their cells are from the vertex: on one
@@ -74,6 +63,17 @@ std::vector<bool> beyond_a_step(const std::vector<Faced>& around, const Side& sl
 }
 
 }  // namespace
+
+FacedAtVertex faced_at_vertex(int v, const Side& slave, Index facet, const Side& master,
+                              const std::vector<Vec3>& X, const std::vector<Cell>& cells) {
+  const Vec2 corner = reference_vertex(v);
+  const auto closer = [&](const Cell& a, const Cell& b) {
+    return (centroid(a.part) - corner).norm() < (centroid(b.part) - corner).norm();
+  };
+  const Index nearest = std::min_element(cells.begin(), cells.end(), closer)->master;
+  return {nearest,
+          project(slave.d, slave.planes[facet], master.facet(nearest), X).distance(corner)};
+}
 
 void keep_nearest_sheet(const Side& master, Real size,
                         const std::function<Affine(const Cell&)>& distance,
@@ -104,8 +104,10 @@ std::vector<Index> beyond_steps(const Side& slave, const Side& master, const std
                                 const std::vector<std::vector<Cell>>& cells) {
   std::map<Index, std::vector<Faced>> at;  // per vertex of the slave
   for (Index f = 0; f < slave.facets(); ++f)
-    for (int v = 0; v < slave.d && !cells[f].empty(); ++v)
-      at[slave.facet(f).node[v]].push_back(faced_at(v, slave, f, master, X, cells[f]));
+    for (int v = 0; v < slave.d && !cells[f].empty(); ++v) {
+      const FacedAtVertex faced = faced_at_vertex(v, slave, f, master, X, cells[f]);
+      at[slave.facet(f).node[v]].push_back({f, faced.master, std::abs(faced.distance)});
+    }
   std::set<Index> beyond;
   for (const auto& [vertex, around] : at) {
     const std::vector<bool> is_beyond = beyond_a_step(around, slave, master);

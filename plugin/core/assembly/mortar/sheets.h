@@ -11,6 +11,14 @@ void keep_nearest_sheet(const Side& master, Real size,
                         const std::function<Affine(const Cell&)>& distance,
                         std::vector<Cell>& cells);
 
+/// What a slave facet faces at its vertex v.   cells: of that facet, some
+struct FacedAtVertex {
+  Index master;   ///< of the cell nearest to the vertex
+  Real distance;  ///< of that facet's plane, along the normal of the slave facet [length]
+};
+FacedAtVertex faced_at_vertex(int v, const Side& slave, Index facet, const Side& master,
+                              const std::vector<Vec3>& X, const std::vector<Cell>& cells);
+
 /// The same from facet to facet: at a vertex whose facets face surfaces with a step between them,
 /// the farther ones face nothing: the vertex would meet neither. Facets of the master that share a
 /// vertex are one surface, however it is bent.   cells: per slave facet; returns those that face
