@@ -213,23 +213,23 @@ TEST(MortarIncrement, ANodeStaysWithThePatchThatOwnsIt) {
 
 namespace {
 
-/// A slave whose end, node 4, begins the master of another pair, and what comes to face that from
-/// `above` its first facet on.
+/// A slave whose end, node 4, begins the master of the pair before it, and what comes to face that
+/// from `above` its first facet on.
 Surfaces crosswise(Real above) {
   Surfaces s(2);
   s.pairs.resize(2);
-  s.pairs[0].slave = s.sheet(
+  s.pairs[1].slave = s.sheet(
       4, -1, [](const Vec3& x) { return Vec3(x[0], 0.1, 0); }, 3);
-  s.pairs[0].master = s.sheet(
+  s.pairs[1].master = s.sheet(
       5, 1, [](const Vec3& x) { return Vec3(2 * x[0] - 0.5, 0, 0); }, 1);
   const Index first = static_cast<Index>(s.nodes.X.size());
-  s.pairs[1].master = s.sheet(
+  s.pairs[0].master = s.sheet(
       4, 1, [](const Vec3& x) { return Vec3(1, 0.1 + x[0], 0); }, 2);
-  s.pairs[1].master.facets[0].node[0] = 4;
-  s.pairs[1].slave = s.sheet(
+  s.pairs[0].master.facets[0].node[0] = 4;
+  s.pairs[0].slave = s.sheet(
       5, -1, [=](const Vec3& x) { return Vec3(1.1, 0.35 + above + x[0], 0); }, 4);
-  for (Facet& f : s.pairs[1].master.facets) f.outward = Vec3::UnitX();
-  for (Facet& f : s.pairs[1].slave.facets) f.outward = -Vec3::UnitX();
+  for (Facet& f : s.pairs[0].master.facets) f.outward = Vec3::UnitX();
+  for (Facet& f : s.pairs[0].slave.facets) f.outward = -Vec3::UnitX();
   s.nodes.X[first] = s.nodes.X[4];
   return s;
 }
@@ -243,17 +243,17 @@ TEST(MortarIncrement, ANodeThatLiesOnAMasterStaysRemovedOrKeepsItsLaw) {
 TEST(MortarIncrement, WhatComesToFaceASlaveOfAnotherPairHasNoMasterThere) {
   for (bool reversed : {false, true}) {
     Surfaces s = crosswise(-0.1);
-    for (Facet& f : s.pairs[1].master.facets)
+    for (Facet& f : s.pairs[0].master.facets)
       if (reversed) std::swap(f.node[0], f.node[1]);
     s.nodes.before = crosswise(0.1).nodes.X;
     const Mortar mortar = s.mortar();
-    Index of_pair_1 = 0;
+    Index of_pair_0 = 0;
     for (const ContactNode& node : mortar.nodes()) {
       const Real seen = mortar.relative().coeff(&node - mortar.nodes().data(), 4);
-      EXPECT_EQ(seen != 0, node.pair == 0 && node.node == 4) << node.node;
-      of_pair_1 += node.pair == 1;
+      EXPECT_EQ(seen != 0, node.pair == 1 && node.node == 4) << node.node;
+      of_pair_0 += node.pair == 0;
     }
-    EXPECT_EQ(of_pair_1, 6);
+    EXPECT_EQ(of_pair_0, 6);
   }
 }
 

@@ -225,35 +225,38 @@ TEST(MortarTraps, TheEndsOfAHeldMidEdgeCarryNoLaw) {
 }
 
 TEST(MortarTraps, AFaceMayBeSlaveOnOnePartAndMasterOnAnother) {
-  for (int d : {2, 3})
-    for (const bool meet : {false, true}) {
-      // of the plate 1, x < 1 is the slave of what stands there, x > 1 the master; where these
-      // parts meet the nodes are removed
-      Surfaces s(d);
-      const auto stretched = [](const Vec3& x) { return Vec3(2 * x[0], x[1], 0); };
-      const auto on = [d](Real from, Real to) {
-        return [=](const Vec3& x) {
-          return Vec3(Vec3(from + (to - from) * x[0], x[1], 0) + 0.1 * Vec3::Unit(d - 1));
-        };
+  // of the plate 1, x < 1 is the slave of what stands there, x > 1 the master; where these parts
+  // meet its nodes keep their law if their pair is the first
+  const auto expect = [](int d, bool meet, bool plate_first) {
+    Surfaces s(d);
+    const auto stretched = [](const Vec3& x) { return Vec3(2 * x[0], x[1], 0); };
+    const auto on = [d](Real from, Real to) {
+      return [=](const Vec3& x) {
+        return Vec3(Vec3(from + (to - from) * x[0], x[1], 0) + 0.1 * Vec3::Unit(d - 1));
       };
-      const Surface plate = s.sheet(6, 1, stretched, 1);
-      s.pairs.resize(2);
-      s.pairs[0] = {plate, s.sheet(4, -1, on(0, meet ? 1 : 0.6), 2)};
-      s.pairs[1] = {s.sheet(5, -1, on(meet ? 1 : 1.4, 2), 3), plate};
-      const Mortar mortar = s.mortar();
-      EXPECT_EQ(mortar.statistics(0).removed, !meet ? 0 : d == 2 ? 1 : 7);
-      EXPECT_EQ(mortar.statistics(0).held, 0);  // none by Dirichlet conditions
-      EXPECT_EQ(mortar.statistics(1).removed, 0);
-      EXPECT_EQ(mortar.statistics(1).facing, d == 2 ? 6 : 36);
-      for (const ContactNode& node : mortar.nodes()) {
-        EXPECT_NEAR(node.distance, 0.1, 1e-14);
-        EXPECT_EQ(node.label, node.pair == 0 ? 1 : 3);
-      }
-      const Matrix T = mortar.change_of_basis(), W = mortar.inverse_basis();
-      Matrix I(T.rows(), T.rows());
-      I.setIdentity();
-      EXPECT_LT(Matrix(Matrix(T * W) - I).norm(), 1e-13);
+    };
+    const Surface plate = s.sheet(6, 1, stretched, 1);
+    s.pairs = {{plate, s.sheet(4, -1, on(0, meet ? 1 : 0.6), 2)},
+               {s.sheet(5, -1, on(meet ? 1 : 1.4, 2), 3), plate}};
+    if (!plate_first) std::swap(s.pairs[0], s.pairs[1]);
+    const Index of_plate = plate_first ? 0 : 1, of_other = 1 - of_plate;
+    const Mortar mortar = s.mortar();
+    EXPECT_EQ(mortar.statistics(of_plate).removed, !meet || plate_first ? 0 : d == 2 ? 1 : 7);
+    EXPECT_EQ(mortar.statistics(of_plate).held, 0);  // none by Dirichlet conditions
+    EXPECT_EQ(mortar.statistics(of_other).removed, 0);
+    EXPECT_EQ(mortar.statistics(of_other).facing, d == 2 ? 6 : 36);
+    for (const ContactNode& node : mortar.nodes()) {
+      EXPECT_NEAR(node.distance, 0.1, 1e-14);
+      EXPECT_EQ(node.label, node.pair == of_plate ? 1 : 3);
     }
+    const Matrix T = mortar.change_of_basis(), W = mortar.inverse_basis();
+    Matrix I(T.rows(), T.rows());
+    I.setIdentity();
+    EXPECT_LT(Matrix(Matrix(T * W) - I).norm(), 1e-13);
+  };
+  for (int d : {2, 3})
+    for (const bool meet : {false, true})
+      for (const bool plate_first : {false, true}) expect(d, meet, plate_first);
 }
 
 TEST(MortarTraps, LabelsThatMeetSmoothlyShareTheirNode) {

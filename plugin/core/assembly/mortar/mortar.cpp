@@ -280,18 +280,22 @@ Matrix Mortar::halving(const std::vector<char>& held, bool where_held, Real half
   return sparse(size_, size_, entries);
 }
 
-/// With u = C u^, C the identity at held mid-edges: (I + N H) u^ = (I + P C) w, where H u^ gives
-/// the u~ of held mid-edges; rows of N and P vanish at held nodes. N H is nilpotent: a contact node
-/// depends on nodes that patches ranked before it own, or that depend on none.
+/// With u = C u^, C the identity at held mid-edges, and w = u^ but at contact nodes:
+/// (I + N H - P C L) u^ = (I + P C (I - L)) w, where H u^ gives the u~ of held mid-edges, and L
+/// takes contact nodes; rows of N and P vanish at held nodes. N H - P C L is nilpotent: a contact
+/// node depends on nodes that patches ranked before it own, or that depend on none.
 Matrix Mortar::change_of_basis(const std::vector<char>& held) const {
-  Vector free = Vector::Ones(size_);
+  Vector free = Vector::Ones(size_), on_laws = Vector::Zero(size_);
   for (std::size_t i = 0; i < held.size(); ++i) free[static_cast<Index>(i)] = !held[i];
+  for (const ContactNode& node : nodes_) on_laws[node.node] = free[node.node];
   const Matrix C = halving(held, false, 0.5);
-  const Matrix N = Matrix(free.asDiagonal() * N_) * halving(held, true, -0.5);
   const Matrix P = Matrix(free.asDiagonal() * P_) * C;
-  Matrix term = identity(size_) + P, sum = term;
+  const Matrix to_laws = Matrix(P * on_laws.asDiagonal()).pruned(1., 0.);
+  Matrix N = Matrix(free.asDiagonal() * N_) * halving(held, true, -0.5);
+  N -= to_laws;
+  Matrix term = identity(size_) + P - to_laws, sum = term;
   for (Index power = 0; term.nonZeros() > 0; ++power) {
-    if (power > size_) throw std::logic_error("the mortar's removed nodes depend on each other");
+    if (power > size_) throw std::logic_error("the mortar's nodes depend on each other");
     term = Matrix(-(N * term)).pruned(1., 0.);
     sum += term;
   }

@@ -109,10 +109,11 @@ struct Statistics {
 /// other w are displacements, and laws hold node by node.   Wohlmuth; Popp et al.
 ///
 ///   D_i = sum d_i,   N_ir = int psi_i phi~_r / D_i,   P_il = int psi_i phi^m_l(chi) / D_i
-///   G = (I + N) C^-1 - P,   T = C (I + N)^-1 (I + P)
+///   G = (I + N) C^-1 - P,   T = C (I + N - P C L)^-1 (I + P C (I - L))
 ///
-/// i: contact nodes, r: other slave nodes (no vertices where the normal of i is the master's, see
-/// Assembly::place_removed), l: master nodes. C: u_e = u~_e + (u~_a + u~_b)/2 at the
+/// i: contact nodes, L takes them, r: other slave nodes (no vertices where the normal of i is the
+/// master's, see Assembly::place_removed), l: master nodes, of which an earlier pair may have made
+/// contact nodes. C: u_e = u~_e + (u~_a + u~_b)/2 at the
 /// mid-edges of a P2 slave, whose trace functions phi~ then are the hats of the vertices, and
 /// phi_e.
 class Mortar {

@@ -219,11 +219,13 @@ void Ownership::find_faced(const std::vector<Side>& masters, const std::vector<C
   }
 }
 
-/// Removes the nodes that lie on a master. A facet of another pair's master counts only where
+/// Removes the nodes that lie on a master, of their own pair or of one before it: laws of later
+/// pairs alone may depend on a node with a law. A facet of another pair's master counts only where
 /// something faces it: the rest of its label is no master.
 void Ownership::remove_shared(const std::vector<Side>& masters) {
   for_each_vertex(masters, [&](std::size_t p, Index f, Index i) {
-    const bool used = faced_[p][f] || pair[i] == static_cast<Index>(p);
+    const Index of_master = static_cast<Index>(p);
+    const bool used = pair[i] == of_master || (pair[i] > of_master && faced_[p][f]);
     if (used && state[i] == State::kept) state[i] = State::shared;
   });
 }
@@ -235,8 +237,9 @@ void Ownership::take_off_slaves(const std::vector<Side>& masters,
       std::vector<Cell>& cells = covers[p].cells[f];
       const auto is_slave = [&](const Cell& cell) {
         const Facet& facet = masters[p].facet(cell.master);
-        return std::any_of(facet.node.begin(), facet.node.begin() + masters[p].d,
-                           [&](Index i) { return state[i] == State::kept; });
+        return std::any_of(facet.node.begin(), facet.node.begin() + masters[p].d, [&](Index i) {
+          return state[i] == State::kept && pair[i] > static_cast<Index>(p);
+        });
       };
       for (const Cell& cell : cells)
         if (is_slave(cell))

@@ -14,17 +14,18 @@ namespace frictioncg::mortar {
 /// are ranked by pair, by label as listed, by their covered measure; a vertex belongs to the patch
 /// that is nearest there to what it faces, of equally near ones to the first, and is a removed node
 /// on the facets of others. It is removed
-/// everywhere where it lies on the master too (tip of a crack), or on what another pair uses as
-/// master (bodies that meet crosswise), or where an obstacle takes it, or Dirichlet conditions hold
-/// its normal. Where no vertex of a facet is kept, nodes of the nearest facet with some stand in,
-/// with constant multipliers, so that nowhere a traction is lost.
+/// everywhere where it lies on the master too (tip of a crack), or on what a pair before its own
+/// uses as master (bodies that meet crosswise), or where an obstacle takes it, or Dirichlet
+/// conditions hold its normal. Where no vertex of a facet is kept, nodes of the nearest facet with
+/// some stand in, with constant multipliers, so that nowhere a traction is lost.
 ///
 /// Ranks, owners, nodes that lie on a master, how many motions slip and where masters' normals
 /// count are those of where the increment began; of a node that nothing was before there they are
 /// found here.
 struct Ownership {
   /// begun: where the increment began; null: here. A cell whose master did not face anything there
-  /// is taken off the covers where a slave's node lies on it: that is no master in this increment.
+  /// is taken off the covers where a node lies on it that would be removed: that is no master in
+  /// this increment.
   Ownership(const Nodes& nodes, const std::vector<Side>& slaves, const std::vector<Side>& masters,
             std::vector<Cover>& covers, const Options& options,
             const struct Arrangement* begun = nullptr);
