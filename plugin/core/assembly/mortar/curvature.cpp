@@ -11,9 +11,9 @@ constexpr Real kink = 4;
 /// Tells of each joint whether the surface goes on over it. It does not over the edges of the body,
 /// and in 2D not over a kink between straight flanks, where it does not go on turning.
 std::vector<char> smooth_joints(const Side& side) {
-  const std::vector<char> goes_on = joints_that_go_on(side);
-  if (side.d == 3) return goes_on;
-  std::vector<char> smooth = goes_on;
+  std::vector<char> smooth;
+  for (const Joint& joint : side.joints) smooth.push_back(joint.goes_on);
+  if (side.d == 3) return smooth;
   std::vector<Real> turn;
   std::vector<std::array<Index, 2>> of_facet(side.facets(), {-1, -1});
   for (std::size_t k = 0; k < side.joints.size(); ++k) {
@@ -26,7 +26,7 @@ std::vector<char> smooth_joints(const Side& side) {
     Real beside = 0;
     for (Index f : side.joints[k].facet)
       for (Index other : of_facet[f])
-        if (other >= 0 && other != static_cast<Index>(k) && goes_on[other])
+        if (other >= 0 && other != static_cast<Index>(k) && side.joints[other].goes_on)
           beside = std::max(beside, turn[other]);
     if (turn[k] > kink * beside) smooth[k] = false;
   }

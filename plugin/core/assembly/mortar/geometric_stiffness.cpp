@@ -182,14 +182,13 @@ std::map<Index, Turns> turns_of(const Arrangement& of, const std::vector<Contact
   std::map<Index, Turns> turns;
   for (std::size_t p = 0; p < at.size(); ++p) {
     const Side& side = of.slaves[p];
-    const std::vector<char> goes_on = joints_that_go_on(side);
     for (Index f = 0; f < side.facets(); ++f)
       for (int v = 0; v < side.d; ++v) {
         const auto found = at[p].find(side.facet(f).node[v]);
         if (found != at[p].end()) found->second.add(side, f);
       }
     for (auto& [i, normal] : at[p]) {
-      normal.end(side, goes_on);
+      normal.end(side);
       turns[i] = normal.turns();
     }
   }

@@ -26,7 +26,7 @@ void add(Index fan, const FanNormal& found, Real measure, Meeting& at) {
 }
 
 Meetings meetings(const Nodes& nodes, const Side& slave, std::size_t p, const Owns& owns) {
-  const SmoothSide smooth(slave, nodes.X, joints_that_go_on(slave));
+  const SmoothSide smooth(slave, nodes.X);
   Meetings found;
   for (Index f = 0; f < slave.facets(); ++f)
     for (int v = 0; v < slave.d; ++v) {
@@ -115,8 +115,7 @@ struct Group {
 /// A side with its smooth normals.
 class Curves {
  public:
-  Curves(const Side& side, const std::vector<Vec3>& X)
-      : side_(side), X_(X), smooth_(side, X, joints_that_go_on(side)) {}
+  Curves(const Side& side, const std::vector<Vec3>& X) : side_(side), X_(X), smooth_(side, X) {}
   std::vector<FacetShape> shapes() const {
     std::vector<FacetShape> all;
     for (Index f = 0; f < side_.facets(); ++f) all.push_back({flat(f), concave(f)});
@@ -379,10 +378,9 @@ bool juts_out(const Side& side, const Joint& joint, const std::vector<Vec3>& X) 
 /// outward: across it, in the plane of f, unit
 template <class Visit>
 void for_each_end(const Side& side, const std::vector<Vec3>& X, const Visit& visit) {
-  const std::vector<char> goes_on = joints_that_go_on(side);
   std::vector<std::array<Index, 2>> inner;  // sorted, as joints are
-  for (std::size_t k = 0; k < side.joints.size(); ++k)
-    if (goes_on[k] || !juts_out(side, side.joints[k], X)) inner.push_back(side.joints[k].vertex);
+  for (const Joint& joint : side.joints)
+    if (joint.goes_on || !juts_out(side, joint, X)) inner.push_back(joint.vertex);
   for (Index f = 0; f < side.facets(); ++f)
     for (int v = 0; v < side.d; ++v) {
       const Facet& facet = side.facet(f);

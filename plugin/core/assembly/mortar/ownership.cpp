@@ -104,9 +104,8 @@ void Ownership::rank_patches(const std::vector<Side>& slaves, const std::vector<
   for (std::size_t p = 0; p < slaves.size(); ++p) {
     const Side& slave = slaves[p];
     groups.emplace_back(slave.facets());
-    const std::vector<char> goes_on = joints_that_go_on(slave);
-    for (std::size_t k = 0; k < slave.joints.size(); ++k)
-      if (goes_on[k]) groups[p].join(slave.joints[k].facet[0], slave.joints[k].facet[1]);
+    for (const Joint& joint : slave.joints)
+      if (joint.goes_on) groups[p].join(joint.facet[0], joint.facet[1]);
     std::map<Index, Patch> of_root;
     for (Index f = 0; f < slave.facets(); ++f) {
       Patch& patch = of_root[groups[p].of(f)];

@@ -4,10 +4,6 @@ namespace frictioncg::mortar {
 
 namespace {
 
-/// A surface goes on over a joint of 30 degrees and a little (their cosine): 12 edges are the
-/// coarsest circle that counts as one.
-constexpr Real arc_step = 0.86;
-
 int position(const Side& side, Index f, Index vertex) {
   const auto& node = side.facet(f).node;
   return static_cast<int>(std::find(node.begin(), node.end(), vertex) - node.begin());
@@ -32,54 +28,19 @@ Faceted faceted(const Side& side, const std::vector<Vec3>& X) {
   return surface;
 }
 
-/// Finds the least cosine of the joints at each vertex; edges of the body do not count.
-std::map<Index, Real> bends_of(const Side& side) {
-  std::map<Index, Real> bends;
-  for (const Joint& joint : side.joints)
-    for (Index i : joint.vertex)
-      if (joint.cosine >= arc_step) {
-        Real& bend = bends.emplace(i, joint.cosine).first->second;
-        bend = std::min(bend, joint.cosine);
-      }
-  return bends;
-}
-
-/// Whether the surface turns half as much beyond both facets of a joint: labels split an arc there.
-bool on_an_arc(const Side& side, const Joint& joint, const std::map<Index, Real>& bends) {
-  const Real half = std::sqrt((1 + joint.cosine) / 2);
-  return std::all_of(joint.facet.begin(), joint.facet.end(), [&](Index f) {
-    const auto begin = side.facet(f).node.begin();
-    const Index beyond = *std::find_if(begin, begin + side.d, [&](Index i) {
-      return i != joint.vertex[0] && i != joint.vertex[1];
-    });
-    const auto bend = bends.find(beyond);
-    return bend != bends.end() && bend->second <= half;
-  });
-}
-
 }  // namespace
-
-std::vector<char> joints_that_go_on(const Side& side) {
-  const std::map<Index, Real> bends = bends_of(side);
-  std::vector<char> goes_on;
-  for (const Joint& joint : side.joints) {
-    const bool one_label = side.facet(joint.facet[0]).label == side.facet(joint.facet[1]).label;
-    goes_on.push_back(joint.cosine >= (one_label ? sharp : one_surface) ||
-                      (joint.cosine >= arc_step && on_an_arc(side, joint, bends)));
-  }
-  return goes_on;
-}
 
 /// A fan: corners of facets at a vertex, joined over the ridges between them.
 SmoothSide::SmoothSide(const Side& side, const std::vector<Vec3>& X,
-                       const std::vector<char>& goes_on)
+                       const std::vector<char>& smooth)
     : fan_at_(side.facets(), {-1, -1, -1}) {
   const int d = side.d;
   Groups corners(d * side.facets());
   for (std::size_t k = 0; k < side.joints.size(); ++k) {
     const auto [f, g] = side.joints[k].facet;
     for (Index i : side.joints[k].vertex)
-      if (goes_on[k]) corners.join(d * f + position(side, f, i), d * g + position(side, g, i));
+      if (is_smooth(side, k, smooth))
+        corners.join(d * f + position(side, f, i), d * g + position(side, g, i));
   }
   Faceted surface = faceted(side, X);
   std::map<Index, Index> fan_of_root;

@@ -4,19 +4,17 @@
 
 namespace frictioncg::mortar {
 
-/// Cosine of 45 degrees and a little: ridges sharper than that are edges of the body.
-constexpr Real sharp = 0.7;
-/// Cosine of 10 degrees: labels that meet flatter are one surface, others where they split an arc.
-constexpr Real one_surface = 0.985;
-
-/// Tells of each joint whether the surface goes on over it; the other joints are edges of the body.
-std::vector<char> joints_that_go_on(const Side& side);
+/// Whether the facets of joint k have common normals at it. smooth: of each joint, or empty: where
+/// the surface goes on.
+inline bool is_smooth(const Side& side, std::size_t k, const std::vector<char>& smooth) {
+  return smooth.empty() ? side.joints[k].goes_on : smooth[k] != 0;
+}
 
 /// The normals of the smooth surface, or of several, that the facets of a side stand for.
 class SmoothSide {
  public:
-  /// goes_on: of each joint.
-  SmoothSide(const Side& side, const std::vector<Vec3>& X, const std::vector<char>& goes_on);
+  /// smooth: as in is_smooth.
+  SmoothSide(const Side& side, const std::vector<Vec3>& X, const std::vector<char>& smooth = {});
 
   const FanNormal& at(Index facet, int vertex) const { return normal_[fan_at_[facet][vertex]]; }
   /// A number of the surface at a vertex of a facet: facets around a vertex have the same one.

@@ -9,6 +9,10 @@ std::array<Index, 2> ridge_of(int d, const Facet& facet, int k) {
 
 namespace {
 
+/// A surface goes on over a joint of 30 degrees and a little (their cosine): 12 edges are the
+/// coarsest circle that counts as one.
+constexpr Real arc_step = 0.86;
+
 struct Ridge {
   std::array<Index, 2> vertex;
   Index facet;
@@ -24,6 +28,31 @@ std::vector<Ridge> sorted_ridges(int d, const std::vector<Facet>& facets) {
       ridges.push_back({ridge_of(d, facets[f], k), static_cast<Index>(f)});
   std::sort(ridges.begin(), ridges.end());
   return ridges;
+}
+
+/// Finds the least cosine of the joints at each vertex; edges of the body do not count.
+std::map<Index, Real> bends_of(const Side& side) {
+  std::map<Index, Real> bends;
+  for (const Joint& joint : side.joints)
+    for (Index i : joint.vertex)
+      if (joint.cosine >= arc_step) {
+        Real& bend = bends.emplace(i, joint.cosine).first->second;
+        bend = std::min(bend, joint.cosine);
+      }
+  return bends;
+}
+
+/// Whether the surface turns half as much beyond both facets of a joint: labels split an arc there.
+bool on_an_arc(const Side& side, const Joint& joint, const std::map<Index, Real>& bends) {
+  const Real half = std::sqrt((1 + joint.cosine) / 2);
+  return std::all_of(joint.facet.begin(), joint.facet.end(), [&](Index f) {
+    const auto begin = side.facet(f).node.begin();
+    const Index beyond = *std::find_if(begin, begin + side.d, [&](Index i) {
+      return i != joint.vertex[0] && i != joint.vertex[1];
+    });
+    const auto bend = bends.find(beyond);
+    return bend != bends.end() && bend->second <= half;
+  });
 }
 
 }  // namespace
@@ -57,6 +86,16 @@ void Side::find_joints(const std::vector<Plane>& at) {
       const Real cosine = next == k + 2 ? at[f].normal.dot(at[g].normal) : -1;
       joints.push_back({{f, g}, ridges[k].vertex, cosine});
     }
+  }
+  find_edges();
+}
+
+void Side::find_edges() {
+  const std::map<Index, Real> bends = bends_of(*this);
+  for (Joint& joint : joints) {
+    const bool one_label = facet(joint.facet[0]).label == facet(joint.facet[1]).label;
+    joint.goes_on = joint.cosine >= (one_label ? sharp : one_surface) ||
+                    (joint.cosine >= arc_step && on_an_arc(*this, joint, bends));
   }
 }
 

@@ -4,11 +4,17 @@
 
 namespace frictioncg::mortar {
 
+/// Cosine of 45 degrees and a little: ridges sharper than that are edges of the body.
+constexpr Real sharp = 0.7;
+/// Cosine of 10 degrees: labels that meet flatter are one surface, others where they split an arc.
+constexpr Real one_surface = 0.985;
+
 /// Two facets that share a ridge: an edge, in 2D a vertex.
 struct Joint {
   std::array<Index, 2> facet;
   std::array<Index, 2> vertex;  ///< ridge_of
   Real cosine;                  ///< of the angle between the normals; -1 where more facets meet
+  bool goes_on = false;         ///< the surface, over the ridge; else that is an edge of the body
 };
 
 /// The ends of ridge k of a facet, from its vertex k on, the lower one first; 2D: the same twice.
@@ -32,6 +38,7 @@ struct Side {
 
  private:
   void find_joints(const std::vector<Plane>& at);
+  void find_edges();
 };
 
 /// How many groups of elements around a node hang together by their facets: two where meshes were

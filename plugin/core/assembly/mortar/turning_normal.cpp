@@ -34,12 +34,12 @@ void TurningNormal::add(const Side& side, Index f) {
   slope(i_) -= by;
 }
 
-void TurningNormal::end(const Side& side, const std::vector<char>& goes_on) {
+void TurningNormal::end(const Side& side, const std::vector<char>& smooth) {
   if (side.d == 3 || facets_ != 1) return;
   for (std::size_t k = 0; k < side.joints.size(); ++k) {
     const auto [f, g] = side.joints[k].facet;
-    if (!goes_on[k] || side.joints[k].vertex[0] != beside_ || (f != facet_ && g != facet_))
-      continue;
+    if (!is_smooth(side, k, smooth) || side.joints[k].vertex[0] != beside_) continue;
+    if (f != facet_ && g != facet_) continue;
     const auto& node = side.facet(f == facet_ ? g : f).node;
     const Index farther = node[0] == beside_ ? node[1] : node[0];
     add(X_[farther] - X_[i_], Vec3::UnitZ(), farther, side.planes[facet_].normal, -1);

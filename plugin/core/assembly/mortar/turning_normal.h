@@ -22,8 +22,8 @@ class TurningNormal {
  public:
   TurningNormal(Index i, const Vec3& n, const std::vector<Vec3>& X) : i_(i), n_(n), X_(X) {}
   void add(const Side& side, Index f);
-  /// Once all facets are added. goes_on: of each joint.
-  void end(const Side& side, const std::vector<char>& goes_on);
+  /// Once all facets are added. smooth: as in is_smooth.
+  void end(const Side& side, const std::vector<char>& smooth = {});
   Turns turns() const;
 
  private:
