@@ -141,7 +141,7 @@ TEST(MortarIncrement, AnEdgeOfABodyStaysOne) {
     expect_continuous(
         [&](Real t) {
           Surfaces s(d);
-          const Real angle = std::acos(0.7) + t;  // smooth_side.h
+          const Real angle = std::acos(0.7) + t;  // topology.h
           s.pairs[0].slave = s.sheet(
               4, -1,
               [=](const Vec3& x) {
@@ -201,8 +201,8 @@ TEST(MortarIncrement, ANodeStaysWithThePatchThatOwnsIt) {
               5, 1, [=](const Vec3& x) { return corner(2 * x[0] - 0.5, x[1], -0.1); }, 1);
           for (Facet f :
                s.sheet(
-                    5, 1, [=](const Vec3& x) { return corner(1.1, x[1], 0.25 - t + x[0]); }, 1)
-                   .facets) {  // a wall, which begins where the side's second facet does
+                    5, 1, [=](const Vec3& x) { return corner(1.1, x[1], 0.0025 - t + x[0]); }, 1)
+                   .facets) {  // a wall, which begins so near to the corner that it reaches that
             f.outward = -Vec3::UnitX();
             master.facets.push_back(f);
           }

@@ -1,6 +1,5 @@
 #include "assembly/mortar/geometric_stiffness.h"
 
-#include "assembly/mortar/smooth_side.h"
 #include "assembly/mortar/turning_normal.h"
 #include "linear_algebra.h"
 

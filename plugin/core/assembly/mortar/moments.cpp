@@ -242,9 +242,8 @@ FacedFacets::value_type summed(const FacedFacets::value_type& faced) {
 Crossings crossings(const Matrix& G, const std::vector<ContactNode>& nodes, const Nodes& all,
                     bool smooth, const FacedFacets& faced) {
   const bool apart = smooth && !all.before.empty();
-  std::vector<char> has_law(all.X.size(), 0);
-  for (const ContactNode& node : nodes) has_law[node.node] = 1;
-  const auto lawful = [&](Index l) { return has_law[l] != 0; };
+  std::vector<Index> pair_of(all.X.size(), -1);  // whose law a node has
+  for (const ContactNode& node : nodes) pair_of[node.node] = node.pair;
   Crossings found(nodes.size());
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const auto& [i, pair, label, n, D, g, distance] = nodes[k];
@@ -253,7 +252,8 @@ Crossings crossings(const Matrix& G, const std::vector<ContactNode>& nodes, cons
     for (const auto& [facet, weight] : summed(faced[i])) {
       if (facet->behind < 0 || !(apart || facet->one_body)) continue;
       std::vector<Index> vertices = element_of(*facet, all.dimension);
-      if (std::any_of(vertices.begin(), vertices.end(), lawful)) continue;
+      const auto later = [&, of = pair](Index l) { return pair_of[l] >= of; };
+      if (std::any_of(vertices.begin(), vertices.end(), later)) continue;
       whole += weight;
       const DenseMatrix gradients = gradients_of(vertices, all.X);
       Crossing& here =

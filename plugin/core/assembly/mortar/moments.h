@@ -67,7 +67,8 @@ struct Crossing {
 using Crossings = std::vector<std::vector<Crossing>>;  ///< per contact node
 
 /// Facets without a vertex behind them, or of two bodies but for a path along smooth surfaces, and
-/// elements with a vertex that carries a law, add nothing; shares are those of the others.
+/// elements with a vertex that has a law of this pair or a later one, add nothing; shares are those
+/// of the others.
 Crossings crossings(const Matrix& G, const std::vector<ContactNode>& nodes, const Nodes& all,
                     bool smooth, const FacedFacets& faced);
 

@@ -113,16 +113,16 @@ class Assembly {
     }
   }
   /// A node with the master's normal takes on itself what removed nodes r move by: that normal lets
-  /// slip what turns the master at its own place alone. So does one that no rank made an owner. The
-  /// gap stays that of all. Where the weights of r, which have no sign on slivers, would take half
-  /// of D_i, they stay those of r.
+  /// slip what turns the master at its own place alone. There the weights of r, which have no sign
+  /// on slivers, stay those of r where they would take half of D_i. A node whose law r might depend
+  /// on takes them, too. The gap stays that of all.
   void place_removed() {
     Vector sum = Vector::Zero(size());
     for (const auto& e : removed_) sum[e.row()] += e.value();
     takes_removed_.assign(size(), 0);
     for (Index i = 0; i < size(); ++i) {
-      takes_removed_[i] = (ownership_.common.of_master[i] || ownership_.by_nearness[i]) &&
-                          D_[i] + sum[i] > D_[i] / 2;
+      takes_removed_[i] = ownership_.takes_removed[i] ||
+                          (ownership_.common.of_master[i] && D_[i] + sum[i] > D_[i] / 2);
       if (takes_removed_[i]) D_[i] += sum[i];
     }
     for (const auto& e : removed_) {

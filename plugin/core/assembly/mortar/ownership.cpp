@@ -4,7 +4,6 @@
 
 #include "assembly/mortar/self_contact.h"
 #include "assembly/mortar/sheets.h"
-#include "assembly/mortar/smooth_side.h"
 #include "assembly/mortar/validation.h"
 
 namespace frictioncg::mortar {
@@ -15,8 +14,9 @@ namespace {
 /// each has its part, and between the two both ways share it: nothing jumps as bodies slide.
 constexpr Real barely = 1e-3;
 
-/// Patches at a vertex are equally near what they face up to this share of a facet's size: noise of
-/// meshes and of solutions decides nothing.
+/// Patches at a vertex are equally near what they face up to this share of a facet's size, and a
+/// part that comes so near to a vertex reaches it: noise of meshes and of solutions decides
+/// nothing.
 constexpr Real equally_near = 0.01;
 
 Index label_position(const Surface& surface, long label) {
@@ -30,6 +30,15 @@ void for_each_vertex(const std::vector<Side>& sides, const Visit& visit) {
   for (std::size_t p = 0; p < sides.size(); ++p)
     for (Index f = 0; f < sides[p].facets(); ++f)
       for (int v = 0; v < sides[p].d; ++v) visit(p, f, sides[p].facet(f).node[v]);
+}
+
+/// visit(p, f, i): the same of facets that something faces.
+template <class Visit>
+void for_each_covered(const std::vector<Side>& slaves, const std::vector<Cover>& covers,
+                      const Visit& visit) {
+  for_each_vertex(slaves, [&](std::size_t p, Index f, Index i) {
+    if (!covers[p].cells[f].empty()) visit(p, f, i);
+  });
 }
 
 /// The normals by which it is decided whether Dirichlet conditions hold them: those of the bodies
@@ -52,6 +61,52 @@ std::vector<Vec3> undeformed_normals(const Nodes& nodes, const std::vector<Side>
 
 }  // namespace
 
+/// How far what faces it is from a vertex, facet by facet.
+class Ways {
+ public:
+  /// rank: per pair and facet
+  Ways(const std::vector<Side>& slaves, const std::vector<Side>& masters,
+       const std::vector<Cover>& covers, const std::vector<Vec3>& X,
+       const std::vector<std::vector<Index>>& rank)
+      : slaves_(slaves), masters_(masters), covers_(covers), X_(X) {
+    std::map<Index, Index> one;  // patch at a node, the first that was met
+    for_each_covered(slaves, covers, [&](std::size_t p, Index f, Index i) {
+      if (one.emplace(i, rank[p][f]).first->second != rank[p][f]) nearest_[i] = infinity;
+    });
+    for_each_covered(slaves, covers, [&](std::size_t p, Index f, Index i) {
+      const auto least = nearest_.find(i);
+      if (least != nearest_.end()) least->second = std::min(least->second, way(p, f, i));
+    });
+  }
+  /// By how much it is farther along a facet than along the nearest one there [size of the facet];
+  /// 0 where facets of one patch alone face something.
+  Real farther(std::size_t p, Index f, Index i) const {
+    const auto least = nearest_.find(i);
+    if (least == nearest_.end() || least->second == infinity) return 0;
+    return (way(p, f, i) - least->second) / slaves_[p].planes[f].size;
+  }
+
+ private:
+  /// With its sign: what overlaps most is nearest. Infinite where nothing faces the vertex itself.
+  Real way(std::size_t p, Index f, Index i) const {
+    const auto& node = slaves_[p].facet(f).node;
+    const int v = static_cast<int>(std::find(node.begin(), node.end(), i) - node.begin());
+    const std::vector<Cell>& cells = covers_[p].cells[f];
+    const auto reaches = [&](const Cell& cell) {
+      return std::any_of(cell.part.begin(), cell.part.end(), [&](const Vec2& xi) {
+        return (v == 0 ? 1 - xi.sum() : xi[v - 1]) > 1 - equally_near;  // lambda_v
+      });
+    };
+    if (std::none_of(cells.begin(), cells.end(), reaches)) return infinity;
+    return faced_at_vertex(v, slaves_[p], f, masters_[p], X_, cells).distance;
+  }
+
+  const std::vector<Side>&slaves_, &masters_;
+  const std::vector<Cover>& covers_;
+  const std::vector<Vec3>& X_;
+  std::map<Index, Real> nearest_;  ///< of nodes where facets of several patches face something
+};
+
 /// Sorted, patches come as they are ranked.
 struct Ownership::Patch {
   Index pair, label = std::numeric_limits<Index>::max();
@@ -70,13 +125,16 @@ Ownership::Ownership(const Nodes& nodes, const std::vector<Side>& slaves,
       label(nodes.X.size(), 0),
       common{std::vector<char>(nodes.X.size(), 0), {}, {}},
       covered(nodes.X.size(), 0),
-      by_nearness(nodes.X.size(), 0),
+      takes_removed(nodes.X.size(), 0),
       owner_(nodes.X.size(), -1) {
-  if (begun)
+  if (begun) {
     go_on_from(*begun->ownership);
-  else
+    own(slaves, covers, nullptr);
+  } else {
     rank_patches(slaves, covers);
-  own(nodes, slaves, masters, covers);
+    const Ways ways(slaves, masters, covers, nodes.X, rank_);
+    own(slaves, covers, &ways);
+  }
   set_labels(slaves);
   const Owns owns = [&](std::size_t p, Index f, Index i) { return owner_[i] == rank_[p][f]; };
   normal = slave_normals(nodes, slaves, options, owns, slipping);
@@ -103,9 +161,7 @@ void Ownership::rank_patches(const std::vector<Side>& slaves, const std::vector<
   std::vector<Groups> groups;
   for (std::size_t p = 0; p < slaves.size(); ++p) {
     const Side& slave = slaves[p];
-    groups.emplace_back(slave.facets());
-    for (const Joint& joint : slave.joints)
-      if (joint.goes_on) groups[p].join(joint.facet[0], joint.facet[1]);
+    groups.push_back(patches_of(slave));
     std::map<Index, Patch> of_root;
     for (Index f = 0; f < slave.facets(); ++f) {
       Patch& patch = of_root[groups[p].of(f)];
@@ -134,50 +190,81 @@ void Ownership::go_on_from(const Ownership& begun) {
   owner_ = begun.owner_;
   pair = begun.pair;
   covered = begun.covered;
-  by_nearness = begun.by_nearness;
+  takes_removed = begun.takes_removed;
   slipping = begun.slipping;
   faced_ = begun.faced_;
 }
 
-void Ownership::own(const Nodes& nodes, const std::vector<Side>& slaves,
-                    const std::vector<Side>& masters, const std::vector<Cover>& covers) {
+void Ownership::own(const std::vector<Side>& slaves, const std::vector<Cover>& covers,
+                    const Ways* ways) {
   const std::vector<Index> decided = owner_;
-  const auto for_each_covered = [&](const auto& visit) {
-    for_each_vertex(slaves, [&](std::size_t p, Index f, Index i) {
-      if (!covers[p].cells[f].empty()) visit(p, f, i);
-    });
-  };
-  std::vector<Index> one(owner_.size(), -1);
-  std::map<Index, Real> nearest;  // distance at nodes where several patches face something
-  for_each_covered([&](std::size_t p, Index f, Index i) {
+  for_each_covered(slaves, covers, [&](std::size_t p, Index f, Index i) {
     state[i] = State::kept;
-    if (one[i] >= 0 && one[i] != rank_[p][f]) nearest[i] = infinity;
-    one[i] = rank_[p][f];
-  });
-  const auto distance = [&](std::size_t p, Index f, Index i) {
-    const auto& node = slaves[p].facet(f).node;
-    const int v = static_cast<int>(std::find(node.begin(), node.end(), i) - node.begin());
-    return faced_at_vertex(v, slaves[p], f, masters[p], nodes.X, covers[p].cells[f]).distance;
-  };
-  for_each_covered([&](std::size_t p, Index f, Index i) {
-    const auto least = nearest.find(i);
-    if (least != nearest.end()) least->second = std::min(least->second, distance(p, f, i));
-  });
-  for_each_covered([&](std::size_t p, Index f, Index i) {
     if (decided[i] >= 0 || (owner_[i] >= 0 && owner_[i] <= rank_[p][f])) return;
-    const auto least = nearest.find(i);
-    const Real play = equally_near * slaves[p].planes[f].size;
-    if (least != nearest.end() && distance(p, f, i) > least->second + play) return;
+    if (ways && ways->farther(p, f, i) > equally_near) return;
     owner_[i] = rank_[p][f];
     pair[i] = static_cast<Index>(p);
   });
-  for_each_covered([&](std::size_t p, Index f, Index i) {
-    if (decided[i] < 0 && rank_[p][f] < owner_[i]) by_nearness[i] = 1;
+  if (ways) spare(slaves, covers, *ways);
+  for_each_vertex(slaves, [&](std::size_t p, Index f, Index i) {
+    if (decided[i] >= 0 || owner_[i] < 0) return;
+    if (rank_[p][f] < owner_[i]) takes_removed[i] = 1;
+    if (rank_[p][f] == owner_[i]) covered[i] += covers[p].fraction[f] * slaves[p].planes[f].measure;
   });
   for_each_vertex(slaves, [&](std::size_t p, Index f, Index i) {
-    if (decided[i] < 0 && owner_[i] == rank_[p][f])
-      covered[i] += covers[p].fraction[f] * slaves[p].planes[f].measure;
+    if (owner_[i] != rank_[p][f]) return;
+    for (int v = 0; v < slaves[p].d; ++v)
+      if (pair[slaves[p].facet(f).node[v]] > pair[i]) takes_removed[i] = 1;
   });
+}
+
+/// A facet whose patch has no node on it, nor on those around it, would have its law at nodes of
+/// other faces, with their normals: a brick in a slot, one facet wide, would fall through the
+/// ground. It takes the vertex where that costs least of those that others can spare, who keep
+/// another on each of their facets there.
+void Ownership::spare(const std::vector<Side>& slaves, const std::vector<Cover>& covers,
+                      const Ways& ways) {
+  std::vector<std::vector<Index>> own(slaves.size());  // vertices of each facet's own patch
+  for (std::size_t p = 0; p < slaves.size(); ++p) own[p].resize(slaves[p].facets());
+  for_each_covered(slaves, covers,
+                   [&](std::size_t p, Index f, Index i) { own[p][f] += owner_[i] == rank_[p][f]; });
+  using Counts = std::vector<Index*>;
+  std::map<Index, std::map<Index, Counts>> at;  // of the facets of each patch, at nodes in question
+  for_each_covered(slaves, covers, [&](std::size_t p, Index f, Index i) {
+    if (own[p][f] == 0) at[i];
+  });
+  if (at.empty()) return;
+  for_each_covered(slaves, covers, [&](std::size_t p, Index f, Index i) {
+    const auto here = at.find(i);
+    if (here != at.end()) here->second[rank_[p][f]].push_back(&own[p][f]);
+  });
+  const auto all_have_two = [](const Counts& counts) {
+    return std::all_of(counts.begin(), counts.end(), [](const Index* n) { return *n > 1; });
+  };
+  const auto none_has = [](const Counts& counts) {
+    return std::all_of(counts.begin(), counts.end(), [](const Index* n) { return *n == 0; });
+  };
+  const auto to_take = [&](std::size_t p, Index f) {
+    Index best = -1;
+    for (int v = 0; v < slaves[p].d; ++v) {
+      const Index i = slaves[p].facet(f).node[v];
+      if (!none_has(at[i][rank_[p][f]])) return Index{-1};
+      if (all_have_two(at[i][owner_[i]]) &&
+          (best < 0 || ways.farther(p, f, i) < ways.farther(p, f, best)))
+        best = i;
+    }
+    return best;
+  };
+  for (std::size_t p = 0; p < slaves.size(); ++p)
+    for (Index f = 0; f < slaves[p].facets(); ++f) {
+      const bool lacks = own[p][f] == 0 && !covers[p].cells[f].empty();
+      const Index i = lacks ? to_take(p, f) : -1;
+      if (i < 0) continue;
+      for (Index* n : at[i][owner_[i]]) --*n;
+      for (Index* n : at[i][rank_[p][f]]) ++*n;
+      owner_[i] = rank_[p][f];
+      pair[i] = static_cast<Index>(p);
+    }
 }
 
 void Ownership::set_labels(const std::vector<Side>& slaves) {
@@ -275,12 +362,17 @@ void Ownership::choose_carriers(Index p, const Side& slave, const Cover& cover) 
   std::vector<char> has_own(patches_, 0);
   for (Index f = 0; f < slave.facets(); ++f) {
     std::array<bool, 3>& kept = carriers[p][f].kept;
+    int n = 0;
     for (int v = 0; v < slave.d && !cover.cells[f].empty(); ++v) {
       const Index i = slave.facet(f).node[v];
       kept[v] = state[i] == State::kept && owner_[i] == rank_[p][f];
-      if (kept[v]) has_own[rank_[p][f]] = 1;
+      n += kept[v];
     }
-    if (kept[0] || kept[1] || kept[2]) thin_out(slave.facet(f), cover.fraction[f], carriers[p][f]);
+    if (n == 0) continue;
+    has_own[rank_[p][f]] = 1;
+    for (int v = 0; v < slave.d && n < slave.d; ++v)
+      carriers[p][f].take_removed[v] = kept[v] && takes_removed[slave.facet(f).node[v]];
+    thin_out(slave.facet(f), cover.fraction[f], carriers[p][f]);
   }
   find_stand_ins(p, slave, true);
   // A patch without nodes of its own leaves its traction to the nodes it shares with others.
@@ -295,7 +387,6 @@ void Ownership::choose_carriers(Index p, const Side& slave, const Cover& cover) 
 /// circle, so that removed nodes cannot depend on each other in one.
 void Ownership::thin_out(const Facet& facet, Real fraction, Carriers& of_facet) const {
   const Real alone = std::clamp<Real>(2 - fraction / barely, 0, 1);
-  if (alone == 0) return;
   int most = -1;
   const auto strength = [&](int v) {
     return std::make_pair(covered[facet.node[v]], facet.node[v]);

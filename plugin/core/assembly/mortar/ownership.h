@@ -13,15 +13,16 @@ namespace frictioncg::mortar {
 /// Slave facets form patches, parted at sharp ridges and where two labels meet at an angle. Patches
 /// are ranked by pair, by label as listed, by their covered measure; a vertex belongs to the patch
 /// that is nearest there to what it faces, of equally near ones to the first, and is a removed node
-/// on the facets of others. It is removed
-/// everywhere where it lies on the master too (tip of a crack), or on what a pair before its own
-/// uses as master (bodies that meet crosswise), or where an obstacle takes it, or Dirichlet
-/// conditions hold its normal. Where no vertex of a facet is kept, nodes of the nearest facet with
-/// some stand in, with constant multipliers, so that nowhere a traction is lost.
+/// on the facets of others. Where that leaves none to a facet, nor to those around it, another
+/// patch spares one. A node is removed everywhere where it lies on the master too (tip of a crack),
+/// or on what a pair before its own uses as master (bodies that meet crosswise), or where an
+/// obstacle takes it, or Dirichlet conditions hold its normal. Where no vertex of a facet is kept,
+/// nodes of the nearest facet with some stand in, with constant multipliers, so that nowhere a
+/// traction is lost.
 ///
 /// Ranks, owners, nodes that lie on a master, how many motions slip and where masters' normals
 /// count are those of where the increment began; of a node that nothing was before there they are
-/// found here.
+/// found here, by rank alone.
 struct Ownership {
   /// begun: where the increment began; null: here. A cell whose master did not face anything there
   /// is taken off the covers where a node lies on it that would be removed: that is no master in
@@ -40,9 +41,9 @@ struct Ownership {
   CommonNormals common;      ///< choose_common_normals()
   /// Per node: measure covered around it, where it is decided what faces what.
   std::vector<Real> covered;
-  /// Per node: its patch is not the first there, but nearer to what it faces. No law of it depends
-  /// on removed nodes, which might depend on it.
-  std::vector<char> by_nearness;
+  /// Per node: its law is to depend on no removed nodes, which might depend on it: a patch ranked
+  /// before its own is there, covered or not, or a later pair owns a vertex of its facets.
+  std::vector<char> takes_removed;
 
   struct Carriers {
     std::array<bool, 3> kept{};   ///< vertices of the facet
@@ -51,6 +52,17 @@ struct Ownership {
     /// covered has that one alone.
     Real alone = 0;
     std::array<bool, 3> strongest{};
+    std::array<bool, 3> take_removed{};  ///< of the kept, where there are others
+
+    /// The larger alone: of kept vertices that take removed ones on themselves none is to be left
+    /// with less than a quarter of its d_i, from half of it on.   covered: int lambda_v
+    Real alone_in(const DualBasis& dual, const Vec3& covered) const {
+      Real larger = alone;
+      for (int v = 0; v < 3; ++v)
+        if (take_removed[v])
+          larger = std::max(larger, std::min(1., 2 - 4 * dual.psi.row(v).dot(covered) / dual.d[v]));
+      return larger;
+    }
   };
   std::vector<std::vector<Carriers>> carriers;  ///< per pair and slave facet
 
@@ -58,8 +70,10 @@ struct Ownership {
   struct Patch;
   void go_on_from(const Ownership& begun);
   void rank_patches(const std::vector<Side>& slaves, const std::vector<Cover>& covers);
-  void own(const Nodes& nodes, const std::vector<Side>& slaves, const std::vector<Side>& masters,
-           const std::vector<Cover>& covers);
+  /// ways: where it is decided here; by rank alone without
+  void own(const std::vector<Side>& slaves, const std::vector<Cover>& covers,
+           const class Ways* ways);
+  void spare(const std::vector<Side>& slaves, const std::vector<Cover>& covers, const Ways& ways);
   void set_labels(const std::vector<Side>& slaves);
   void take_normals(const Nodes& nodes, const std::vector<Vec3>& normals);
   void find_faced(const std::vector<Side>& masters, const std::vector<Cover>& covers);
@@ -83,14 +97,17 @@ struct Ownership {
 template <class Visit>
 void for_each_multiplier(const Part& part, const Moments& moments,
                          const Ownership::Carriers& carriers, const Visit& visit) {
-  const auto of_vertices = [&](const std::array<bool, 3>& kept, Real share) {
-    const DualBasis dual = dual_basis(part.slave.d, moments.vertices, kept);
-    for (int v = 0; v < part.slave.d; ++v)
+  const int d = part.slave.d;
+  const auto of_vertices = [&](const DualBasis& dual, const std::array<bool, 3>& kept, Real share) {
+    for (int v = 0; v < d; ++v)
       if (kept[v])
         visit(part.node(v), Eigen::RowVector3d(share * dual.psi.row(v)), kept, share * dual.d[v]);
   };
-  of_vertices(carriers.kept, 1 - carriers.alone);
-  if (carriers.alone > 0) of_vertices(carriers.strongest, carriers.alone);
+  const DualBasis dual = dual_basis(d, moments.vertices, carriers.kept);
+  const Real alone = carriers.alone_in(dual, moments.vertices.rowwise().sum());
+  of_vertices(dual, carriers.kept, 1 - alone);
+  if (alone > 0)
+    of_vertices(dual_basis(d, moments.vertices, carriers.strongest), carriers.strongest, alone);
   const Real share = 1. / static_cast<Real>(carriers.stand_in.size());
   for (Index i : carriers.stand_in)
     visit(i, Eigen::RowVector3d::Constant(share).eval(), carriers.kept, 0.);

@@ -12,7 +12,8 @@ struct OwnSurface {
 
   /// The side is at Y; reference: nodes without deformation, or empty, which is Y.
   OwnSurface(const Side& side, const std::vector<Vec3>& Y, const std::vector<Vec3>& reference)
-      : planes(reference.empty() ? side.planes : Side(side, Y, reference).planes),
+      : planes(reference.empty() ? side.planes
+                                 : planes_at(side.d, side.surface, side.planes, Y, reference)),
         X(reference.empty() ? Y : reference) {}
 
   /// Whether facet m of another side is none that facet f can touch: they share a vertex, or m lies

@@ -57,23 +57,29 @@ bool on_an_arc(const Side& side, const Joint& joint, const std::map<Index, Real>
 
 }  // namespace
 
+std::vector<Plane> planes_at(int d, const Surface& surface, const std::vector<Plane>& planes,
+                             const std::vector<Vec3>& X, const std::vector<Vec3>& Y) {
+  std::vector<Plane> there;
+  for (std::size_t f = 0; f < planes.size(); ++f) {
+    Facet turning = surface.facets[f];  // its outward vector is that of X
+    turning.outward.setZero();
+    const bool flipped = plane_of(d, turning, X).normal.dot(planes[f].normal) < 0;
+    there.push_back(plane_of(d, turning, Y));
+    if (flipped) there.back().normal *= -1;
+  }
+  return there;
+}
+
 Side::Side(int dimension, const Surface& surface_, const std::vector<Vec3>& X,
            const std::vector<Vec3>& reference)
     : d(dimension), is_moved(!reference.empty()), surface(surface_) {
   planes.reserve(surface.facets.size());
   for (const Facet& f : surface.facets) planes.push_back(plane_of(d, f, X));
-  find_joints(reference.empty() ? planes : Side(*this, X, reference).planes);
+  find_joints(reference.empty() ? planes : planes_at(d, surface, planes, X, reference));
 }
 
 Side::Side(const Side& side, const std::vector<Vec3>& X, const std::vector<Vec3>& Y)
-    : d(side.d), surface(side.surface) {
-  for (Index f = 0; f < side.facets(); ++f) {
-    Facet turning = facet(f);  // its outward vector is that of X
-    turning.outward.setZero();
-    const bool flipped = plane_of(d, turning, X).normal.dot(side.planes[f].normal) < 0;
-    planes.push_back(plane_of(d, turning, Y));
-    if (flipped) planes.back().normal *= -1;
-  }
+    : d(side.d), surface(side.surface), planes(planes_at(side.d, side.surface, side.planes, X, Y)) {
   find_joints(planes);
 }
 
@@ -91,12 +97,21 @@ void Side::find_joints(const std::vector<Plane>& at) {
 }
 
 void Side::find_edges() {
-  const std::map<Index, Real> bends = bends_of(*this);
+  std::map<Index, Real> bends;  // once some joint asks for them
   for (Joint& joint : joints) {
     const bool one_label = facet(joint.facet[0]).label == facet(joint.facet[1]).label;
-    joint.goes_on = joint.cosine >= (one_label ? sharp : one_surface) ||
-                    (joint.cosine >= arc_step && on_an_arc(*this, joint, bends));
+    joint.goes_on = joint.cosine >= (one_label ? sharp : one_surface);
+    if (joint.goes_on || joint.cosine < arc_step) continue;
+    if (bends.empty()) bends = bends_of(*this);
+    joint.goes_on = on_an_arc(*this, joint, bends);
   }
+}
+
+Groups patches_of(const Side& side) {
+  Groups patches(side.facets());
+  for (const Joint& joint : side.joints)
+    if (joint.goes_on) patches.join(joint.facet[0], joint.facet[1]);
+  return patches;
 }
 
 Index facet_connected_groups(int d, const std::vector<std::array<Index, 4>>& elements) {

@@ -20,6 +20,11 @@ struct Joint {
 /// The ends of ridge k of a facet, from its vertex k on, the lower one first; 2D: the same twice.
 std::array<Index, 2> ridge_of(int d, const Facet& facet, int k);
 
+/// Of the facets of a surface whose nodes have gone from X to Y: outside stays outside.
+/// planes: those of X
+std::vector<Plane> planes_at(int d, const Surface& surface, const std::vector<Plane>& planes,
+                             const std::vector<Vec3>& X, const std::vector<Vec3>& Y);
+
 /// A surface with what is derived from it.
 struct Side {
   /// reference: where the nodes are when the angles between facets tell the edges of the body from
@@ -40,6 +45,9 @@ struct Side {
   void find_joints(const std::vector<Plane>& at);
   void find_edges();
 };
+
+/// Facets that hang together without an edge of the body.
+Groups patches_of(const Side& side);
 
 /// How many groups of elements around a node hang together by their facets: two where meshes were
 /// merged, one at the tip of a crack. elements: the vertices of each simplex around it.

@@ -31,8 +31,8 @@ void refuse_common_facets(int d, const std::vector<Pair>& pairs) {
     }
 }
 
-/// T expresses slave nodes by master nodes, which must be no slaves themselves. (Single nodes that
-/// are both are removed from the slave: Ownership.)
+/// T expresses slave nodes by master nodes: facets that face something are to be no masters.
+/// (Single nodes may be both: Ownership.)
 void refuse_slaves_as_masters(const Nodes& nodes, const std::vector<Side>& slaves,
                               const std::vector<Side>& masters, const std::vector<Cover>& covers) {
   if (slaves.size() < 2) return;

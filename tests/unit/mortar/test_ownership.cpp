@@ -1,0 +1,145 @@
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "surfaces.h"
+
+using namespace frictioncg;
+using namespace frictioncg::mortar;
+using namespace frictioncg::mortar::test;
+
+namespace {
+
+/// A facet in the plane, between two nodes.
+void add(Surfaces& s, Surface& surface, Index a, Index b, const Vec3& outward, long label) {
+  s.add(surface, {a, b}, 1, label);
+  surface.facets.back().outward = outward;
+}
+
+/// A ring of voussoirs around a shaft, one facet each at the bore, with play there: their joints
+/// touch, so that the corner in front of each belongs to the joint, and the one behind to the bore.
+/// Pairs: the bore on the shaft, then the joints.
+Surfaces ring(int blocks, Real play) {
+  Surfaces s(2);
+  s.pairs.resize(2);
+  const Real step = 2 * std::acos(-1.) / blocks;
+  const auto polar = [](Real angle, Real r) {
+    return Vec3(r * std::cos(angle), r * std::sin(angle), 0);
+  };
+  Surface &bore = s.pairs[0].slave, &shaft = s.pairs[0].master;
+  Surface &fronts = s.pairs[1].slave, &backs = s.pairs[1].master;
+  bore.labels = {1}, shaft.labels = {5}, fronts.labels = {2}, backs.labels = {4};
+  for (int k = 0; k < blocks; ++k) {
+    const Real from = k * step, to = from + step;
+    const Index first = static_cast<Index>(s.nodes.X.size());
+    for (Real angle : {from, to})
+      for (Real r : {1., 2.}) s.nodes.X.push_back(polar(angle, r));
+    for (Real angle : {from, to}) s.nodes.X.push_back(polar(angle, 1 - play));
+    add(s, backs, first, first + 1, polar(from - step / 4, -1).cross(Vec3::UnitZ()), 4);
+    add(s, fronts, first + 2, first + 3, -polar(to + step / 4, -1).cross(Vec3::UnitZ()), 2);
+    add(s, bore, first, first + 2, -polar(from + step / 2, 1), 1);
+    add(s, shaft, first + 4, first + 5, polar(from + step / 2, 1), 5);
+  }
+  return s;
+}
+
+/// Three faces of a box, which meet at a corner, and before each a sheet somewhere, at t.
+class Box {
+ public:
+  Box(std::mt19937& random, int n) : random_(random), cells_(n) {
+    for (Sheet& sheet : sheets_) {
+      sheet.from = {within(-0.2, 1), within(-0.2, 1)};
+      sheet.size = {within(0, 1), within(0, 1)};
+      sheet.motion = {within(-0.2, 0.2), within(-0.2, 0.2)};
+      sheet.gap = within(0, 0.1), sheet.tilt = within(-0.1, 0.1);
+    }
+  }
+  Surfaces surfaces(Real t, bool one_pair) const {
+    Surfaces s(3);
+    s.pairs.resize(one_pair ? 1 : 3);
+    std::map<std::array<int, 3>, Index> node;  // by its place on the grid
+    for (int face = 0; face < 3; ++face) {
+      Pair& pair = s.pairs[one_pair ? 0 : face];
+      // local axes of the face; it is at 0 of the third
+      const auto in_space = [face](const Vec3& x) {
+        return Vec3(x[(3 - face) % 3], x[(4 - face) % 3], x[(5 - face) % 3]);
+      };
+      const auto add = [&](Surface& to, int n, int side, const auto& shape, long label) {
+        const Index first = static_cast<Index>(s.nodes.X.size());
+        for (Facet f : s.sheet(
+                            n, side, [&](const Vec3& x) { return in_space(shape(x)); }, label)
+                           .facets) {
+          f.outward = in_space(Vec3(0, 0, side));
+          for (int v = 0; v < 3 && side < 0; ++v) {
+            std::array<int, 3> at;
+            for (int c = 0; c < 3; ++c)
+              at[c] = static_cast<int>(std::lround(n * s.nodes.X[f.node[v]][c]));
+            f.node[v] = node.emplace(at, f.node[v]).first->second;
+          }
+          to.facets.push_back(f);
+        }
+        if (s.nodes.X.size() > static_cast<std::size_t>(first)) to.labels.push_back(label);
+      };
+      const Sheet& sheet = sheets_[face];
+      add(
+          pair.slave, cells_, -1, [](const Vec3& x) { return x; }, face + 1);
+      add(
+          pair.master, 1, 1, [&](const Vec3& x) { return sheet.at(x, t); }, face + 11);
+    }
+    return s;
+  }
+
+ private:
+  struct Sheet {
+    std::array<Real, 2> from, size, motion;
+    Real gap, tilt;
+    Vec3 at(const Vec3& x, Real t) const {
+      return {from[0] + size[0] * x[0] + t * motion[0], from[1] + size[1] * x[1] + t * motion[1],
+              -gap + tilt * (x[0] - x[1])};
+    }
+  };
+  Real within(Real low, Real high) {
+    return std::uniform_real_distribution<Real>(low, high)(random_);
+  }
+  std::mt19937& random_;
+  int cells_;
+  std::array<Sheet, 3> sheets_;
+};
+
+void expect_inverse(const Mortar& mortar) {
+  const Matrix T = mortar.change_of_basis(), W = mortar.inverse_basis();
+  Matrix I(T.rows(), T.rows());
+  I.setIdentity();
+  EXPECT_LT(Matrix(Matrix(T * W) - I).norm(), 1e-10);
+}
+
+}  // namespace
+
+TEST(Ownership, LawsOfTwoPairsDependOnNoRing) {
+  for (int blocks : {6, 24}) {
+    const Mortar mortar = ring(blocks, 0.1).mortar();
+    Index of_pair[2] = {0, 0};
+    for (const ContactNode& node : mortar.nodes()) ++of_pair[node.pair];
+    EXPECT_EQ(of_pair[0], blocks);      // the corners behind
+    EXPECT_EQ(of_pair[1], 2 * blocks);  // those in front, and the outer ones
+    expect_inverse(mortar);
+  }
+}
+
+TEST(Ownership, LawsOfFacesThatMeetDependOnNoRing) {
+  std::mt19937 random(1);
+  int refused = 0;
+  for (int k = 0; k < 2000; ++k) {
+    const Box box(random, 1 + k % 3);
+    Surfaces s = box.surfaces(1, k % 4 < 2);
+    if (k % 2) s.nodes.before = box.surfaces(0, k % 4 < 2).nodes.X;
+    try {
+      const Mortar mortar = s.mortar();
+      for (const ContactNode& node : mortar.nodes()) EXPECT_GT(node.weight, 0);
+      expect_inverse(mortar);
+    } catch (const IllegalInput&) {  // where nothing faces a pair
+      ++refused;
+    }
+  }
+  EXPECT_LT(refused, 500);
+}
