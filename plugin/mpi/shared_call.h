@@ -175,7 +175,7 @@ inline Vector solve_together(Stack stack, const Call& call, SharedScene& shared,
     Solution s = solve_together(shared, problem, settings, start_of(call, shared),
                                 out.history || speaks ? &progress : nullptr);
     if (shared.scene->at && s.status == Status::stagnated)
-      accept_rounding(s, domain.largest(contrast(*shared.A)));
+      accept_rounding(s, domain.largest(contrast(*shared.scene->system->system())));
     return s;
   };
   Solution solution = answer(call.settings);

@@ -69,7 +69,9 @@ class Assembly {
     take(across_gap(mortar.P_, mortar.G_, mortar.nodes_, nodes_.X, crossings_));
     set_statistics(mortar);
   }
-  std::map<Index, SlopedRow> sloped_rows() const { return slopes_.rows(takes_removed_); }
+  std::map<Index, SlopedRow> sloped_rows() const {
+    return slopes_.rows([this](Index i, Index r) { return takes(i, r); });
+  }
   const Crossings& crossed() const { return crossings_; }
 
  private:
@@ -112,22 +114,24 @@ class Assembly {
         P_.emplace_back(i, master.node[l], psi.dot(moments.master[c].col(l)));
     }
   }
+  bool takes(Index i, Index r) const { return takes_removed_[i] || ownership_.takes(i, r); }
   /// A node with the master's normal takes on itself what removed nodes r move by: that normal lets
-  /// slip what turns the master at its own place alone. There the weights of r, which have no sign
-  /// on slivers, stay those of r where they would take half of D_i. A node whose law r might depend
-  /// on takes them, too. The gap stays that of all.
+  /// slip what turns the master at its own place alone. Where the weights of r, which have no sign
+  /// on slivers, would take half of D_i, they stay those of r. The gap stays that of all.
   void place_removed() {
-    Vector sum = Vector::Zero(size());
-    for (const auto& e : removed_) sum[e.row()] += e.value();
+    Vector sum = Vector::Zero(size()), taken = sum;
+    for (const auto& e : removed_) {
+      sum[e.row()] += e.value();
+      if (ownership_.takes(e.row(), e.col())) taken[e.row()] += e.value();
+    }
     takes_removed_.assign(size(), 0);
     for (Index i = 0; i < size(); ++i) {
-      takes_removed_[i] = ownership_.takes_removed[i] ||
-                          (ownership_.common.of_master[i] && D_[i] + sum[i] > D_[i] / 2);
-      if (takes_removed_[i]) D_[i] += sum[i];
+      takes_removed_[i] = ownership_.common.of_master[i] && D_[i] + sum[i] > D_[i] / 2;
+      D_[i] += takes_removed_[i] ? sum[i] : taken[i];
     }
     for (const auto& e : removed_) {
       const Index i = e.row(), r = e.col();
-      if (takes_removed_[i])
+      if (takes(i, r))
         offset_[i] -= e.value() * (nodes_.X[r] - nodes_.X[i]);
       else
         N_.emplace_back(i, r, e.value());

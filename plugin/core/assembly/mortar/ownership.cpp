@@ -3,7 +3,6 @@
 #include <tuple>
 
 #include "assembly/mortar/self_contact.h"
-#include "assembly/mortar/sheets.h"
 #include "assembly/mortar/validation.h"
 
 namespace frictioncg::mortar {
@@ -14,31 +13,9 @@ namespace {
 /// each has its part, and between the two both ways share it: nothing jumps as bodies slide.
 constexpr Real barely = 1e-3;
 
-/// Patches at a vertex are equally near what they face up to this share of a facet's size, and a
-/// part that comes so near to a vertex reaches it: noise of meshes and of solutions decides
-/// nothing.
-constexpr Real equally_near = 0.01;
-
 Index label_position(const Surface& surface, long label) {
   const auto at = std::find(surface.labels.begin(), surface.labels.end(), label);
   return static_cast<Index>(at - surface.labels.begin());
-}
-
-/// visit(p, f, i): each vertex, node i, of each facet f of the side of each pair p.
-template <class Visit>
-void for_each_vertex(const std::vector<Side>& sides, const Visit& visit) {
-  for (std::size_t p = 0; p < sides.size(); ++p)
-    for (Index f = 0; f < sides[p].facets(); ++f)
-      for (int v = 0; v < sides[p].d; ++v) visit(p, f, sides[p].facet(f).node[v]);
-}
-
-/// visit(p, f, i): the same of facets that something faces.
-template <class Visit>
-void for_each_covered(const std::vector<Side>& slaves, const std::vector<Cover>& covers,
-                      const Visit& visit) {
-  for_each_vertex(slaves, [&](std::size_t p, Index f, Index i) {
-    if (!covers[p].cells[f].empty()) visit(p, f, i);
-  });
 }
 
 /// The normals by which it is decided whether Dirichlet conditions hold them: those of the bodies
@@ -61,52 +38,6 @@ std::vector<Vec3> undeformed_normals(const Nodes& nodes, const std::vector<Side>
 
 }  // namespace
 
-/// How far what faces it is from a vertex, facet by facet.
-class Ways {
- public:
-  /// rank: per pair and facet
-  Ways(const std::vector<Side>& slaves, const std::vector<Side>& masters,
-       const std::vector<Cover>& covers, const std::vector<Vec3>& X,
-       const std::vector<std::vector<Index>>& rank)
-      : slaves_(slaves), masters_(masters), covers_(covers), X_(X) {
-    std::map<Index, Index> one;  // patch at a node, the first that was met
-    for_each_covered(slaves, covers, [&](std::size_t p, Index f, Index i) {
-      if (one.emplace(i, rank[p][f]).first->second != rank[p][f]) nearest_[i] = infinity;
-    });
-    for_each_covered(slaves, covers, [&](std::size_t p, Index f, Index i) {
-      const auto least = nearest_.find(i);
-      if (least != nearest_.end()) least->second = std::min(least->second, way(p, f, i));
-    });
-  }
-  /// By how much it is farther along a facet than along the nearest one there [size of the facet];
-  /// 0 where facets of one patch alone face something.
-  Real farther(std::size_t p, Index f, Index i) const {
-    const auto least = nearest_.find(i);
-    if (least == nearest_.end() || least->second == infinity) return 0;
-    return (way(p, f, i) - least->second) / slaves_[p].planes[f].size;
-  }
-
- private:
-  /// With its sign: what overlaps most is nearest. Infinite where nothing faces the vertex itself.
-  Real way(std::size_t p, Index f, Index i) const {
-    const auto& node = slaves_[p].facet(f).node;
-    const int v = static_cast<int>(std::find(node.begin(), node.end(), i) - node.begin());
-    const std::vector<Cell>& cells = covers_[p].cells[f];
-    const auto reaches = [&](const Cell& cell) {
-      return std::any_of(cell.part.begin(), cell.part.end(), [&](const Vec2& xi) {
-        return (v == 0 ? 1 - xi.sum() : xi[v - 1]) > 1 - equally_near;  // lambda_v
-      });
-    };
-    if (std::none_of(cells.begin(), cells.end(), reaches)) return infinity;
-    return faced_at_vertex(v, slaves_[p], f, masters_[p], X_, cells).distance;
-  }
-
-  const std::vector<Side>&slaves_, &masters_;
-  const std::vector<Cover>& covers_;
-  const std::vector<Vec3>& X_;
-  std::map<Index, Real> nearest_;  ///< of nodes where facets of several patches face something
-};
-
 /// Sorted, patches come as they are ranked.
 struct Ownership::Patch {
   Index pair, label = std::numeric_limits<Index>::max();
@@ -125,15 +56,14 @@ Ownership::Ownership(const Nodes& nodes, const std::vector<Side>& slaves,
       label(nodes.X.size(), 0),
       common{std::vector<char>(nodes.X.size(), 0), {}, {}},
       covered(nodes.X.size(), 0),
-      takes_removed(nodes.X.size(), 0),
       owner_(nodes.X.size(), -1) {
   if (begun) {
     go_on_from(*begun->ownership);
-    own(slaves, covers, nullptr);
+    own(slaves, covers, nodes.taken, nullptr);
   } else {
     rank_patches(slaves, covers);
     const Ways ways(slaves, masters, covers, nodes.X, rank_);
-    own(slaves, covers, &ways);
+    own(slaves, covers, nodes.taken, &ways);
   }
   set_labels(slaves);
   const Owns owns = [&](std::size_t p, Index f, Index i) { return owner_[i] == rank_[p][f]; };
@@ -154,6 +84,7 @@ Ownership::Ownership(const Nodes& nodes, const std::vector<Side>& slaves,
   if (begun) take_off_slaves(masters, covers);
   for (std::size_t p = 0; p < slaves.size(); ++p)
     choose_carriers(static_cast<Index>(p), slaves[p], covers[p]);
+  break_rings(slaves, masters, covers);
 }
 
 void Ownership::rank_patches(const std::vector<Side>& slaves, const std::vector<Cover>& covers) {
@@ -190,13 +121,14 @@ void Ownership::go_on_from(const Ownership& begun) {
   owner_ = begun.owner_;
   pair = begun.pair;
   covered = begun.covered;
-  takes_removed = begun.takes_removed;
+  taken_ = begun.taken_;
+  nodes_ = begun.nodes_;
   slipping = begun.slipping;
   faced_ = begun.faced_;
 }
 
 void Ownership::own(const std::vector<Side>& slaves, const std::vector<Cover>& covers,
-                    const Ways* ways) {
+                    const std::vector<char>& taken, const Ways* ways) {
   const std::vector<Index> decided = owner_;
   for_each_covered(slaves, covers, [&](std::size_t p, Index f, Index i) {
     state[i] = State::kept;
@@ -205,66 +137,11 @@ void Ownership::own(const std::vector<Side>& slaves, const std::vector<Cover>& c
     owner_[i] = rank_[p][f];
     pair[i] = static_cast<Index>(p);
   });
-  if (ways) spare(slaves, covers, *ways);
+  if (ways) spare(slaves, covers, rank_, *ways, {owner_, pair, taken});
   for_each_vertex(slaves, [&](std::size_t p, Index f, Index i) {
-    if (decided[i] >= 0 || owner_[i] < 0) return;
-    if (rank_[p][f] < owner_[i]) takes_removed[i] = 1;
-    if (rank_[p][f] == owner_[i]) covered[i] += covers[p].fraction[f] * slaves[p].planes[f].measure;
+    if (decided[i] < 0 && owner_[i] == rank_[p][f])
+      covered[i] += covers[p].fraction[f] * slaves[p].planes[f].measure;
   });
-  for_each_vertex(slaves, [&](std::size_t p, Index f, Index i) {
-    if (owner_[i] != rank_[p][f]) return;
-    for (int v = 0; v < slaves[p].d; ++v)
-      if (pair[slaves[p].facet(f).node[v]] > pair[i]) takes_removed[i] = 1;
-  });
-}
-
-/// A facet whose patch has no node on it, nor on those around it, would have its law at nodes of
-/// other faces, with their normals: a brick in a slot, one facet wide, would fall through the
-/// ground. It takes the vertex where that costs least of those that others can spare, who keep
-/// another on each of their facets there.
-void Ownership::spare(const std::vector<Side>& slaves, const std::vector<Cover>& covers,
-                      const Ways& ways) {
-  std::vector<std::vector<Index>> own(slaves.size());  // vertices of each facet's own patch
-  for (std::size_t p = 0; p < slaves.size(); ++p) own[p].resize(slaves[p].facets());
-  for_each_covered(slaves, covers,
-                   [&](std::size_t p, Index f, Index i) { own[p][f] += owner_[i] == rank_[p][f]; });
-  using Counts = std::vector<Index*>;
-  std::map<Index, std::map<Index, Counts>> at;  // of the facets of each patch, at nodes in question
-  for_each_covered(slaves, covers, [&](std::size_t p, Index f, Index i) {
-    if (own[p][f] == 0) at[i];
-  });
-  if (at.empty()) return;
-  for_each_covered(slaves, covers, [&](std::size_t p, Index f, Index i) {
-    const auto here = at.find(i);
-    if (here != at.end()) here->second[rank_[p][f]].push_back(&own[p][f]);
-  });
-  const auto all_have_two = [](const Counts& counts) {
-    return std::all_of(counts.begin(), counts.end(), [](const Index* n) { return *n > 1; });
-  };
-  const auto none_has = [](const Counts& counts) {
-    return std::all_of(counts.begin(), counts.end(), [](const Index* n) { return *n == 0; });
-  };
-  const auto to_take = [&](std::size_t p, Index f) {
-    Index best = -1;
-    for (int v = 0; v < slaves[p].d; ++v) {
-      const Index i = slaves[p].facet(f).node[v];
-      if (!none_has(at[i][rank_[p][f]])) return Index{-1};
-      if (all_have_two(at[i][owner_[i]]) &&
-          (best < 0 || ways.farther(p, f, i) < ways.farther(p, f, best)))
-        best = i;
-    }
-    return best;
-  };
-  for (std::size_t p = 0; p < slaves.size(); ++p)
-    for (Index f = 0; f < slaves[p].facets(); ++f) {
-      const bool lacks = own[p][f] == 0 && !covers[p].cells[f].empty();
-      const Index i = lacks ? to_take(p, f) : -1;
-      if (i < 0) continue;
-      for (Index* n : at[i][owner_[i]]) --*n;
-      for (Index* n : at[i][rank_[p][f]]) ++*n;
-      owner_[i] = rank_[p][f];
-      pair[i] = static_cast<Index>(p);
-    }
 }
 
 void Ownership::set_labels(const std::vector<Side>& slaves) {
@@ -362,16 +239,12 @@ void Ownership::choose_carriers(Index p, const Side& slave, const Cover& cover) 
   std::vector<char> has_own(patches_, 0);
   for (Index f = 0; f < slave.facets(); ++f) {
     std::array<bool, 3>& kept = carriers[p][f].kept;
-    int n = 0;
     for (int v = 0; v < slave.d && !cover.cells[f].empty(); ++v) {
       const Index i = slave.facet(f).node[v];
       kept[v] = state[i] == State::kept && owner_[i] == rank_[p][f];
-      n += kept[v];
     }
-    if (n == 0) continue;
+    if (!carriers[p][f].any_kept()) continue;
     has_own[rank_[p][f]] = 1;
-    for (int v = 0; v < slave.d && n < slave.d; ++v)
-      carriers[p][f].take_removed[v] = kept[v] && takes_removed[slave.facet(f).node[v]];
     thin_out(slave.facet(f), cover.fraction[f], carriers[p][f]);
   }
   find_stand_ins(p, slave, true);
@@ -412,7 +285,7 @@ void Ownership::find_stand_ins(Index p, const Side& slave, bool within_patch) {
   }
   const auto carried = [&](Index f) {
     const Carriers& c = carriers[p][f];
-    return c.kept[0] || c.kept[1] || c.kept[2] || !c.stand_in.empty();
+    return c.any_kept() || !c.stand_in.empty();
   };
   std::vector<Index> queue;
   for (Index f = 0; f < slave.facets(); ++f)

@@ -5,6 +5,7 @@
 #include "assembly/mortar/moments.h"
 #include "assembly/mortar/mortar.h"
 #include "assembly/mortar/normals.h"
+#include "assembly/mortar/owners.h"
 
 namespace frictioncg::mortar {
 
@@ -41,9 +42,9 @@ struct Ownership {
   CommonNormals common;      ///< choose_common_normals()
   /// Per node: measure covered around it, where it is decided what faces what.
   std::vector<Real> covered;
-  /// Per node: its law is to depend on no removed nodes, which might depend on it: a patch ranked
-  /// before its own is there, covered or not, or a later pair owns a vertex of its facets.
-  std::vector<char> takes_removed;
+  /// Whether the law of node i takes on itself what the removed node r moves by, since r's law
+  /// would otherwise depend on that of i in a ring.
+  bool takes(Index i, Index r) const { return taken_.count({i, r}) > 0; }
 
   struct Carriers {
     std::array<bool, 3> kept{};   ///< vertices of the facet
@@ -52,15 +53,18 @@ struct Ownership {
     /// covered has that one alone.
     Real alone = 0;
     std::array<bool, 3> strongest{};
-    std::array<bool, 3> take_removed{};  ///< of the kept, where there are others
+    Eigen::Matrix3d takes = Eigen::Matrix3d::Zero();  ///< (v, r): 1 where v takes r
 
+    bool any_kept() const { return kept[0] || kept[1] || kept[2]; }
     /// The larger alone: of kept vertices that take removed ones on themselves none is to be left
-    /// with less than a quarter of its d_i, from half of it on.   covered: int lambda_v
-    Real alone_in(const DualBasis& dual, const Vec3& covered) const {
+    /// with less than a quarter of its d_i, from half of it on.   M: of dual_basis
+    Real alone_in(const DualBasis& dual, const Eigen::Matrix3d& M) const {
       Real larger = alone;
       for (int v = 0; v < 3; ++v)
-        if (take_removed[v])
-          larger = std::max(larger, std::min(1., 2 - 4 * dual.psi.row(v).dot(covered) / dual.d[v]));
+        if (!takes.row(v).isZero(0)) {
+          const Real taken = (dual.psi.row(v) * M).dot(takes.row(v));
+          larger = std::max(larger, std::min(1., -2 - 4 * taken / dual.d[v]));
+        }
       return larger;
     }
   };
@@ -70,10 +74,9 @@ struct Ownership {
   struct Patch;
   void go_on_from(const Ownership& begun);
   void rank_patches(const std::vector<Side>& slaves, const std::vector<Cover>& covers);
-  /// ways: where it is decided here; by rank alone without
+  /// taken: as of nodes; ways: where it is decided here; by rank alone without
   void own(const std::vector<Side>& slaves, const std::vector<Cover>& covers,
-           const class Ways* ways);
-  void spare(const std::vector<Side>& slaves, const std::vector<Cover>& covers, const Ways& ways);
+           const std::vector<char>& taken, const Ways* ways);
   void set_labels(const std::vector<Side>& slaves);
   void take_normals(const Nodes& nodes, const std::vector<Vec3>& normals);
   void find_faced(const std::vector<Side>& masters, const std::vector<Cover>& covers);
@@ -84,10 +87,14 @@ struct Ownership {
   void choose_carriers(Index p, const Side& slave, const Cover& cover);
   void thin_out(const Facet& facet, Real fraction, Carriers& of_facet) const;
   void find_stand_ins(Index p, const Side& slave, bool within_patch);
+  void break_rings(const std::vector<Side>& slaves, const std::vector<Side>& masters,
+                   const std::vector<Cover>& covers);
 
   std::vector<std::vector<Index>> rank_;  ///< per pair and facet, of its patch: the lower one owns
   std::vector<Index> owner_;              ///< per node: rank of its patch, or -1
   std::vector<std::vector<char>> faced_;  ///< per pair and facet of the master
+  std::set<std::pair<Index, Index>> taken_;  ///< takes()
+  std::vector<Index> nodes_;                 ///< per rank: how many nodes the patch has
   Index patches_ = 0;
 };
 
@@ -104,7 +111,7 @@ void for_each_multiplier(const Part& part, const Moments& moments,
         visit(part.node(v), Eigen::RowVector3d(share * dual.psi.row(v)), kept, share * dual.d[v]);
   };
   const DualBasis dual = dual_basis(d, moments.vertices, carriers.kept);
-  const Real alone = carriers.alone_in(dual, moments.vertices.rowwise().sum());
+  const Real alone = carriers.alone_in(dual, moments.vertices);
   of_vertices(dual, carriers.kept, 1 - alone);
   if (alone > 0)
     of_vertices(dual_basis(d, moments.vertices, carriers.strongest), carriers.strongest, alone);

@@ -168,11 +168,12 @@ void WeightSlopes::add(const Part& part, const Moments& moments, const Integrati
                       });
 }
 
-std::map<Index, SlopedRow> WeightSlopes::rows(const std::vector<char>& takes_removed) const {
+std::map<Index, SlopedRow> WeightSlopes::rows(
+    const std::function<bool(Index, Index)>& takes) const {
   std::map<Index, SlopedRow> rows = sums_;
   for (auto& [node, row] : rows) {  // D > 0: a node that stands in has facets, too
     for (const auto& [r, weight] : row.removed) {
-      if (!takes_removed[node]) {
+      if (!takes(node, r)) {
         row.own[r].add(weight, 1);
         continue;
       }

@@ -32,8 +32,8 @@ class WeightSlopes {
       : X_(X), force_(force), normals_(normals) {}
   void add(const Part& part, const Moments& moments, const Integration& integration,
            const Ownership::Carriers& carriers);
-  /// By node, once all facets are added. takes_removed: per node, as Assembly::place_removed says.
-  std::map<Index, SlopedRow> rows(const std::vector<char>& takes_removed) const;
+  /// By node, once all facets are added. takes(i, r): as Assembly::place_removed says.
+  std::map<Index, SlopedRow> rows(const std::function<bool(Index, Index)>& takes) const;
 
  private:
   const std::vector<Vec3>&X_, &force_, &normals_;

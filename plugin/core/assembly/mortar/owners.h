@@ -1,0 +1,61 @@
+#pragma once
+#include "assembly/mortar/cover.h"
+
+namespace frictioncg::mortar {
+
+/// visit(p, f, i): each vertex, node i, of each facet f of the side of each pair p.
+template <class Visit>
+void for_each_vertex(const std::vector<Side>& sides, const Visit& visit) {
+  for (std::size_t p = 0; p < sides.size(); ++p)
+    for (Index f = 0; f < sides[p].facets(); ++f)
+      for (int v = 0; v < sides[p].d; ++v) visit(p, f, sides[p].facet(f).node[v]);
+}
+
+/// visit(p, f, i): the same of facets that something faces.
+template <class Visit>
+void for_each_covered(const std::vector<Side>& slaves, const std::vector<Cover>& covers,
+                      const Visit& visit) {
+  for_each_vertex(slaves, [&](std::size_t p, Index f, Index i) {
+    if (!covers[p].cells[f].empty()) visit(p, f, i);
+  });
+}
+
+/// Patches at a vertex are equally near what they face up to this share of a facet's size, and a
+/// part that comes so near to a vertex reaches it: noise of meshes and of solutions decides
+/// nothing.
+constexpr Real equally_near = 0.01;
+
+/// How far what faces it is from a vertex, facet by facet.
+class Ways {
+ public:
+  /// rank: per pair and facet
+  Ways(const std::vector<Side>& slaves, const std::vector<Side>& masters,
+       const std::vector<Cover>& covers, const std::vector<Vec3>& X,
+       const std::vector<std::vector<Index>>& rank);
+  /// By how much it is farther along a facet than along the nearest one there [size of the facet];
+  /// 0 where facets of one patch alone face something.
+  Real farther(std::size_t p, Index f, Index i) const;
+
+ private:
+  Real way(std::size_t p, Index f, Index i) const;
+
+  const std::vector<Side>&slaves_, &masters_;
+  const std::vector<Cover>& covers_;
+  const std::vector<Vec3>& X_;
+  std::map<Index, Real> nearest_;  ///< of nodes where facets of several patches face something
+};
+
+/// Which patch owns a node, by its rank and pair.
+struct Owners {
+  std::vector<Index>&rank, &pair;
+  const std::vector<char>& taken;  ///< by an obstacle; or empty: none
+};
+
+/// A facet whose patch has no node on it, nor on those around it, would have its law at nodes of
+/// other faces, with their normals: a brick in a slot, one facet wide, would fall through the
+/// ground. It takes the vertex where that costs least whose patch does without, or gets another one
+/// in the same way.   rank: per pair and facet
+void spare(const std::vector<Side>& slaves, const std::vector<Cover>& covers,
+           const std::vector<std::vector<Index>>& rank, const Ways& ways, Owners owners);
+
+}  // namespace frictioncg::mortar
