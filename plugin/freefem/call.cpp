@@ -26,7 +26,7 @@ void face_bodies(Stack stack, const Arguments& args, const Expression A, Scene& 
   options.maxgap = args.value(stack, p_maxgap, options.maxgap);
   options.smooth = args.value(stack, p_smooth, options.smooth);
   if (args.has(p_normal)) options.normals = slave_normals(stack, args, scene);
-  if (args.has(p_weight)) options.weight = slave_weights(stack, args, scene);
+  options.weight = slave_weights(stack, args, scene);
   if (args.has(p_forceold)) {
     const Vector force = args.vector(stack, p_forceold);
     check_vector(force, name_of(p_forceold), scene.dofs);

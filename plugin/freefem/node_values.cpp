@@ -181,7 +181,6 @@ std::vector<Vec3> slave_normals(Stack stack, const Arguments& args, const Scene&
 }
 
 void set_orthotropy(Stack stack, const Arguments& args, const Vector& mu, Scene& scene) {
-  if (!args.has(p_mu2)) return;
   const Vector mu2 = at_nodes(stack, args, p_mu2, scene);
   PointGuard guard(stack);
   for (std::size_t k = 0; k < scene.nodes.size(); ++k) {

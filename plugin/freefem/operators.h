@@ -315,7 +315,6 @@ class Renew : public E_F0mps {
       check_normals(posed.scene->d);
       const Call call(stack, arguments_, b_);
       check_vectors(call, posed.scene->dofs);
-      validate(call.settings);
       PointLaws laws;
       constexpr long own = 2;  // that of C, and the present one
       posed = renewed(stack, arguments_, A_, posed, posed.scene.use_count() == own, laws);

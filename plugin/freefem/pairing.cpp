@@ -28,13 +28,9 @@ std::map<long, std::set<std::size_t>> pairs_of_labels(const std::vector<mortar::
 
 }  // namespace
 
-InterfaceBuilder::InterfaceBuilder(const std::vector<mortar::LabelPair>& pairs, bool of_part)
+InterfaceBuilder::InterfaceBuilder(std::vector<mortar::Pair> pairs, bool of_part)
     : all_{}, of_part_(of_part) {
-  for (const mortar::LabelPair& labels : pairs) {
-    all_.pairs.emplace_back();
-    all_.pairs.back().slave.labels = labels.slave;
-    all_.pairs.back().master.labels = labels.master;
-  }
+  all_.pairs = std::move(pairs);
 }
 
 void InterfaceBuilder::add_slave(const SpacePtr& space, const Boundary& side,

@@ -22,7 +22,7 @@ struct Interface {
 class InterfaceBuilder {
  public:
   /// of_part: others may know what joins the bodies.
-  InterfaceBuilder(const std::vector<mortar::LabelPair>& pairs, bool of_part);
+  InterfaceBuilder(std::vector<mortar::Pair> pairs, bool of_part);
   /// Throws IllegalInput where a node of the sides has two places: facets are seen from where their
   /// nodes are.
   void add_slave(const SpacePtr& space, const Boundary& side, const SpaceInWords& words);

@@ -154,7 +154,7 @@ std::shared_ptr<Scene> obstacle_scene(const SpacePtr& Vh, std::vector<BoundaryNo
 /// The labels of two bodies; those that this process's part of the meshes has, and all pairs.
 struct PairLabels {
   std::vector<long> slave, master;
-  std::vector<mortar::LabelPair> pairs = mortar::label_pairs(slave, master);
+  std::vector<mortar::Pair> pairs = mortar::label_pairs(slave, master);
   bool of_part = false;  ///< of meshes that other processes have parts of
 };
 

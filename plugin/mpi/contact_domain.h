@@ -74,14 +74,19 @@ class MakeDomain : public E_F0mps {
 
   AnyType operator()(Stack stack) const override {
     MPI_Comm communicator = MPI_COMM_WORLD;
-    beforehand("createMat", [&] {
-      std::vector<std::string> words;
-      for (long k = 0; pkarg && k < pkarg->N(); ++k) words.push_back(*(*pkarg)[k].getap()[0]);
-      start_petsc(words);
-      if (named_[0])
-        if (const auto* given = static_cast<MPI_Comm*>(GetAny<pcommworld>((*named_[0])(stack))))
-          communicator = *given;
-      return AnyType(Nothing);
+    translated("createMat", [&]() -> AnyType {
+      try {
+        std::vector<std::string> words;
+        for (long k = 0; pkarg && k < pkarg->N(); ++k) words.push_back(*(*pkarg)[k].getap()[0]);
+        start_petsc(words);
+        if (named_[0])
+          if (const auto* given = static_cast<MPI_Comm*>(GetAny<pcommworld>((*named_[0])(stack))))
+            communicator = *given;
+      } catch (const std::bad_alloc&) {  // others may wait for this process already
+        if (mpisize > 1) end_all(MPI_COMM_WORLD, "createMat", not_enough_memory);
+        throw;
+      }
+      return Nothing;
     });
     return together("createMat", communicator, [&] {
       auto* C = GetAny<ContactDomainVariable*>((*C_)(stack));

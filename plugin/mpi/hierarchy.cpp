@@ -111,16 +111,4 @@ Real SharedHierarchy::operator_complexity() const {
   return all / fine;
 }
 
-double SharedHierarchy::bytes() const {
-  double all = 0;
-  for (const Level& level : level_)
-    for (Mat A : {level.A.get(), level.truncated.get(), level.P.get(), level.change.get()}) {
-      if (!A) continue;
-      MatInfo info;
-      check(MatGetInfo(A, MAT_GLOBAL_SUM, &info));
-      all += info.memory;
-    }
-  return all;
-}
-
 }  // namespace frictioncg

@@ -25,7 +25,6 @@ class SharedHierarchy final : public Hierarchy {
   void apply(const Vector& r, Vector& z) override;
   Index levels() const override { return static_cast<Index>(level_.size()); }
   Real operator_complexity() const override;
-  double bytes() const override;
 
  private:
   void fill_contact_part(const std::vector<TangentialStiffness>& W, const Vector& springs);

@@ -7,19 +7,6 @@
 
 namespace frictioncg {
 
-/// Runs what every process does by itself before it knows of others, who may wait for it already.
-template <class Body>
-AnyType beforehand(const char* name, Body body) {
-  return translated(name, [&] {
-    try {
-      return body();
-    } catch (const std::bad_alloc&) {
-      if (mpisize > 1) end_all(MPI_COMM_WORLD, name, not_enough_memory);
-      throw;
-    }
-  });
-}
-
 /// Runs the body of an operator on all processes of the communicator; its rank 0 alone says what
 /// went wrong. What one of them throws where it cannot be agreed upon ends them all.
 template <class Body>

@@ -48,7 +48,7 @@ class Hierarchy {
 
   virtual Index levels() const = 0;
   virtual Real operator_complexity() const = 0;  ///< entries of all levels over those of the fine
-  virtual double bytes() const = 0;              ///< kept in memory
+  virtual double bytes() const { return 0; }     ///< kept in memory; in one process alone
 
   /// For tests, or empty: level 0 is the fine one, dense, by slots; prolongation(l) from level l+1
   /// to l.

@@ -11,11 +11,11 @@ namespace {
 /// "1 2 on 3; 4 on 5 6"
 std::string described(const std::vector<long>& slave, const std::vector<long>& master) {
   std::string text;
-  for (const LabelPair& pair : label_pairs(slave, master)) {
+  for (const Pair& pair : label_pairs(slave, master)) {
     if (!text.empty()) text += "; ";
-    for (long s : pair.slave) text += std::to_string(s) + " ";
+    for (long s : pair.slave.labels) text += std::to_string(s) + " ";
     text += "on";
-    for (long m : pair.master) text += " " + std::to_string(m);
+    for (long m : pair.master.labels) text += " " + std::to_string(m);
   }
   return text;
 }

@@ -1,7 +1,5 @@
 #include "assembly/mortar/label_pairs.h"
 
-#include "types.h"
-
 namespace frictioncg::mortar {
 
 namespace {
@@ -18,31 +16,33 @@ bool same_labels(std::vector<long> a, std::vector<long> b) {
 
 }  // namespace
 
-std::vector<LabelPair> label_pairs(const std::vector<long>& slave,
-                                   const std::vector<long>& master) {
+std::vector<Pair> label_pairs(const std::vector<long>& slave, const std::vector<long>& master) {
   if (slave.size() != master.size() && slave.size() != 1 && master.size() != 1)
     refuse(
         "slave has ", slave.size(), " labels and master has ", master.size(),
         "; lists of one length are pairs, slave[k] facing master[k], and a single label faces all "
         "of the other list");
   const std::size_t count = std::max(slave.size(), master.size());
-  std::vector<LabelPair> of_slave;  // one slave label each
+  std::vector<Pair> of_slave;  // one slave label each
   for (std::size_t k = 0; k < count; ++k) {
     const long s = slave[slave.size() > 1 ? k : 0], m = master[master.size() > 1 ? k : 0];
     auto at = std::find_if(of_slave.begin(), of_slave.end(),
-                           [s](const LabelPair& p) { return p.slave.front() == s; });
-    if (at == of_slave.end()) at = of_slave.insert(at, {{s}, {}});
-    add_once(at->master, m);
+                           [s](const Pair& p) { return p.slave.labels.front() == s; });
+    if (at == of_slave.end()) {
+      at = of_slave.insert(at, Pair());
+      at->slave.labels = {s};
+    }
+    add_once(at->master.labels, m);
   }
-  std::vector<LabelPair> pairs;
-  for (const LabelPair& one : of_slave) {
-    const auto at = std::find_if(pairs.begin(), pairs.end(), [&one](const LabelPair& p) {
-      return same_labels(p.master, one.master);
+  std::vector<Pair> pairs;
+  for (const Pair& one : of_slave) {
+    const auto at = std::find_if(pairs.begin(), pairs.end(), [&one](const Pair& p) {
+      return same_labels(p.master.labels, one.master.labels);
     });
     if (at == pairs.end())
       pairs.push_back(one);
     else
-      at->slave.push_back(one.slave.front());
+      at->slave.labels.push_back(one.slave.labels.front());
   }
   return pairs;
 }

@@ -1,18 +1,14 @@
 #pragma once
-#include <vector>
+#include "assembly/mortar/mortar.h"
 
 namespace frictioncg::mortar {
 
-/// Labels of a slave surface and of the master that it faces.
-struct LabelPair {
-  std::vector<long> slave, master;
-};
-
 /// What two lists of labels, not empty, stand for: of equal length, slave[k] faces master[k]; a
 /// single label faces all of the other list. A slave label that is named several times faces the
-/// union of its masters, and slave labels that face the same masters are one surface.
+/// union of its masters, and slave labels that face the same masters are one surface. Pairs without
+/// facets.
 ///
 /// Throws IllegalInput for other lengths.
-std::vector<LabelPair> label_pairs(const std::vector<long>& slave, const std::vector<long>& master);
+std::vector<Pair> label_pairs(const std::vector<long>& slave, const std::vector<long>& master);
 
 }  // namespace frictioncg::mortar
