@@ -157,7 +157,6 @@ void report_faces(const mortar::Statistics& s, std::size_t slaves, std::size_t m
             << counted(masters, "master facet") << ", gap " << s.least_gap << " to "
             << s.largest_gap << "; " << counted(s.partly_covered, "slave facet")
             << " partly covered, ";
-  if (s.beyond_steps > 0) std::cout << s.beyond_steps << " left out beyond a step of the master, ";
   std::cout << counted(s.removed, "node") << " removed";
 }
 
@@ -405,7 +404,7 @@ void report_pairs(const Scene& scene, long verb) {
   }
   mortar::Statistics all = pairs.front().found;
   std::size_t slaves = 0, masters = 0;
-  all.facing = all.removed = all.partly_covered = all.beyond_steps = 0;
+  all.facing = all.removed = all.partly_covered = 0;
   all.least_gap = infinity;
   all.largest_gap = -all.least_gap;
   for (const FacingPair& pair : pairs) {
@@ -415,7 +414,6 @@ void report_pairs(const Scene& scene, long verb) {
     all.facing += s.facing;
     all.removed += s.removed;
     all.partly_covered += s.partly_covered;
-    all.beyond_steps += s.beyond_steps;
     if (s.facing == 0) continue;
     all.least_gap = std::min(all.least_gap, s.least_gap);
     all.largest_gap = std::max(all.largest_gap, s.largest_gap);

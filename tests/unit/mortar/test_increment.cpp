@@ -717,8 +717,6 @@ TEST(MortarIncrement, BodiesThatTurnFarKeepWhatTheyFace) {
     EXPECT_NEAR(a.nodes()[k].gap, b.nodes()[k].gap, 1e-13);
     EXPECT_LT((Q * a.nodes()[k].normal - b.nodes()[k].normal).norm(), 1e-12);
   }
-  EXPECT_EQ(a.statistics().beyond_steps, b.statistics().beyond_steps);
-  EXPECT_GT(a.statistics().beyond_steps, 0);
 }
 
 TEST(MortarIncrement, BodiesThatTurnFarWereNotBehindEachOther) {

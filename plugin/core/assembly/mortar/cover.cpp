@@ -71,9 +71,6 @@ class Covering {
       };
       keep_nearest_sheet(master_, slave_.planes[f].size, distance, cells);
     }
-    result.beyond_steps =
-        earlier_ ? earlier_->cover.beyond_steps : beyond_steps(slave_, master_, X_, result.cells);
-    for (Index f : result.beyond_steps) result.cells[f].clear();
     for (Index f = 0; f < slave_.facets(); ++f) {
       for (const Cell& cell : result.cells[f]) result.fraction[f] += extent(cell.part) / whole;
       total += result.fraction[f];

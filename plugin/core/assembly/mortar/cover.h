@@ -16,9 +16,7 @@ struct Cell {
 struct Cover {
   std::vector<std::vector<Cell>> cells;  ///< per slave facet
   std::vector<Real> fraction;            ///< covered share of each slave facet, 0 .. 1
-  /// Facets left out, since they face a farther surface than beside them.
-  std::vector<Index> beyond_steps;
-  std::size_t visited = 0;  ///< nodes of the tree and pairs of facets looked at
+  std::size_t visited = 0;               ///< nodes of the tree and pairs of facets looked at
   Real nearest = 0;  ///< distance of the nearest facing facet, where nothing is covered [length]
 };
 
@@ -31,7 +29,7 @@ struct Earlier {
   const Cover& cover;
 };
 
-/// earlier: null where it is decided here. What maxgap and steps leave out there is left out, so
+/// earlier: null where it is decided here. What maxgap leaves out there is left out, so
 /// that the cells of X move on with X. own: of a surface that touches itself, or null. Throws
 /// IllegalInput where the bodies overlap by more than a facet.
 Cover cover(const Side& slave, const Side& master, const std::vector<Vec3>& X, Real maxgap,

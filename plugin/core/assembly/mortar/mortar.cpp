@@ -80,7 +80,6 @@ class Assembly {
     const Integration integration(slave, master, nodes_.X, options_);
     Statistics& s = statistics_.emplace_back();
     s.visited = cover.visited;
-    s.beyond_steps = static_cast<Index>(cover.beyond_steps.size());
     for (Index f = 0; f < slave.facets(); ++f) {
       const std::vector<Cell>& cells = cover.cells[f];
       if (cells.empty()) continue;

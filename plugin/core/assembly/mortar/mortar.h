@@ -99,7 +99,6 @@ struct Statistics {
   Index held = 0;            ///< those of them whose normal Dirichlet conditions hold
   Index first_held = -1;     ///< one of the latter
   Index partly_covered = 0;  ///< slave facets
-  Index beyond_steps = 0;    ///< slave facets left out, since beside them another surface is nearer
   Real least_gap = 0, largest_gap = 0;
   std::size_t visited = 0;  ///< steps of the search
 };

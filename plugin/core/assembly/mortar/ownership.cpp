@@ -3,6 +3,7 @@
 #include <tuple>
 
 #include "assembly/mortar/self_contact.h"
+#include "assembly/mortar/sheets.h"
 #include "assembly/mortar/validation.h"
 
 namespace frictioncg::mortar {
@@ -61,7 +62,7 @@ Ownership::Ownership(const Nodes& nodes, const std::vector<Side>& slaves,
     go_on_from(*begun->ownership);
     own(slaves, covers, nodes.taken, nullptr);
   } else {
-    rank_patches(slaves, covers);
+    rank_patches(slaves, masters, covers, nodes.X);
     const Ways ways(slaves, masters, covers, nodes.X, rank_);
     own(slaves, covers, nodes.taken, &ways);
   }
@@ -87,12 +88,22 @@ Ownership::Ownership(const Nodes& nodes, const std::vector<Side>& slaves,
   break_rings(slaves, masters, covers);
 }
 
-void Ownership::rank_patches(const std::vector<Side>& slaves, const std::vector<Cover>& covers) {
+void Ownership::rank_patches(const std::vector<Side>& slaves, const std::vector<Side>& masters,
+                             const std::vector<Cover>& covers, const std::vector<Vec3>& X) {
   std::vector<Patch> patches;
   std::vector<Groups> groups;
   for (std::size_t p = 0; p < slaves.size(); ++p) {
     const Side& slave = slaves[p];
-    groups.push_back(patches_of(slave));
+    groups.emplace_back(slave.facets());
+    const std::set<Corner> beyond = beyond_steps(slave, masters[p], X, covers[p].cells);
+    const auto parted = [&](const Joint& joint) {
+      const auto [f, g] = joint.facet;
+      return std::any_of(joint.vertex.begin(), joint.vertex.end(), [&](Index i) {
+        return beyond.count({f, i}) != beyond.count({g, i});
+      });
+    };
+    for (const Joint& joint : slave.joints)
+      if (joint.goes_on && !parted(joint)) groups[p].join(joint.facet[0], joint.facet[1]);
     std::map<Index, Patch> of_root;
     for (Index f = 0; f < slave.facets(); ++f) {
       Patch& patch = of_root[groups[p].of(f)];

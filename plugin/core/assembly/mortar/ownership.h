@@ -11,7 +11,8 @@ namespace frictioncg::mortar {
 
 /// Which vertices carry the laws on which slave facet.
 ///
-/// Slave facets form patches, parted at sharp ridges and where two labels meet at an angle. Patches
+/// Slave facets form patches, parted at sharp ridges, where two labels meet at an angle, and where
+/// what they face has a step. Patches
 /// are ranked by pair, by label as listed, by their covered measure; a vertex belongs to the patch
 /// that is nearest there to what it faces, of equally near ones to the first, and is a removed node
 /// on the facets of others. Where that leaves none to a facet, nor to those around it, another
@@ -73,7 +74,8 @@ struct Ownership {
  private:
   struct Patch;
   void go_on_from(const Ownership& begun);
-  void rank_patches(const std::vector<Side>& slaves, const std::vector<Cover>& covers);
+  void rank_patches(const std::vector<Side>& slaves, const std::vector<Side>& masters,
+                    const std::vector<Cover>& covers, const std::vector<Vec3>& X);
   /// taken: as of nodes; ways: where it is decided here; by rank alone without
   void own(const std::vector<Side>& slaves, const std::vector<Cover>& covers,
            const std::vector<char>& taken, const Ways* ways);

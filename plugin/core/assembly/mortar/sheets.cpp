@@ -100,24 +100,22 @@ void keep_nearest_sheet(const Side& master, Real size,
   cells = std::move(kept);
 }
 
-std::vector<Index> beyond_steps(const Side& slave, const Side& master, const std::vector<Vec3>& X,
-                                const std::vector<std::vector<Cell>>& cells) {
-  Groups patches = patches_of(slave);
-  std::map<std::pair<Index, Index>, std::vector<Faced>> at;  // per vertex of a patch of the slave
+std::set<Corner> beyond_steps(const Side& slave, const Side& master, const std::vector<Vec3>& X,
+                              const std::vector<std::vector<Cell>>& cells) {
+  std::map<Index, std::vector<Faced>> at;  // per vertex of the slave
   for (Index f = 0; f < slave.facets(); ++f)
     for (int v = 0; v < slave.d && !cells[f].empty(); ++v) {
       const FacedAtVertex faced = faced_at_vertex(v, slave, f, master, X, cells[f]);
-      at[{slave.facet(f).node[v], patches.of(f)}].push_back(
-          {f, faced.master, std::abs(faced.distance)});
+      at[slave.facet(f).node[v]].push_back({f, faced.master, std::abs(faced.distance)});
     }
-  std::set<Index> beyond;
+  std::set<Corner> beyond;
   for (const auto& entry : at) {
     const std::vector<Faced>& around = entry.second;
     const std::vector<bool> is_beyond = beyond_a_step(around, slave, master);
     for (std::size_t k = 0; k < around.size(); ++k)
-      if (is_beyond[k]) beyond.insert(around[k].facet);
+      if (is_beyond[k]) beyond.emplace(around[k].facet, entry.first);
   }
-  return {beyond.begin(), beyond.end()};
+  return beyond;
 }
 
 }  // namespace frictioncg::mortar

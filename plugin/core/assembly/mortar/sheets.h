@@ -19,11 +19,14 @@ struct FacedAtVertex {
 FacedAtVertex faced_at_vertex(int v, const Side& slave, Index facet, const Side& master,
                               const std::vector<Vec3>& X, const std::vector<Cell>& cells);
 
-/// The same from facet to facet: at a vertex whose facets face surfaces with a step between them,
-/// the farther ones face nothing: the vertex would meet neither. Two faces of the slave that meet
-/// at an edge may face what lies at different distances. Facets of the master that share a vertex
-/// are one surface, however it is bent.   cells: per slave facet; returns those that face nothing
-std::vector<Index> beyond_steps(const Side& slave, const Side& master, const std::vector<Vec3>& X,
-                                const std::vector<std::vector<Cell>>& cells);
+/// A slave facet at one of its vertices, both by their numbers.
+using Corner = std::pair<Index, Index>;
+
+/// The same from facet to facet: at a vertex whose facets face surfaces with a step between them, a
+/// law over both would meet neither. Facets of the master that share a vertex are one surface,
+/// however it is bent.   cells: per slave facet; returns those that face the farther ones, and
+/// where
+std::set<Corner> beyond_steps(const Side& slave, const Side& master, const std::vector<Vec3>& X,
+                              const std::vector<std::vector<Cell>>& cells);
 
 }  // namespace frictioncg::mortar

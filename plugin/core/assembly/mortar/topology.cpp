@@ -107,13 +107,6 @@ void Side::find_edges() {
   }
 }
 
-Groups patches_of(const Side& side) {
-  Groups patches(side.facets());
-  for (const Joint& joint : side.joints)
-    if (joint.goes_on) patches.join(joint.facet[0], joint.facet[1]);
-  return patches;
-}
-
 Index facet_connected_groups(int d, const std::vector<std::array<Index, 4>>& elements) {
   const Index n = static_cast<Index>(elements.size());
   Groups groups(n);

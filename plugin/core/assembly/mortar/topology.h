@@ -46,9 +46,6 @@ struct Side {
   void find_edges();
 };
 
-/// Facets that hang together without an edge of the body.
-Groups patches_of(const Side& side);
-
 /// How many groups of elements around a node hang together by their facets: two where meshes were
 /// merged, one at the tip of a crack. elements: the vertices of each simplex around it.
 Index facet_connected_groups(int d, const std::vector<std::array<Index, 4>>& elements);
