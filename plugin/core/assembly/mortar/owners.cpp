@@ -64,10 +64,8 @@ class Sparing {
           if (!covers[p].cells[f].empty() && lacks({p, f})) lacking.push_back({p, f});
       if (lacking.empty()) return;
     }
-    for (const Place& place : lacking) {
-      seen_.clear();
-      provide(place);
-    }
+    for (const Place& place : lacking)
+      if (provide(place)) seen_.clear();  // what leads nowhere does so until something moves
   }
 
  private:
