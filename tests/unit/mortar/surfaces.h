@@ -81,4 +81,12 @@ inline void set_free(const std::vector<DenseMatrix>& of_body, Freedom& freedom) 
   }
 }
 
+/// |T W - I|
+inline Real error_of_inverse(const Mortar& mortar) {
+  const Matrix T = mortar.change_of_basis(), W = mortar.inverse_basis();
+  Matrix I(T.rows(), T.rows());
+  I.setIdentity();
+  return Matrix(Matrix(T * W) - I).norm();
+}
+
 }  // namespace frictioncg::mortar::test

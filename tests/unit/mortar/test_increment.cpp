@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/linear_algebra.h"
-#include "surfaces.h"
+#include "steps.h"
 
 using namespace frictioncg;
 using namespace frictioncg::mortar;
@@ -717,6 +717,8 @@ TEST(MortarIncrement, BodiesThatTurnFarKeepWhatTheyFace) {
     EXPECT_NEAR(a.nodes()[k].gap, b.nodes()[k].gap, 1e-13);
     EXPECT_LT((Q * a.nodes()[k].normal - b.nodes()[k].normal).norm(), 1e-12);
   }
+  EXPECT_FALSE(steps_of(start).empty());
+  EXPECT_EQ(steps_of(start), steps_of(turned));
 }
 
 TEST(MortarIncrement, BodiesThatTurnFarWereNotBehindEachOther) {

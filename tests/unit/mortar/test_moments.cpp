@@ -165,8 +165,8 @@ Surfaces flat_before_wheel(bool quadratic, int facets, Real width, Real aside, R
   return s;
 }
 
-/// By how much the wheel's turn changes gaps, at most, over the size of their rows: 1 for a node that
-/// sees the wheel at one place, more on slivers, whose weights have no sign.
+/// By how much the wheel's turn changes gaps, at most, over the size of their rows: 1 for a node
+/// that sees the wheel at one place, more on slivers, whose weights have no sign.
 Real change_of_gaps(const Surfaces& s) {
   const Mortar mortar = s.mortar();
   const RigidGenerators generators = s.options.freedom().generators;

@@ -2,7 +2,7 @@
 
 #include "core/assembly/mortar/search.h"
 #include "core/assembly/mortar/topology.h"
-#include "surfaces.h"
+#include "steps.h"
 
 using namespace frictioncg;
 using namespace frictioncg::mortar;
@@ -131,6 +131,7 @@ TEST(MortarSearch, BesideAStepEachNodeHasTheGapOfOneSurface) {
       EXPECT_GT(near, 0u);
       EXPECT_GT(far, 0u);
       EXPECT_EQ(near + far, mortar.nodes().size());
+      EXPECT_FALSE(steps_of(s).empty());
     }
 }
 
@@ -152,6 +153,7 @@ TEST(MortarSearch, ADentedMasterOfOneSheetHasNoStepsWhereverTheSlaveMoves) {
       s.pairs[0].slave = s.sheet(5, -1, bowl(0.008 * k), 2);
       s.pairs[0].master = s.sheet(fineness, 1, dented, 1);
       const Mortar mortar = s.mortar();
+      EXPECT_TRUE(steps_of(s).empty());
       EXPECT_EQ(mortar.statistics().facing, 36);
       for (const ContactNode& node : mortar.nodes()) {
         const auto [at, is_new] = last.emplace(node.node, node.gap * node.normal);
