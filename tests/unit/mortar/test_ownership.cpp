@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "surfaces.h"
+#include "steps.h"
 
 using namespace frictioncg;
 using namespace frictioncg::mortar;
@@ -106,6 +106,31 @@ class Box {
   std::array<Sheet, 3> sheets_;
 };
 
+/// The force on the masters under a unit pressure along each node's own normal, sizes added up.
+Real pressed(const Mortar& mortar, const Surfaces& s) {
+  std::set<Index> on_master;
+  for (const Pair& pair : s.pairs)
+    for (const Facet& f : pair.master.facets)
+      on_master.insert(f.node.begin(), f.node.begin() + s.nodes.dimension);
+  Real all = 0;
+  for (std::size_t k = 0; k < mortar.nodes().size(); ++k)
+    for (Matrix::InnerIterator it(mortar.relative(), static_cast<Index>(k)); it; ++it)
+      if (on_master.count(it.col()) > 0) all -= mortar.nodes()[k].weight * it.value();
+  return all;
+}
+
+/// What of all slaves faces something.
+Real covered(const Surfaces& s) {
+  const int d = s.nodes.dimension;
+  Real all = 0;
+  for (const Pair& pair : s.pairs) {
+    const Side slave(d, pair.slave, s.nodes.X), master(d, pair.master, s.nodes.X);
+    const Cover of = cover(slave, master, s.nodes.X, s.options.maxgap);
+    for (Index f = 0; f < slave.facets(); ++f) all += of.fraction[f] * slave.planes[f].measure;
+  }
+  return all;
+}
+
 }  // namespace
 
 TEST(Ownership, LawsOfTwoPairsDependOnNoRing) {
@@ -129,6 +154,11 @@ TEST(Ownership, LawsOfFacesThatMeetDependOnNoRing) {
     try {
       const Mortar mortar = s.mortar();
       for (const ContactNode& node : mortar.nodes()) EXPECT_GT(node.weight, 0);
+      EXPECT_LT(
+          (mortar.relative() * Vector::Ones(mortar.relative().cols())).lpNorm<Eigen::Infinity>(),
+          1e-9)
+          << k;
+      if (k % 2 == 0) EXPECT_NEAR(pressed(mortar, s), covered(s), 1e-9) << k;
       EXPECT_LT(error_of_inverse(mortar), 1e-10);
     } catch (const IllegalInput&) {  // where nothing faces a pair
       ++refused;

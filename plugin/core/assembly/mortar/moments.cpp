@@ -195,10 +195,13 @@ Matrix along_normals(const Matrix& P, const Matrix& G, const std::vector<Contact
     const Hit hit =
         to.hit(X[node.node], node.normal, widest_column(G, static_cast<Index>(k), node, X));
     if (hit.facet < 0) continue;
-    for (Matrix::InnerIterator it(P, node.node); it; ++it)
+    Real sum = 0;  // of the row, which stays: 1 but where removed nodes have weights of their own
+    for (Matrix::InnerIterator it(P, node.node); it; ++it) {
+      sum += it.value();
       change.emplace_back(node.node, it.col(), -it.value());
+    }
     for (int v = 0; v < master.d; ++v)
-      change.emplace_back(node.node, master.facet(hit.facet).node[v], hit.lambda[v]);
+      change.emplace_back(node.node, master.facet(hit.facet).node[v], sum * hit.lambda[v]);
   }
   return changed(P, change);
 }

@@ -260,9 +260,12 @@ void Ownership::choose_carriers(Index p, const Side& slave, const Cover& cover) 
   }
   find_stand_ins(p, slave, true);
   // A patch without nodes of its own leaves its traction to the nodes it shares with others.
-  for (Index f = 0; f < slave.facets(); ++f)
-    for (int v = 0; v < slave.d && !cover.cells[f].empty() && !has_own[rank_[p][f]]; ++v)
+  for (Index f = 0; f < slave.facets(); ++f) {
+    if (cover.cells[f].empty() || has_own[rank_[p][f]]) continue;
+    for (int v = 0; v < slave.d; ++v)
       carriers[p][f].kept[v] = state[slave.facet(f).node[v]] == State::kept;
+    thin_out(slave.facet(f), 1, carriers[p][f]);  // to know the strongest
+  }
   find_stand_ins(p, slave, false);
 }
 
