@@ -158,7 +158,9 @@ TEST(Ownership, LawsOfFacesThatMeetDependOnNoRing) {
           (mortar.relative() * Vector::Ones(mortar.relative().cols())).lpNorm<Eigen::Infinity>(),
           1e-9)
           << k;
-      if (k % 2 == 0) EXPECT_NEAR(pressed(mortar, s), covered(s), 1e-9) << k;
+      if (k % 2 == 0) {
+        EXPECT_NEAR(pressed(mortar, s), covered(s), 1e-9) << k;
+      }
       EXPECT_LT(error_of_inverse(mortar), 1e-10);
     } catch (const IllegalInput&) {  // where nothing faces a pair
       ++refused;
