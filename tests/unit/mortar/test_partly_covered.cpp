@@ -160,6 +160,61 @@ TEST(MortarPartlyCovered, NodesWithNothingBeforeThemStayFree) {
   }
 }
 
+TEST(MortarPartlyCovered, LawsOfNodesBeyondTheMasterAreOfWhereItEnds) {
+  const Real h = 0.25;
+  for (int d : {2, 3})
+    for (bool quadratic : {false, true})
+      for (Real share : {0.004, 0.03, 0.06, 0.5, 0.97}) {  // of the facets there
+        const Real end = 0.5 + share * h;
+        Surfaces s(d, quadratic);
+        s.pairs[0].slave = s.sheet(
+            4, -1, [=](const Vec3& x) { return Vec3(x + 0.01 * Vec3::Unit(d - 1)); }, 2);
+        const Index first = static_cast<Index>(s.nodes.X.size());
+        s.pairs[0].master = s.sheet(
+            5, 1,
+            [=](const Vec3& x) {
+              return Vec3(-0.2 + (end + 0.2) * x[0], d == 3 ? 1.4 * x[1] - 0.2 : 0, 0);
+            },
+            1);
+        const Mortar mortar = s.mortar();
+        Real farthest = 0, beyond = 0;
+        for (std::size_t k = 0; k < mortar.nodes().size(); ++k) {
+          Vec2 weight(0, 0), place(0, 0);  // of the slave and of the master
+          for (Matrix::InnerIterator G(mortar.relative(), static_cast<Index>(k)); G; ++G) {
+            weight[G.col() >= first] += G.value();
+            place[G.col() >= first] += G.value() * s.nodes.X[G.col()][0];
+          }
+          place = place.cwiseQuotient(weight);
+          EXPECT_NEAR(place[0], place[1], 1e-12);
+          farthest = std::max(farthest, place[0]);
+          beyond += s.nodes.X[mortar.nodes()[k].node][0] > end;
+          EXPECT_NEAR(mortar.nodes()[k].distance, 0.01, 1e-12);
+        }
+        EXPECT_GE(beyond, d == 2 ? 1 : 4);
+        const Real most = share < 0.05 && d == 2 ? 0.5 + 0.05 * h : end;
+        EXPECT_NEAR(farthest, most, (d == 2 ? 1e-12 : 0.05) * h) << d << "D " << share;
+        EXPECT_LT(error_of_inverse(mortar), 1e-12);
+      }
+}
+
+TEST(MortarPartlyCovered, LawsBesideTheEndOfTheMasterHaveTheNormalThere) {
+  const auto scene = [](Real end) {  // a slave that no motion lets slip
+    Surfaces s(2);
+    s.pairs[0].slave = s.sheet(
+        4, -1, [](const Vec3& x) { return Vec3(x[0], 0.1 + 0.2 * std::pow(x[0], 3), 0); }, 2);
+    s.pairs[0].master = s.sheet(
+        1, 1, [=](const Vec3& x) { return Vec3(-0.1 + (end + 0.1) * x[0], 0, 0); }, 1);
+    return s.mortar();
+  };
+  const Mortar whole = scene(1.1), part = scene(0.65);
+  ASSERT_EQ(part.nodes().size(), 4);
+  Vec3 between = Vec3::Zero();
+  for (Index i = 0; i < 4; ++i)
+    between += part.relative().coeff(3, i) * whole.nodes()[static_cast<std::size_t>(i)].normal;
+  EXPECT_GT((part.nodes()[3].normal - whole.nodes()[3].normal).norm(), 0.02);
+  EXPECT_LT((part.nodes()[3].normal - between.normalized()).norm(), 1e-12);
+}
+
 TEST(MortarPartlyCovered, HeldFacetsBeyondAHoleOfTheMasterArePassedOnOnce) {
   // the master lies before the first and the last third of the slave; the last is held, and the
   // nodes of the first stand in for it, several for one facet

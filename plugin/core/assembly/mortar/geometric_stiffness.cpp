@@ -7,6 +7,9 @@ namespace frictioncg::mortar {
 
 namespace {
 
+/// Weights that would have to change by so much see one point of the master, where that ends.
+constexpr Real hopeless = 1e4;
+
 /// One row of G with its derivatives, balanced as in moments.h:
 ///
 ///   P_l += w_l b.q_l,   w_l = |P_l|,   q_l = T (X_l - mean),   T = 1 - n n',
@@ -76,6 +79,7 @@ class Row {
     Real largest = most_change;
     for (const auto& [l, p] : at_)
       if (const Real change = std::abs(b_.dot(p.q)); change > largest) largest = change, most_ = l;
+    if (largest > hopeless) b_.setZero(), inverse_.setZero(), largest = most_change;
     part_ = most_change / largest;
     for (Index j : near_) balance_slopes(theirs, j);
     for (const auto& [l, p] : at_) G_[l].value -= part_ * p.w * b_.dot(p.q);

@@ -56,7 +56,8 @@ class Row {
     }
     if (sum > 0) mean_ /= sum;
   }
-  /// b of the formula above; less where weights would change too much.
+  /// b of the formula above; less where weights would change too much. Along a direction in which
+  /// the row sees one point, since the master ends there, it is rounding.
   Vec3 change(const Vec3& e, Index& rank) const {
     Eigen::Matrix3d M = Eigen::Matrix3d::Zero();
     for (Matrix::InnerIterator it(P_, i_); it; ++it)
@@ -68,6 +69,15 @@ class Row {
     return std::min(1., most_change / largest) * b;
   }
   Vec3 place(Index l) const { return along_ * (X_[l] - mean_); }
+  /// 0 but for rounding, which forces are not to sum up to.
+  Real mean_change(const Vec3& b) const {
+    Real sum = 0, all = 0;
+    for (Matrix::InnerIterator it(P_, i_); it; ++it) {
+      sum += std::abs(it.value()) * b.dot(place(it.col()));
+      all += std::abs(it.value());
+    }
+    return all > 0 ? sum / all : 0;
+  }
 
  private:
   const Matrix& P_;
@@ -89,8 +99,9 @@ Matrix balanced(const Matrix& P, const Matrix& G, const std::vector<ContactNode>
     if (e.norm() <= rounding * arm.size) continue;
     const Row row(P, i, nodes[k].normal, X);
     const Vec3 b = row.change(e, choices[i].rank);
+    const Real mean = row.mean_change(b);
     for (Matrix::InnerIterator it(result, i); it; ++it)
-      it.valueRef() += std::abs(it.value()) * b.dot(row.place(it.col()));
+      it.valueRef() += std::abs(it.value()) * (b.dot(row.place(it.col())) - mean);
   }
   return result;
 }

@@ -14,6 +14,8 @@ namespace {
 constexpr Real negligible = 1e-15;
 /// The cells of a facet that is covered as a whole fill it up to this share: cutting rounds.
 constexpr Real uncovered = 1e-9;
+/// Powers until what a law depends on itself by, a twentieth at most, is below rounding.
+constexpr Index slow = 30;
 
 Matrix identity(Index n) { return Matrix(Vector::Ones(n).asDiagonal()); }
 
@@ -61,6 +63,7 @@ class Assembly {
     };
     take(mortar.P_);
     set_gaps(mortar);  // from the integrals as they are
+    set_distances(mortar);
     set_distances_of_edges(mortar);
     take(balanced(mortar.P_, mortar.G_, mortar.nodes_, nodes_.X, choices));
     take(along_normals(mortar.P_, mortar.G_, mortar.nodes_, ownership_.common.of_master, masters_,
@@ -92,6 +95,10 @@ class Assembly {
                             D_[i] += d;
                             add_multiplier(i, psi, part, moments, kept);
                           });
+      for (int v = 0; v < slave.d && carriers.leans(); ++v)
+        for (int w = 0; w < slave.d && carriers.beyond[v]; ++w)
+          if (carriers.kept[w] && !carriers.beyond[w])
+            leaning_.insert({part.node(v), part.node(w)});
       slopes_.add(part, moments, integration, carriers);
       if (slave.surface.quadratic) add_edges(slave, f, moments);
     }
@@ -155,20 +162,47 @@ class Assembly {
     for (Index i = 0; i < size(); ++i) {
       if (D_[i] == 0) continue;
       mortar.nodes_.push_back(
-          {i, ownership_.pair[i], ownership_.label[i], ownership_.normal[i], D_[i]});
+          {i, ownership_.pair[i], ownership_.label[i], normal_of(mortar.N_, i), D_[i]});
     }
+  }
+  /// Where a law leans on others, that of the place between: on a circle or a sphere its normal
+  /// leads through the centre again, and no turn about that is held.
+  Vec3 normal_of(const Matrix& N, Index i) const {
+    const Vec3 own = ownership_.normal[i];
+    Vec3 sum = own;
+    bool differ = false;
+    for (Matrix::InnerIterator it(N, i); it; ++it) {
+      if (leaning_.count({i, it.col()}) == 0) continue;
+      sum += it.value() * ownership_.normal[it.col()];
+      differ = differ || ownership_.normal[it.col()] != own;
+    }
+    return differ ? Vec3(sum.normalized()) : own;
   }
   /// g_i = n_i.( -(G X)_i + int psi_i (delta_m(chi) - delta_s) / D_i ), X seen from X_i.
   void set_gaps(Mortar& mortar) const {
-    const Vector rows = mortar.S_ * Vector::Ones(size());
     for (std::size_t k = 0; k < mortar.nodes_.size(); ++k) {
       ContactNode& node = mortar.nodes_[k];
       Vec3 between = offset_[node.node] / node.weight;
       for (Matrix::InnerIterator it(mortar.G_, static_cast<Index>(k)); it; ++it)
         between -= it.value() * (nodes_.X[it.col()] - nodes_.X[node.node]);
       node.gap = node.normal.dot(between);
-      node.distance = node.gap / rows[static_cast<Index>(k)];
     }
+  }
+  /// Of where the vertices are: rows that lean on nodes of their patch are of where these end.
+  void set_distances(Mortar& mortar) const {
+    std::vector<Real> distance(nodes_.X.size(), 0);
+    for (const bool leans : {false, true})
+      for (ContactNode& node : mortar.nodes_) {
+        bool on_others = false;
+        Real rest = node.gap, own = 1;
+        for (Matrix::InnerIterator it(mortar.N_, node.node); it; ++it) {
+          const bool other = leaning_.count({node.node, it.col()}) > 0;
+          on_others = on_others || other;
+          if (other) rest -= it.value() * distance[it.col()];
+          if (!other && number_of_edge_.count(it.col()) == 0) own += it.value();
+        }
+        if (on_others == leans) distance[node.node] = node.distance = rest / own;
+      }
   }
   /// g_e = (g_a + g_b)/2 + int phi_e (g - sum_v lambda_v g_v) / int phi_e: as exact on parts of a
   /// facet as on the whole. Where vertices carry no law, the mean of g, weighted by phi_e.
@@ -212,10 +246,11 @@ class Assembly {
   const Ownership& ownership_;
   WeightSlopes slopes_;
   Vector D_;
-  EntryList N_, P_, removed_;        ///< the last: (i, r), int psi_i lambda_r
-  std::vector<char> takes_removed_;  ///< per node
-  std::vector<Vec3> offset_;         ///< int psi_i (delta_m(chi) - delta_s)
-  FacedFacets faced_;                ///< per node
+  EntryList N_, P_, removed_;                  ///< the last: (i, r), int psi_i lambda_r
+  std::set<std::pair<Index, Index>> leaning_;  ///< nodes beyond, and those of their facets before
+  std::vector<char> takes_removed_;            ///< per node
+  std::vector<Vec3> offset_;                   ///< int psi_i (delta_m(chi) - delta_s)
+  FacedFacets faced_;                          ///< per node
   Crossings crossings_;
   std::map<Index, Index> number_of_edge_;  ///< in edges_, by node
   std::vector<MidEdge> edges_;
@@ -285,8 +320,9 @@ Matrix Mortar::halving(const std::vector<char>& held, bool where_held, Real half
 
 /// With u = C u^, C the identity at held mid-edges, and w = u^ but at contact nodes:
 /// (I + N H - P C L) u^ = (I + P C (I - L)) w, where H u^ gives the u~ of held mid-edges, and L
-/// takes contact nodes; rows of N and P vanish at held nodes. N H - P C L is nilpotent: a contact
-/// node depends on nodes that patches ranked before it own, or that depend on none.
+/// takes contact nodes; rows of N and P vanish at held nodes. Powers of N H - P C L vanish: no law
+/// depends on itself (Ownership::break_rings), or by next to nothing, where a node that leans on
+/// another is removed on a sliver of that one's.
 Matrix Mortar::change_of_basis(const std::vector<char>& held) const {
   Vector free = Vector::Ones(size_), on_laws = Vector::Zero(size_);
   for (std::size_t i = 0; i < held.size(); ++i) free[static_cast<Index>(i)] = !held[i];
@@ -298,8 +334,8 @@ Matrix Mortar::change_of_basis(const std::vector<char>& held) const {
   N -= to_laws;
   Matrix term = identity(size_) + P - to_laws, sum = term;
   for (Index power = 0; term.nonZeros() > 0; ++power) {
-    if (power > size_) throw std::logic_error("the mortar's nodes depend on each other");
-    term = Matrix(-(N * term)).pruned(1., 0.);
+    if (power > size_ + slow) throw std::logic_error("the mortar's nodes depend on each other");
+    term = Matrix(-(N * term)).pruned(1., negligible);
     sum += term;
   }
   return C * sum;

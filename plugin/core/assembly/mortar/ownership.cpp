@@ -256,8 +256,10 @@ void Ownership::choose_carriers(Index p, const Side& slave, const Cover& cover) 
     }
     if (!carriers[p][f].any_kept()) continue;
     has_own[rank_[p][f]] = 1;
-    thin_out(slave.facet(f), cover.fraction[f], carriers[p][f]);
   }
+  find_beyond(p, slave, cover);
+  for (Index f = 0; f < slave.facets(); ++f)
+    if (carriers[p][f].any_kept()) thin_out(slave.facet(f), cover.fraction[f], carriers[p][f]);
   find_stand_ins(p, slave, true);
   // A patch without nodes of its own leaves its traction to the nodes it shares with others.
   for (Index f = 0; f < slave.facets(); ++f) {
@@ -267,6 +269,39 @@ void Ownership::choose_carriers(Index p, const Side& slave, const Cover& cover) 
     thin_out(slave.facet(f), 1, carriers[p][f]);  // to know the strongest
   }
   find_stand_ins(p, slave, false);
+}
+
+/// A law at a vertex that nothing faces would be that of a surface which goes on where it has
+/// ended: a body would stand on it up to a facet beyond its edge. Round faces that let motions slip
+/// keep it: between vertices their normals are not known so well.
+void Ownership::find_beyond(Index p, const Side& slave, const Cover& cover) {
+  constexpr Real at_vertex = 1 - 1e-6;
+  const bool slips = std::any_of(slipping.begin(), slipping.end(), [p](const auto& of_body) {
+    return of_body.first[0] == p && of_body.second > 0;
+  });
+  if (slips) return;
+  std::vector<char> faces(owner_.size(), 0);
+  const auto for_each_point = [&](Index f, const auto& visit) {
+    for (const Cell& cell : cover.cells[f])
+      for (const Vec2& xi : cell.part) visit(slave_coordinates(slave.d, xi));
+  };
+  for (Index f = 0; f < slave.facets(); ++f)
+    for_each_point(f, [&](const Vec3& lambda) {
+      for (int v = 0; v < slave.d; ++v)
+        if (carriers[p][f].kept[v] && lambda[v] > at_vertex) faces[slave.facet(f).node[v]] = 1;
+    });
+  for (Index f = 0; f < slave.facets(); ++f) {
+    Carriers& of = carriers[p][f];
+    bool any_faces = false;
+    for (int v = 0; v < slave.d; ++v) {
+      const Index i = slave.facet(f).node[v];
+      of.beyond[v] = of.kept[v] && !faces[i] && !common.of_master[i];
+      any_faces = any_faces || (of.kept[v] && !of.beyond[v]);
+    }
+    if (!any_faces) of.beyond = {};
+    of.reach.setZero();
+    for_each_point(f, [&](const Vec3& lambda) { of.reach = of.reach.cwiseMax(lambda); });
+  }
 }
 
 /// No law is extrapolated from a sliver: of its kept vertices the one with the largest covered

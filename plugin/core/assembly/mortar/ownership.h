@@ -12,15 +12,15 @@ namespace frictioncg::mortar {
 /// Which vertices carry the laws on which slave facet.
 ///
 /// Slave facets form patches, parted at sharp ridges, where two labels meet at an angle, and where
-/// what they face has a step. Patches
-/// are ranked by pair, by label as listed, by their covered measure; a vertex belongs to the patch
-/// that is nearest there to what it faces, of equally near ones to the first, and is a removed node
-/// on the facets of others. Where that leaves none to a facet, nor to those around it, another
-/// patch spares one. A node is removed everywhere where it lies on the master too (tip of a crack),
-/// or on what a pair before its own uses as master (bodies that meet crosswise), or where an
-/// obstacle takes it, or Dirichlet conditions hold its normal. Where no vertex of a facet is kept,
-/// nodes of the nearest facet with some stand in, with constant multipliers, so that nowhere a
-/// traction is lost.
+/// what they face has a step. Patches are ranked by pair, by label as listed, by their covered
+/// measure; a vertex belongs to the patch that is nearest there to what it faces, of equally near
+/// ones to the first, and is a removed node on the facets of others. Where that leaves none to a
+/// facet, nor to those around it, another patch spares one. A node is removed everywhere where it
+/// lies on the master too (tip of a crack), or on what a pair before its own uses as master (bodies
+/// that meet crosswise), or where an obstacle takes it, or Dirichlet conditions hold its normal.
+/// Where no vertex of a facet is kept, nodes of the nearest facet with some stand in, with constant
+/// multipliers, so that no traction is lost where others of the pair have a law. Where what faces a
+/// facet ends within it, the laws of its vertices beyond are of there.
 ///
 /// Ranks, owners, nodes that lie on a master, how many motions slip and where masters' normals
 /// count are those of where the increment began; of a node that nothing was before there they are
@@ -54,6 +54,8 @@ struct Ownership {
     /// covered has that one alone.
     Real alone = 0;
     std::array<bool, 3> strongest{};
+    std::array<bool, 3> beyond{};  ///< of the kept: nothing faces them, but others of the facet
+    Vec3 reach = Vec3::Ones();     ///< how near what is covered comes to these: largest lambda_v
     Eigen::Matrix3d takes = Eigen::Matrix3d::Zero();  ///< (v, r): 1 where v takes r
 
     bool any_kept() const { return kept[0] || kept[1] || kept[2]; }
@@ -67,6 +69,27 @@ struct Ownership {
           larger = std::max(larger, std::min(1., -2 - 4 * taken / dual.d[v]));
         }
       return larger;
+    }
+    /// What of the multipliers of the other kept vertices those of a vertex k beyond take, so that
+    /// their law is that of where what is covered ends, or a hair beyond it on slivers:
+    ///
+    ///   psi_k + gamma_k sum_i psi_i,   d_k / (d_k + gamma_k sum_i d_i) = max(reach_k, least)
+    Vec3 gamma(const DualBasis& dual) const {
+      constexpr Real least = 0.05;  // its inverse is by how much these laws depend on the others
+      Vec3 gamma = Vec3::Zero();
+      Real others = 0;
+      for (int v = 0; v < 3; ++v) others += beyond[v] ? 0 : dual.d[v];
+      for (int v = 0; v < 3 && leans() && others > 0; ++v)
+        if (beyond[v]) gamma[v] = dual.d[v] * (1 / std::max(reach[v], least) - 1) / others;
+      return gamma / std::max(1., gamma.sum());
+    }
+    bool leans() const { return (beyond[0] || beyond[1] || beyond[2]) && takes.isZero(0); }
+    /// Whether r is removed beside a multiplier of v. On slivers, where r is beyond, that is next
+    /// to nothing.
+    bool depends(int v, int r) const {
+      if (leans() && beyond[r]) return false;
+      const bool one_for_all = alone > 0 || !takes.isZero(0);
+      return !kept[r] || (leans() && beyond[v]) || (one_for_all && strongest[v]);
     }
   };
   std::vector<std::vector<Carriers>> carriers;  ///< per pair and slave facet
@@ -87,6 +110,7 @@ struct Ownership {
   void remove_held(const Nodes& nodes, const std::vector<Side>& slaves,
                    const std::vector<Vec3>& deciding);
   void choose_carriers(Index p, const Side& slave, const Cover& cover);
+  void find_beyond(Index p, const Side& slave, const Cover& cover);
   void thin_out(const Facet& facet, Real fraction, Carriers& of_facet) const;
   void find_stand_ins(Index p, const Side& slave, bool within_patch);
   void break_rings(const std::vector<Side>& slaves, const std::vector<Side>& masters,
@@ -102,15 +126,26 @@ struct Ownership {
 
 /// visit(i, psi, kept, d) for each multiplier of a slave facet: of node i, psi by coefficients over
 /// the lambda of the facet, beside which the vertices that are not `kept` are removed nodes, and d
-/// what it adds to D_i. One node may have two, and a share of each.
+/// what it adds to D_i. One node may have several, and a share of each.
 template <class Visit>
 void for_each_multiplier(const Part& part, const Moments& moments,
                          const Ownership::Carriers& carriers, const Visit& visit) {
   const int d = part.slave.d;
   const auto of_vertices = [&](const DualBasis& dual, const std::array<bool, 3>& kept, Real share) {
+    const Vec3 gamma = carriers.gamma(dual);
+    std::array<bool, 3> others{};
+    for (int v = 0; v < d; ++v) others[v] = kept[v] && carriers.beyond[v];
+    Eigen::RowVector3d of_others = Eigen::RowVector3d::Zero();
     for (int v = 0; v < d; ++v)
-      if (kept[v])
-        visit(part.node(v), Eigen::RowVector3d(share * dual.psi.row(v)), kept, share * dual.d[v]);
+      if (!carriers.beyond[v]) of_others += dual.psi.row(v);
+    for (int v = 0; v < d; ++v) {
+      if (!kept[v]) continue;
+      const bool leans = gamma[v] > 0;
+      const Real left = carriers.beyond[v] ? 1 : 1 - gamma.sum();
+      const Eigen::RowVector3d psi = left * dual.psi.row(v) + gamma[v] * of_others;
+      visit(part.node(v), Eigen::RowVector3d(share * psi), leans ? others : kept,
+            share * left * dual.d[v]);
+    }
   };
   const DualBasis dual = dual_basis(d, moments.vertices, carriers.kept);
   const Real alone = carriers.alone_in(dual, moments.vertices);

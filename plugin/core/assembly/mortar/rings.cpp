@@ -56,12 +56,10 @@ void for_each_removed(Ownership& ownership, const std::vector<Side>& slaves, con
     for (Index f = 0; f < slaves[p].facets(); ++f) {
       Ownership::Carriers& of = ownership.carriers[p][f];
       const auto& node = slaves[p].facet(f).node;
-      const bool one_for_all = of.alone > 0 || !of.takes.isZero(0);
       for (int r = 0; r < slaves[p].d; ++r) {
         if (ownership.state[node[r]] != Ownership::State::kept) continue;
         for (int v = 0; v < slaves[p].d; ++v)
-          if (of.kept[v] && v != r && (!of.kept[r] || (one_for_all && of.strongest[v])))
-            visit(of, node[v], v, r, node[r]);
+          if (of.kept[v] && v != r && of.depends(v, r)) visit(of, node[v], v, r, node[r]);
         for (Index i : of.stand_in)
           if (i != node[r]) visit(of, i, -1, r, node[r]);
       }
@@ -127,7 +125,8 @@ void Ownership::break_rings(const std::vector<Side>& slaves, const std::vector<S
       laws.leave_rings();
       changed = false;
       for_each_removed(*this, slaves, [&](Carriers& of, Index i, int v, int r, Index of_r) {
-        if (!laws.has(i, of_r) || !leads_back(i, of_r)) return;
+        const bool leans_back = owner_[i] == owner_[of_r] && of.beyond[r];
+        if (!laws.has(i, of_r) || !(leans_back || leads_back(i, of_r))) return;
         take(of, i, v, r, of_r);
         changed = true;
       });
