@@ -2,6 +2,7 @@
 
 #include <random>
 
+#include "core/assembly/mortar/owners.h"
 #include "steps.h"
 
 using namespace frictioncg;
@@ -132,6 +133,95 @@ Real covered(const Surfaces& s) {
 }
 
 }  // namespace
+
+TEST(Ownership, AFaceOfOneFacetIsSparedACornerThatCanCarryItsLaw) {
+  for (int held = 0; held < 3; ++held) {  // none, the left corner, the right one
+    Surfaces s(2);
+    s.nodes.X = {Vec3(0, 0, 0), Vec3(1, 0, 0),  Vec3(0, 1, 0), Vec3(1, 1, 0),     Vec3(0, -1, 0),
+                 Vec3(0, 2, 0), Vec3(1, -1, 0), Vec3(1, 2, 0), Vec3(-1, -.05, 0), Vec3(2, -.05, 0)};
+    Surface &slave = s.pairs[0].slave, &master = s.pairs[0].master;
+    slave.labels = {1, 2, 3}, master.labels = {5};
+    add(s, slave, 0, 1, -Vec3::UnitY(), 1);
+    add(s, slave, 1, 3, Vec3::UnitX(), 2);
+    add(s, slave, 0, 2, -Vec3::UnitX(), 3);
+    add(s, master, 4, 5, Vec3::UnitX(), 5);
+    add(s, master, 6, 7, -Vec3::UnitX(), 5);
+    add(s, master, 8, 9, Vec3::UnitY(), 5);
+    if (held > 0) {
+      s.nodes.held.assign(10, 0);
+      s.nodes.held[held - 1] = 2;  // the vertical displacement
+    }
+    const Mortar mortar = s.mortar();
+    std::array<int, 2> down{};  // laws with the ground at the corners
+    for (const ContactNode& node : mortar.nodes())
+      if (node.normal[1] < -0.9) ++down[static_cast<std::size_t>(node.node)];
+    EXPECT_EQ(down[0] + down[1], 1) << held;
+    if (held > 0) {
+      EXPECT_EQ(down[static_cast<std::size_t>(held - 1)], 0) << held;
+    }
+    EXPECT_EQ(mortar.nodes().size(), 4) << held;
+  }
+}
+
+TEST(Ownership, SparedNodesLeaveNoFacetWithoutANode) {
+  std::mt19937 random(3);
+  int moved = 0;
+  long lacked = 0, lack = 0;
+  for (int scene = 0; scene < 200; ++scene) {
+    // the cells of a sheet are patches, and their nodes have random owners
+    const int n = 4;
+    Surfaces s(3);
+    s.pairs[0].slave = s.sheet(
+        n, -1, [](const Vec3& x) { return x; }, 1);
+    const Side slave(3, s.pairs[0].slave, s.nodes.X);
+    std::vector<std::vector<Index>> rank(1);
+    std::vector<std::vector<Index>> facets_at(s.nodes.X.size());
+    std::vector<Index> of_cell(static_cast<std::size_t>(n * n));
+    std::iota(of_cell.begin(), of_cell.end(), 0);
+    std::shuffle(of_cell.begin(), of_cell.end(), random);
+    for (Index f = 0; f < slave.facets(); ++f) rank[0].push_back(of_cell[f / 2]);
+    for (Index f = 0; f < slave.facets(); ++f)
+      for (int v = 0; v < 3; ++v) facets_at[slave.facet(f).node[v]].push_back(f);
+    Cover all;
+    all.cells.assign(slave.facets(), {Cell{}});
+    std::vector<Index> owner, pair(s.nodes.X.size(), 0);
+    for (const auto& facets : facets_at) owner.push_back(rank[0][facets[random() % facets.size()]]);
+    std::vector<char> taken(s.nodes.X.size());
+    for (char& t : taken) t = random() % 8 == 0;
+    const auto lacking = [&] {
+      std::vector<char> lacks(slave.facets(), 1);
+      const auto has = [&](Index f) {
+        const auto& node = slave.facet(f).node;
+        return std::any_of(node.begin(), node.begin() + 3,
+                           [&](Index i) { return !taken[i] && owner[i] == rank[0][f]; });
+      };
+      for (Index f = 0; f < slave.facets(); ++f)
+        for (int v = 0; v < 3; ++v)
+          for (Index g : facets_at[slave.facet(f).node[v]])
+            if (rank[0][g] == rank[0][f] && has(g)) lacks[f] = 0;
+      return lacks;
+    };
+    const std::vector<char> before = lacking();
+    const std::vector<Index> first = owner;
+    const std::vector<Side> slaves{slave}, masters{slave};
+    const std::vector<Cover> covers{all};
+    const Ways ways(slaves, masters, covers, s.nodes.X, rank);
+    spare(slaves, covers, rank, ways, [&](std::size_t, Index, Index i) { return !taken[i]; },
+          {owner, pair});
+    const std::vector<char> after = lacking();
+    for (std::size_t f = 0; f < before.size(); ++f) EXPECT_LE(after[f], before[f]) << scene;
+    for (std::size_t i = 0; i < owner.size(); ++i) {
+      moved += owner[i] != first[i];
+      if (taken[i]) {
+        EXPECT_EQ(owner[i], first[i]);
+      }
+    }
+    lacked += std::count(before.begin(), before.end(), 1);
+    lack += std::count(after.begin(), after.end(), 1);
+  }
+  EXPECT_LT(lack, lacked / 20);  // those of which all nodes are taken
+  EXPECT_GT(moved, 200);
+}
 
 TEST(Ownership, LawsOfTwoPairsDependOnNoRing) {
   for (int blocks : {6, 24}) {

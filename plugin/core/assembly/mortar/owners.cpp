@@ -43,29 +43,31 @@ namespace {
 class Sparing {
  public:
   Sparing(const std::vector<Side>& slaves, const std::vector<Cover>& covers,
-          const std::vector<std::vector<Index>>& rank, const Ways& ways, Owners owners)
-      : slaves_(slaves), rank_(rank), ways_(ways), owners_(owners) {
-    for (const Side& slave : slaves) own_.emplace_back(slave.facets());
-    for_each_covered(slaves, covers, [&](std::size_t p, Index f, Index i) {
-      own_[p][f] += owners_.rank[i] == rank[p][f] && !taken(i);
+          const std::vector<std::vector<Index>>& rank, const Ways& ways, const Carries& carries,
+          Owners owners)
+      : slaves_(slaves),
+        covers_(covers),
+        rank_(rank),
+        ways_(ways),
+        carries_(carries),
+        owners_(owners) {}
+  void run() {
+    for (const Side& slave : slaves_) own_.emplace_back(slave.facets());
+    for_each_covered(slaves_, covers_, [&](std::size_t p, Index f, Index i) {
+      own_[p][f] += owners_.rank[i] == rank_[p][f] && carries_(p, f, i);
     });
-    Places lacking;
-    for (const bool all : {false, true}) {  // few facets have none, and hardly ever one lacks some
-      at_.clear();
-      for_each_covered(slaves, covers, [&](std::size_t p, Index f, Index i) {
-        if (own_[p][f] == 0) at_[i];
-      });
-      for_each_covered(slaves, covers, [&](std::size_t p, Index f, Index i) {
-        if (all || at_.count(i) > 0) at_[i][rank[p][f]].push_back({p, f});
-      });
-      lacking.clear();
-      for (std::size_t p = 0; p < slaves.size(); ++p)
-        for (Index f = 0; f < slaves[p].facets(); ++f)
-          if (!covers[p].cells[f].empty() && lacks({p, f})) lacking.push_back({p, f});
-      if (lacking.empty()) return;
-    }
-    for (const Place& place : lacking)
-      if (provide(place)) seen_.clear();  // what leads nowhere does so until something moves
+    Places without;
+    for (std::size_t p = 0; p < slaves_.size(); ++p)
+      for (Index f = 0; f < slaves_[p].facets(); ++f)
+        if (!covers_[p].cells[f].empty() && own_[p][f] == 0) without.push_back({p, f});
+    if (without.empty()) return;
+    at_.resize(owners_.rank.size());
+    for_each_covered(slaves_, covers_, [&](std::size_t p, Index f, Index i) {
+      at_[i].push_back({p, f});
+    });
+    for (const Place& place : without)
+      if (lacks(place) && provide(place, 0))
+        seen_.clear();  // what leads nowhere does so until something moves
   }
 
  private:
@@ -74,57 +76,73 @@ class Sparing {
     Index facet;
   };
   using Places = std::vector<Place>;
+  static constexpr int longest = 1000;  ///< chain of nodes that move: each is a call of the search
 
-  bool taken(Index i) const { return !owners_.taken.empty() && owners_.taken[i]; }
-  /// Whether no facet of its patch around it has a node.
-  bool lacks(const Place& at) {
-    if (own_[at.pair][at.facet] > 0) return false;
-    const Side& slave = slaves_[at.pair];
-    for (int v = 0; v < slave.d; ++v)
-      for (const Place& o : at_[slave.facet(at.facet).node[v]][rank_[at.pair][at.facet]])
-        if (own_[o.pair][o.facet] > 0) return false;
-    return true;
+  Index rank(const Place& at) const { return rank_[at.pair][at.facet]; }
+  /// The facets of its patch that share a vertex with one.
+  Places around(const Place& at) const {
+    Places all;
+    for (int v = 0; v < slaves_[at.pair].d; ++v)
+      for (const Place& o : at_[slaves_[at.pair].facet(at.facet).node[v]])
+        if (rank(o) == rank(at)) all.push_back(o);
+    return all;
   }
-  void give(Index i, Index rank, std::size_t pair) {
-    for (const Place& o : at_[i][owners_.rank[i]]) --own_[o.pair][o.facet];
-    for (const Place& o : at_[i][rank]) ++own_[o.pair][o.facet];
-    owners_.rank[i] = rank, owners_.pair[i] = static_cast<Index>(pair);
+  /// Whether no facet of its patch around it has a node.
+  bool lacks(const Place& at) const {
+    const Places all = around(at);
+    return std::all_of(all.begin(), all.end(),
+                       [&](const Place& o) { return own_[o.pair][o.facet] == 0; });
+  }
+  void give(Index i, Index to, std::size_t pair) {
+    for (const Place& o : at_[i])
+      if (carries_(o.pair, o.facet, i))
+        own_[o.pair][o.facet] += (rank(o) == to) - (rank(o) == owners_.rank[i]);
+    owners_.rank[i] = to, owners_.pair[i] = static_cast<Index>(pair);
+  }
+  /// Whether a patch does without a node, at the facets there and around them, or gets others.
+  bool spares(Index patch, Index i, int depth) {
+    return std::all_of(at_[i].begin(), at_[i].end(), [&](const Place& o) {
+      const Places all = rank(o) == patch ? around(o) : Places();
+      return std::all_of(all.begin(), all.end(), [&](const Place& q) { return provide(q, depth); });
+    });
   }
   /// Finds a node for a facet, as long as it lacks one; the nodes that were seen stay where they
   /// are.
-  bool provide(const Place& to) {
+  bool provide(const Place& to, int depth) {
     if (!lacks(to)) return true;
+    if (depth > longest) return false;
     const auto& node = slaves_[to.pair].facet(to.facet).node;
     std::vector<Index> nodes(node.begin(), node.begin() + slaves_[to.pair].d);
     std::stable_sort(nodes.begin(), nodes.end(), [&](Index i, Index j) {
       return ways_.farther(to.pair, to.facet, i) < ways_.farther(to.pair, to.facet, j);
     });
     for (Index i : nodes) {
-      if (taken(i) || !seen_.insert(i).second) continue;
-      const Index rank = owners_.rank[i], pair = owners_.pair[i];
-      give(i, rank_[to.pair][to.facet], to.pair);
-      const Places& left = at_[i][rank];
-      if (std::all_of(left.begin(), left.end(), [&](const Place& o) { return provide(o); }))
-        return true;
-      give(i, rank, static_cast<std::size_t>(pair));
+      if (!carries_(to.pair, to.facet, i) || !seen_.insert(i).second) continue;
+      const Index from = owners_.rank[i], pair = owners_.pair[i];
+      give(i, rank(to), to.pair);
+      if (spares(from, i, depth + 1)) return true;
+      give(i, from, static_cast<std::size_t>(pair));
     }
     return false;
   }
 
   const std::vector<Side>& slaves_;
+  const std::vector<Cover>& covers_;
   const std::vector<std::vector<Index>>& rank_;
   const Ways& ways_;
+  const Carries& carries_;
   Owners owners_;
-  std::vector<std::vector<Index>> own_;          ///< vertices of each facet's own patch
-  std::map<Index, std::map<Index, Places>> at_;  ///< facets at a node, by their patch
+  std::vector<std::vector<Index>> own_;  ///< how many vertices a facet's own patch has there
+  std::vector<Places> at_;               ///< covered facets at each node
   std::set<Index> seen_;
 };
 
 }  // namespace
 
 void spare(const std::vector<Side>& slaves, const std::vector<Cover>& covers,
-           const std::vector<std::vector<Index>>& rank, const Ways& ways, Owners owners) {
-  Sparing(slaves, covers, rank, ways, owners);
+           const std::vector<std::vector<Index>>& rank, const Ways& ways, const Carries& carries,
+           Owners owners) {
+  Sparing(slaves, covers, rank, ways, carries, owners).run();
 }
 
 }  // namespace frictioncg::mortar

@@ -33,7 +33,7 @@ class Ways {
        const std::vector<Cover>& covers, const std::vector<Vec3>& X,
        const std::vector<std::vector<Index>>& rank);
   /// By how much it is farther along a facet than along the nearest one there [size of the facet];
-  /// 0 where facets of one patch alone face something.
+  /// 0 where facets of one patch alone face something, or none reaches the vertex.
   Real farther(std::size_t p, Index f, Index i) const;
 
  private:
@@ -48,14 +48,18 @@ class Ways {
 /// Which patch owns a node, by its rank and pair.
 struct Owners {
   std::vector<Index>&rank, &pair;
-  const std::vector<char>& taken;  ///< by an obstacle; or empty: none
 };
+
+/// Whether node i, a vertex of facet f of pair p, can have that one's law: no obstacle takes it, it
+/// is on no master, and no Dirichlet condition holds the facet's normal there.
+using Carries = std::function<bool(std::size_t p, Index f, Index i)>;
 
 /// A facet whose patch has no node on it, nor on those around it, would have its law at nodes of
 /// other faces, with their normals: a brick in a slot, one facet wide, would fall through the
-/// ground. It takes the vertex where that costs least whose patch does without, or gets another one
-/// in the same way.   rank: per pair and facet
+/// ground. It takes the vertex where that costs least whose patch does without, there and around,
+/// or gets another one in the same way.   rank: per pair and facet
 void spare(const std::vector<Side>& slaves, const std::vector<Cover>& covers,
-           const std::vector<std::vector<Index>>& rank, const Ways& ways, Owners owners);
+           const std::vector<std::vector<Index>>& rank, const Ways& ways, const Carries& carries,
+           Owners owners);
 
 }  // namespace frictioncg::mortar

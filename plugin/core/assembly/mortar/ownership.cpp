@@ -60,11 +60,12 @@ Ownership::Ownership(const Nodes& nodes, const std::vector<Side>& slaves,
       owner_(nodes.X.size(), -1) {
   if (begun) {
     go_on_from(*begun->ownership);
-    own(slaves, covers, nodes.taken, nullptr);
+    own(nodes, slaves, masters, covers, nullptr);
   } else {
     rank_patches(slaves, masters, covers, nodes.X);
     const Ways ways(slaves, masters, covers, nodes.X, rank_);
-    own(slaves, covers, nodes.taken, &ways);
+    find_faced(masters, covers);
+    own(nodes, slaves, masters, covers, &ways);
   }
   set_labels(slaves);
   const Owns owns = [&](std::size_t p, Index f, Index i) { return owner_[i] == rank_[p][f]; };
@@ -76,7 +77,6 @@ Ownership::Ownership(const Nodes& nodes, const std::vector<Side>& slaves,
   } else {
     take_normals(nodes, options.normals);
   }
-  if (!begun) find_faced(masters, covers);
   remove_shared(masters);
   for (std::size_t i = 0; i < nodes.taken.size(); ++i)
     if (nodes.taken[i] && state[i] == State::kept) state[i] = State::taken;
@@ -138,8 +138,29 @@ void Ownership::go_on_from(const Ownership& begun) {
   faced_ = begun.faced_;
 }
 
-void Ownership::own(const std::vector<Side>& slaves, const std::vector<Cover>& covers,
-                    const std::vector<char>& taken, const Ways* ways) {
+Carries Ownership::carries(const Nodes& nodes, const std::vector<Side>& slaves,
+                           const std::vector<Side>& masters) const {
+  std::set<std::pair<Index, std::size_t>> on_master;  // of its pair
+  std::map<Index, std::size_t> faced;                 // on one of a pair, the first
+  for_each_vertex(masters, [&](std::size_t p, Index f, Index i) {
+    if (state[i] != State::kept) return;
+    on_master.insert({i, p});
+    if (faced_[p][f]) faced.emplace(i, p);
+  });
+  return [&, on_master, faced](std::size_t p, Index f, Index i) {
+    Vec3 held = Vec3::Zero();
+    for (int c = 0; c < nodes.dimension && !nodes.held.empty(); ++c)
+      if (nodes.held[i] >> c & 1) held[c] = slaves[p].planes[f].normal[c];
+    const bool taken = !nodes.taken.empty() && nodes.taken[i];
+    const auto before = faced.find(i);
+    return !taken && held.norm() <= mostly_free && on_master.count({i, p}) == 0 &&
+           (before == faced.end() || before->second >= p);
+  };
+}
+
+void Ownership::own(const Nodes& nodes, const std::vector<Side>& slaves,
+                    const std::vector<Side>& masters, const std::vector<Cover>& covers,
+                    const Ways* ways) {
   const std::vector<Index> decided = owner_;
   for_each_covered(slaves, covers, [&](std::size_t p, Index f, Index i) {
     state[i] = State::kept;
@@ -148,7 +169,7 @@ void Ownership::own(const std::vector<Side>& slaves, const std::vector<Cover>& c
     owner_[i] = rank_[p][f];
     pair[i] = static_cast<Index>(p);
   });
-  if (ways) spare(slaves, covers, rank_, *ways, {owner_, pair, taken});
+  if (ways) spare(slaves, covers, rank_, *ways, carries(nodes, slaves, masters), {owner_, pair});
   for_each_vertex(slaves, [&](std::size_t p, Index f, Index i) {
     if (decided[i] < 0 && owner_[i] == rank_[p][f])
       covered[i] += covers[p].fraction[f] * slaves[p].planes[f].measure;

@@ -99,9 +99,11 @@ struct Ownership {
   void go_on_from(const Ownership& begun);
   void rank_patches(const std::vector<Side>& slaves, const std::vector<Side>& masters,
                     const std::vector<Cover>& covers, const std::vector<Vec3>& X);
-  /// taken: as of nodes; ways: where it is decided here; by rank alone without
-  void own(const std::vector<Side>& slaves, const std::vector<Cover>& covers,
-           const std::vector<char>& taken, const Ways* ways);
+  /// ways: where it is decided here; by rank alone without
+  void own(const Nodes& nodes, const std::vector<Side>& slaves, const std::vector<Side>& masters,
+           const std::vector<Cover>& covers, const Ways* ways);
+  Carries carries(const Nodes& nodes, const std::vector<Side>& slaves,
+                  const std::vector<Side>& masters) const;
   void set_labels(const std::vector<Side>& slaves);
   void take_normals(const Nodes& nodes, const std::vector<Vec3>& normals);
   void find_faced(const std::vector<Side>& masters, const std::vector<Cover>& covers);
@@ -116,9 +118,9 @@ struct Ownership {
   void break_rings(const std::vector<Side>& slaves, const std::vector<Side>& masters,
                    const std::vector<Cover>& covers);
 
-  std::vector<std::vector<Index>> rank_;  ///< per pair and facet, of its patch: the lower one owns
-  std::vector<Index> owner_;              ///< per node: rank of its patch, or -1
-  std::vector<std::vector<char>> faced_;  ///< per pair and facet of the master
+  std::vector<std::vector<Index>> rank_;     ///< per pair and facet, of its patch
+  std::vector<Index> owner_;                 ///< per node: rank of its patch, or -1
+  std::vector<std::vector<char>> faced_;     ///< per pair and facet of the master
   std::set<std::pair<Index, Index>> taken_;  ///< takes()
   std::vector<Index> nodes_;                 ///< per rank: how many nodes the patch has
   Index patches_ = 0;
