@@ -223,6 +223,45 @@ TEST(Ownership, SparedNodesLeaveNoFacetWithoutANode) {
   EXPECT_GT(moved, 200);
 }
 
+TEST(Ownership, LawsOverSheetsWithStepsAndEndsDependOnNoRing) {
+  std::mt19937 random(5);
+  const auto within = [&](Real a, Real b) {
+    return std::uniform_real_distribution<Real>(a, b)(random);
+  };
+  int posed = 0;
+  for (int k = 0; k < 800; ++k) {
+    Surfaces s(3);
+    const int n = 2 + static_cast<int>(random() % 4);
+    const Real bend = within(0, 0.3), aside = 0.3 / n;
+    s.pairs[0].slave = s.sheet(
+        n, -1,
+        [&](const Vec3& x) {
+          return Vec3(x[0] + within(-aside, aside), x[1] + within(-aside, aside),
+                      bend * x[0] * x[0]);
+        },
+        2);
+    Surface& master = s.pairs[0].master;
+    master.labels = {1};
+    for (int sheets = 2 + static_cast<int>(random() % 4); sheets > 0; --sheets) {
+      const Vec3 at(within(-.2, .9), within(-.2, .9), within(-.15, .02));
+      const Real wide = within(.1, 1), deep = within(.1, 1), tx = within(-.3, .3),
+                 ty = within(-.3, .3);
+      const auto place = [&](const Vec3& x) {
+        return Vec3(at + Vec3(wide * x[0], deep * x[1], tx * x[0] + ty * x[1]));
+      };
+      for (const Facet& f : s.sheet(1 + static_cast<int>(random() % 3), 1, place, 1).facets)
+        master.facets.push_back(f);
+    }
+    try {
+      const Mortar mortar = s.mortar();
+      for (const ContactNode& node : mortar.nodes()) EXPECT_GT(node.weight, 0) << k;
+      ++posed;
+    } catch (const IllegalInput&) {  // where nothing faces the pair
+    }
+  }
+  EXPECT_GT(posed, 750);
+}
+
 TEST(Ownership, LawsOfTwoPairsDependOnNoRing) {
   for (int blocks : {6, 24}) {
     const Mortar mortar = ring(blocks, 0.1).mortar();

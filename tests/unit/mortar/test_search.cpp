@@ -115,18 +115,19 @@ TEST(MortarSearch, TheNearestOfSeveralSurfacesIsThePartner) {
 
 TEST(MortarSearch, BesideAStepEachNodeHasTheGapOfOneSurface) {
   for (int d : {2, 3})
-    for (Real drop : {0.05, 0.5}) {
+    for (auto [drop, height] :  // of the step, and of the slave over what is up
+         std::vector<std::pair<Real, Real>>{{0.05, 0}, {0.5, 0}, {0.06, -0.03}}) {
       Surfaces s(d, false);
       s.pairs[0].master = s.sheet(5, 1, lifted(d, 0, 0, 0.53), 1);
       for (const Facet& f : s.sheet(4, 1, lifted(d, -drop, 0.53), 1).facets)
         s.pairs[0].master.facets.push_back(f);
-      s.pairs[0].slave = s.sheet(6, -1, lifted(d, 0), 2);
+      s.pairs[0].slave = s.sheet(6, -1, lifted(d, height), 2);
       const Mortar mortar = s.mortar();
       EXPECT_GT(mortar.statistics().partly_covered, 0);
       std::size_t near = 0, far = 0;
       for (const ContactNode& node : mortar.nodes()) {
-        near += std::abs(node.gap) < 1e-13;
-        far += std::abs(node.gap - drop) < 1e-13;
+        near += std::abs(node.distance - height) < 1e-13;
+        far += std::abs(node.distance - height - drop) < 1e-13;
       }
       EXPECT_GT(near, 0u);
       EXPECT_GT(far, 0u);

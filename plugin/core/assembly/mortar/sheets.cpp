@@ -38,7 +38,7 @@ Real step_between(const Seen& a, const Seen& b) {
 struct Faced {
   Index facet;
   Index master;
-  Real distance;  ///< >= 0
+  Real distance;  ///< with its sign: what overlaps most is nearest
 };
 
 /// Whether each facet around a vertex faces a sheet that lies beyond a step. Planes that meet at an
@@ -50,8 +50,9 @@ std::vector<bool> beyond_a_step(const std::vector<Faced>& around, const Side& sl
   const auto nearest = std::min_element(around.begin(), around.end(), nearer);
   std::vector<bool> beyond;
   for (const Faced& f : around)
-    beyond.push_back(f.distance - nearest->distance >
-                     std::max(step * slave.planes[f.facet].size, much_farther * f.distance));
+    beyond.push_back(
+        f.distance - nearest->distance >
+        std::max(step * slave.planes[f.facet].size, much_farther * std::abs(f.distance)));
   if (std::find(beyond.begin(), beyond.end(), true) == beyond.end()) return beyond;
   std::vector<Index> masters;
   for (const Faced& f : around) masters.push_back(f.master);
@@ -106,7 +107,7 @@ std::set<Corner> beyond_steps(const Side& slave, const Side& master, const std::
   for (Index f = 0; f < slave.facets(); ++f)
     for (int v = 0; v < slave.d && !cells[f].empty(); ++v) {
       const FacedAtVertex faced = faced_at_vertex(v, slave, f, master, X, cells[f]);
-      at[slave.facet(f).node[v]].push_back({f, faced.master, std::abs(faced.distance)});
+      at[slave.facet(f).node[v]].push_back({f, faced.master, faced.distance});
     }
   std::set<Corner> beyond;
   for (const auto& entry : at) {
