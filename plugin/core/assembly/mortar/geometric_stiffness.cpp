@@ -7,9 +7,6 @@ namespace frictioncg::mortar {
 
 namespace {
 
-/// Weights that would have to change by so much see one point of the master, where that ends.
-constexpr Real hopeless = 1e4;
-
 /// One row of G with its derivatives, balanced as in moments.h:
 ///
 ///   P_l += w_l b.q_l,   w_l = |P_l|,   q_l = T (X_l - mean),   T = 1 - n n',
@@ -60,11 +57,12 @@ class Row {
     return found == turns_.end() ? Mat3(Mat3::Zero()) : found->second;
   }
   void place_master(const std::map<Index, Sloped>& theirs, Index rank) {
-    for (const auto& [l, weight] : theirs) {
-      sum_ += std::abs(weight.value);
-      mean_ += std::abs(weight.value) * X_[l];
+    for (const auto& [l, weight] : theirs) sum_ += std::abs(weight.value);
+    for (int pass = 0; pass < 2; ++pass) {  // as in moments.cpp
+      Vec3 way = Vec3::Zero();
+      for (const auto& [l, weight] : theirs) way += std::abs(weight.value) * (X_[l] - mean_);
+      mean_ += way / sum_;
     }
-    mean_ /= sum_;
     Mat3 M = Mat3::Zero();
     for (const auto& [l, weight] : theirs) {
       const Vec3 x = X_[l] - mean_, q = T_ * x;
@@ -79,7 +77,6 @@ class Row {
     Real largest = most_change;
     for (const auto& [l, p] : at_)
       if (const Real change = std::abs(b_.dot(p.q)); change > largest) largest = change, most_ = l;
-    if (largest > hopeless) b_.setZero(), inverse_.setZero(), largest = most_change;
     part_ = most_change / largest;
     for (Index j : near_) balance_slopes(theirs, j);
     for (const auto& [l, p] : at_) G_[l].value -= part_ * p.w * b_.dot(p.q);

@@ -49,15 +49,17 @@ class Row {
  public:
   Row(const Matrix& P, Index i, const Vec3& n, const std::vector<Vec3>& X) : P_(P), i_(i), X_(X) {
     along_ -= n * n.transpose();
-    Real sum = 0;
-    for (Matrix::InnerIterator it(P, i); it; ++it) {
-      sum += std::abs(it.value());
-      mean_ += std::abs(it.value()) * X[it.col()];
+    for (int pass = 0; pass < 2; ++pass) {  // the second takes off what rounding leaves
+      Real sum = 0;
+      Vec3 way = Vec3::Zero();
+      for (Matrix::InnerIterator it(P, i); it; ++it) {
+        sum += std::abs(it.value());
+        way += std::abs(it.value()) * (X[it.col()] - mean_);
+      }
+      if (sum > 0) mean_ += way / sum;
     }
-    if (sum > 0) mean_ /= sum;
   }
-  /// b of the formula above; less where weights would change too much. Along a direction in which
-  /// the row sees one point, since the master ends there, it is rounding.
+  /// b of the formula above; less where weights would change too much.
   Vec3 change(const Vec3& e, Index& rank) const {
     Eigen::Matrix3d M = Eigen::Matrix3d::Zero();
     for (Matrix::InnerIterator it(P_, i_); it; ++it)
@@ -69,22 +71,13 @@ class Row {
     return std::min(1., most_change / largest) * b;
   }
   Vec3 place(Index l) const { return along_ * (X_[l] - mean_); }
-  /// 0 but for rounding, which forces are not to sum up to.
-  Real mean_change(const Vec3& b) const {
-    Real sum = 0, all = 0;
-    for (Matrix::InnerIterator it(P_, i_); it; ++it) {
-      sum += std::abs(it.value()) * b.dot(place(it.col()));
-      all += std::abs(it.value());
-    }
-    return all > 0 ? sum / all : 0;
-  }
 
  private:
   const Matrix& P_;
   Index i_;
   const std::vector<Vec3>& X_;
   Eigen::Matrix3d along_ = Eigen::Matrix3d::Identity();
-  Vec3 mean_ = Vec3::Zero();
+  Vec3 mean_ = Vec3::Zero();  ///< of a row that sees one point that point, bit by bit
 };
 
 }  // namespace
@@ -99,9 +92,8 @@ Matrix balanced(const Matrix& P, const Matrix& G, const std::vector<ContactNode>
     if (e.norm() <= rounding * arm.size) continue;
     const Row row(P, i, nodes[k].normal, X);
     const Vec3 b = row.change(e, choices[i].rank);
-    const Real mean = row.mean_change(b);
     for (Matrix::InnerIterator it(result, i); it; ++it)
-      it.valueRef() += std::abs(it.value()) * (b.dot(row.place(it.col())) - mean);
+      it.valueRef() += std::abs(it.value()) * b.dot(row.place(it.col()));
   }
   return result;
 }

@@ -95,10 +95,9 @@ class Assembly {
                             D_[i] += d;
                             add_multiplier(i, psi, part, moments, kept);
                           });
-      for (int v = 0; v < slave.d && carriers.leans(); ++v)
-        for (int w = 0; w < slave.d && carriers.beyond[v]; ++w)
-          if (carriers.kept[w] && !carriers.beyond[w])
-            leaning_.insert({part.node(v), part.node(w)});
+      for (int v = 0; v < slave.d; ++v)
+        for (int w = 0; w < slave.d; ++w)
+          if (carriers.leans_on(v, w)) leaning_.insert({part.node(v), part.node(w)});
       slopes_.add(part, moments, integration, carriers);
       if (slave.surface.quadratic) add_edges(slave, f, moments);
     }

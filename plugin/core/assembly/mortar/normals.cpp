@@ -61,6 +61,18 @@ void follow_motions(int d, Index pair, const std::vector<Index>& body, Meetings&
 
 }  // namespace
 
+Vec3 held_part(const Nodes& nodes, Index i, const Vec3& direction) {
+  Vec3 held = Vec3::Zero();
+  for (int c = 0; c < nodes.dimension && !nodes.held.empty(); ++c)
+    if (nodes.held[i] >> c & 1) held[c] = direction[c];
+  return held;
+}
+
+bool can_press(const Nodes& nodes, Index i, const Vec3& normal) {
+  const bool taken = !nodes.taken.empty() && nodes.taken[i];
+  return !taken && held_part(nodes, i, normal).norm() <= mostly_free;
+}
+
 std::vector<Vec3> slave_normals(const Nodes& nodes, const std::vector<Side>& slaves,
                                 const Options& options, const Owns& owns, Slipping& slipping) {
   std::vector<Meetings> all;

@@ -8,6 +8,10 @@ namespace frictioncg::mortar {
 /// A held part of a unit vector up to this length is none. That of a normal is projected away;
 /// beyond it the node carries no law.
 constexpr Real mostly_free = 0.02;
+Vec3 held_part(const Nodes& nodes, Index i, const Vec3& direction);
+/// Whether node i can have a law along a normal: no obstacle takes it, and no Dirichlet condition
+/// holds that.
+bool can_press(const Nodes& nodes, Index i, const Vec3& normal);
 
 /// Whether facet f of the slave of pair p belongs to the patch that owns node i.
 using Owns = std::function<bool(std::size_t p, Index f, Index i)>;

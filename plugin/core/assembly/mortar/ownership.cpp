@@ -77,7 +77,7 @@ Ownership::Ownership(const Nodes& nodes, const std::vector<Side>& slaves,
   } else {
     take_normals(nodes, options.normals);
   }
-  remove_shared(masters);
+  remove_shared();
   for (std::size_t i = 0; i < nodes.taken.size(); ++i)
     if (nodes.taken[i] && state[i] == State::kept) state[i] = State::taken;
   if (!nodes.held.empty())
@@ -138,26 +138,6 @@ void Ownership::go_on_from(const Ownership& begun) {
   faced_ = begun.faced_;
 }
 
-Carries Ownership::carries(const Nodes& nodes, const std::vector<Side>& slaves,
-                           const std::vector<Side>& masters) const {
-  std::set<std::pair<Index, std::size_t>> on_master;  // of its pair
-  std::map<Index, std::size_t> faced;                 // on one of a pair, the first
-  for_each_vertex(masters, [&](std::size_t p, Index f, Index i) {
-    if (state[i] != State::kept) return;
-    on_master.insert({i, p});
-    if (faced_[p][f]) faced.emplace(i, p);
-  });
-  return [&, on_master, faced](std::size_t p, Index f, Index i) {
-    Vec3 held = Vec3::Zero();
-    for (int c = 0; c < nodes.dimension && !nodes.held.empty(); ++c)
-      if (nodes.held[i] >> c & 1) held[c] = slaves[p].planes[f].normal[c];
-    const bool taken = !nodes.taken.empty() && nodes.taken[i];
-    const auto before = faced.find(i);
-    return !taken && held.norm() <= mostly_free && on_master.count({i, p}) == 0 &&
-           (before == faced.end() || before->second >= p);
-  };
-}
-
 void Ownership::own(const Nodes& nodes, const std::vector<Side>& slaves,
                     const std::vector<Side>& masters, const std::vector<Cover>& covers,
                     const Ways* ways) {
@@ -169,7 +149,11 @@ void Ownership::own(const Nodes& nodes, const std::vector<Side>& slaves,
     owner_[i] = rank_[p][f];
     pair[i] = static_cast<Index>(p);
   });
-  if (ways) spare(slaves, covers, rank_, *ways, carries(nodes, slaves, masters), {owner_, pair});
+  find_on_masters(masters);
+  const Carries carries = [&](std::size_t p, Index f, Index i) {
+    return can_press(nodes, i, slaves[p].planes[f].normal) && !on_master(i, static_cast<Index>(p));
+  };
+  if (ways) spare(slaves, covers, rank_, *ways, carries, {owner_, pair});
   for_each_vertex(slaves, [&](std::size_t p, Index f, Index i) {
     if (decided[i] < 0 && owner_[i] == rank_[p][f])
       covered[i] += covers[p].fraction[f] * slaves[p].planes[f].measure;
@@ -214,15 +198,23 @@ void Ownership::find_faced(const std::vector<Side>& masters, const std::vector<C
   }
 }
 
-/// Removes the nodes that lie on a master, of their own pair or of one before it: laws of later
-/// pairs alone may depend on a node with a law. A facet of another pair's master counts only where
-/// something faces it: the rest of its label is no master.
-void Ownership::remove_shared(const std::vector<Side>& masters) {
-  for_each_vertex(masters, [&](std::size_t p, Index f, Index i) {
-    const Index of_master = static_cast<Index>(p);
-    const bool used = pair[i] == of_master || (pair[i] > of_master && faced_[p][f]);
-    if (used && state[i] == State::kept) state[i] = State::shared;
+void Ownership::find_on_masters(const std::vector<Side>& masters) {
+  for_each_vertex(masters, [&](std::size_t q, Index f, Index i) {
+    const Index of_master = static_cast<Index>(q);
+    if (state[i] != State::kept) return;
+    on_own_.insert({i, of_master});
+    if (faced_[q][f]) on_faced_.emplace(i, of_master);
   });
+}
+
+bool Ownership::on_master(Index i, Index p) const {
+  const auto first = on_faced_.find(i);
+  return on_own_.count({i, p}) > 0 || (first != on_faced_.end() && first->second < p);
+}
+
+void Ownership::remove_shared() {
+  for (const auto& [i, of_master] : on_own_)
+    if (state[i] == State::kept && on_master(i, pair[i])) state[i] = State::shared;
 }
 
 void Ownership::take_off_slaves(const std::vector<Side>& masters,
@@ -247,10 +239,9 @@ void Ownership::remove_held(const Nodes& nodes, const std::vector<Side>& slaves,
                             const std::vector<Vec3>& deciding) {
   for (std::size_t i = 0; i < owner_.size(); ++i) {
     if (state[i] != State::kept || nodes.held[i] == 0) continue;
-    Vec3 free = normal[i], held = Vec3::Zero();
-    for (int c = 0; c < nodes.dimension; ++c)
-      if (nodes.held[i] >> c & 1) free[c] = 0, held[c] = deciding[i][c];
-    if (held.norm() > mostly_free || free.norm() <= mostly_free)
+    const Index node = static_cast<Index>(i);
+    const Vec3 free = normal[i] - held_part(nodes, node, normal[i]);
+    if (held_part(nodes, node, deciding[i]).norm() > mostly_free || free.norm() <= mostly_free)
       state[i] = State::held;
     else
       normal[i] = free.normalized();
@@ -301,7 +292,7 @@ void Ownership::find_beyond(Index p, const Side& slave, const Cover& cover) {
     return of_body.first[0] == p && of_body.second > 0;
   });
   if (slips) return;
-  std::vector<char> faces(owner_.size(), 0);
+  std::vector<Index> faced;  // nodes that something faces
   const auto for_each_point = [&](Index f, const auto& visit) {
     for (const Cell& cell : cover.cells[f])
       for (const Vec2& xi : cell.part) visit(slave_coordinates(slave.d, xi));
@@ -309,14 +300,17 @@ void Ownership::find_beyond(Index p, const Side& slave, const Cover& cover) {
   for (Index f = 0; f < slave.facets(); ++f)
     for_each_point(f, [&](const Vec3& lambda) {
       for (int v = 0; v < slave.d; ++v)
-        if (carriers[p][f].kept[v] && lambda[v] > at_vertex) faces[slave.facet(f).node[v]] = 1;
+        if (carriers[p][f].kept[v] && lambda[v] > at_vertex)
+          faced.push_back(slave.facet(f).node[v]);
     });
+  sort_once(faced);
   for (Index f = 0; f < slave.facets(); ++f) {
     Carriers& of = carriers[p][f];
     bool any_faces = false;
     for (int v = 0; v < slave.d; ++v) {
       const Index i = slave.facet(f).node[v];
-      of.beyond[v] = of.kept[v] && !faces[i] && !common.of_master[i];
+      of.beyond[v] =
+          of.kept[v] && !common.of_master[i] && !std::binary_search(faced.begin(), faced.end(), i);
       any_faces = any_faces || (of.kept[v] && !of.beyond[v]);
     }
     if (!any_faces) of.beyond = {};

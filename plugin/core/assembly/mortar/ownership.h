@@ -84,12 +84,13 @@ struct Ownership {
       return gamma / std::max(1., gamma.sum());
     }
     bool leans() const { return (beyond[0] || beyond[1] || beyond[2]) && takes.isZero(0); }
+    bool leans_on(int v, int w) const { return leans() && beyond[v] && kept[w] && !beyond[w]; }
     /// Whether r is removed beside a multiplier of v. On slivers, where r is beyond, that is next
     /// to nothing.
     bool depends(int v, int r) const {
       if (leans() && beyond[r]) return false;
       const bool one_for_all = alone > 0 || !takes.isZero(0);
-      return !kept[r] || (leans() && beyond[v]) || (one_for_all && strongest[v]);
+      return !kept[r] || leans_on(v, r) || (one_for_all && strongest[v]);
     }
   };
   std::vector<std::vector<Carriers>> carriers;  ///< per pair and slave facet
@@ -102,12 +103,15 @@ struct Ownership {
   /// ways: where it is decided here; by rank alone without
   void own(const Nodes& nodes, const std::vector<Side>& slaves, const std::vector<Side>& masters,
            const std::vector<Cover>& covers, const Ways* ways);
-  Carries carries(const Nodes& nodes, const std::vector<Side>& slaves,
-                  const std::vector<Side>& masters) const;
   void set_labels(const std::vector<Side>& slaves);
   void take_normals(const Nodes& nodes, const std::vector<Vec3>& normals);
   void find_faced(const std::vector<Side>& masters, const std::vector<Cover>& covers);
-  void remove_shared(const std::vector<Side>& masters);
+  void find_on_masters(const std::vector<Side>& masters);
+  /// Whether a node of a slave lies on the master of pair p, or of one before it, of which a facet
+  /// counts only where something faces it: the rest of its label is no master. Laws of later pairs
+  /// alone may depend on a node with a law.
+  bool on_master(Index i, Index p) const;
+  void remove_shared();
   void take_off_slaves(const std::vector<Side>& masters, std::vector<Cover>& covers) const;
   void remove_held(const Nodes& nodes, const std::vector<Side>& slaves,
                    const std::vector<Vec3>& deciding);
@@ -118,9 +122,11 @@ struct Ownership {
   void break_rings(const std::vector<Side>& slaves, const std::vector<Side>& masters,
                    const std::vector<Cover>& covers);
 
-  std::vector<std::vector<Index>> rank_;     ///< per pair and facet, of its patch
-  std::vector<Index> owner_;                 ///< per node: rank of its patch, or -1
-  std::vector<std::vector<char>> faced_;     ///< per pair and facet of the master
+  std::vector<std::vector<Index>> rank_;      ///< per pair and facet, of its patch
+  std::vector<Index> owner_;                  ///< per node: rank of its patch, or -1
+  std::vector<std::vector<char>> faced_;      ///< per pair and facet of the master
+  std::set<std::pair<Index, Index>> on_own_;  ///< nodes of slaves on masters, and their pairs
+  std::map<Index, Index> on_faced_;  ///< of those on facets that face something: the first pair
   std::set<std::pair<Index, Index>> taken_;  ///< takes()
   std::vector<Index> nodes_;                 ///< per rank: how many nodes the patch has
   Index patches_ = 0;
@@ -135,8 +141,6 @@ void for_each_multiplier(const Part& part, const Moments& moments,
   const int d = part.slave.d;
   const auto of_vertices = [&](const DualBasis& dual, const std::array<bool, 3>& kept, Real share) {
     const Vec3 gamma = carriers.gamma(dual);
-    std::array<bool, 3> others{};
-    for (int v = 0; v < d; ++v) others[v] = kept[v] && carriers.beyond[v];
     Eigen::RowVector3d of_others = Eigen::RowVector3d::Zero();
     for (int v = 0; v < d; ++v)
       if (!carriers.beyond[v]) of_others += dual.psi.row(v);
@@ -145,7 +149,7 @@ void for_each_multiplier(const Part& part, const Moments& moments,
       const bool leans = gamma[v] > 0;
       const Real left = carriers.beyond[v] ? 1 : 1 - gamma.sum();
       const Eigen::RowVector3d psi = left * dual.psi.row(v) + gamma[v] * of_others;
-      visit(part.node(v), Eigen::RowVector3d(share * psi), leans ? others : kept,
+      visit(part.node(v), Eigen::RowVector3d(share * psi), leans ? carriers.beyond : kept,
             share * left * dual.d[v]);
     }
   };

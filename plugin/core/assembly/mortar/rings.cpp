@@ -125,8 +125,7 @@ void Ownership::break_rings(const std::vector<Side>& slaves, const std::vector<S
       laws.leave_rings();
       changed = false;
       for_each_removed(*this, slaves, [&](Carriers& of, Index i, int v, int r, Index of_r) {
-        const bool leans_back = owner_[i] == owner_[of_r] && of.beyond[r];
-        if (!laws.has(i, of_r) || !(leans_back || leads_back(i, of_r))) return;
+        if (!laws.has(i, of_r) || !leads_back(i, of_r)) return;
         take(of, i, v, r, of_r);
         changed = true;
       });

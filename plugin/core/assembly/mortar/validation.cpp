@@ -100,11 +100,8 @@ bool may_carry_later(const Arrangement& of, const Side& slave) {
   for (Index f = 0; f < slave.facets(); ++f)
     for (int v = 0; v < slave.d; ++v) {
       const Index i = slave.facet(f).node[v];
-      if (!of.nodes.taken.empty() && of.nodes.taken[i]) continue;
-      Vec3 held = Vec3::Zero();
-      for (int c = 0; c < slave.d && !of.nodes.held.empty(); ++c)
-        if (of.nodes.held[i] >> c & 1) held[c] = slave.planes[f].normal[c];
-      if (of.ownership->state[i] == Ownership::State::uncovered && held.norm() <= mostly_free)
+      if (of.ownership->state[i] == Ownership::State::uncovered &&
+          can_press(of.nodes, i, slave.planes[f].normal))
         return true;
     }
   return false;
