@@ -2,6 +2,7 @@
 
 #include "statics/undetermined.h"
 #include "model/certificate.h"
+#include "threads.h"
 
 namespace frictioncg {
 
@@ -35,6 +36,7 @@ Status concluded(Status status, const Certificate& certificate, const Settings& 
 Solution answer(const ContactProblem& problem, const Settings& settings,
                 const std::function<Eigen::MatrixXd()>& floating,
                 const std::function<Solution()>& solve) {
+  const Threads one;
   Solution s;
   if (at_rest(problem)) {
     s.x = Vector::Zero(problem.dofs());

@@ -23,7 +23,7 @@
 #include "on_scene.h"
 
 #include "core/condensed/elimination.h"
-#include "core/condensed/serial.h"
+#include "core/threads.h"
 
 #include <cholmod.h>
 
@@ -134,7 +134,7 @@ struct LinearSolve {
   static constexpr const char* name = "linearSolve";
   using Result = double;
   static Result run(Stack, const PosedScene& posed) {
-    const Serial serial;
+    const Threads one;
     auto H = with_springs(posed);
     return std::min({cholmod_solve_seconds(posed.system(), posed.increment.F, CHOLMOD_AMD),
                      cholmod_solve_seconds(posed.system(), posed.increment.F, CHOLMOD_METIS),

@@ -4,6 +4,7 @@
 
 #include "core/answer.h"
 #include "core/solver.h"
+#include "core/threads.h"
 #include "driven.h"
 #include "random_scene.h"
 #include "verifier.h"
@@ -802,4 +803,29 @@ TEST(Solver, TheCertificateHasTheLastWordOnTheStatus) {
   c.residual = std::numeric_limits<Real>::quiet_NaN();
   settings.stop_on_step = 0;
   EXPECT_EQ(concluded(Status::converged, c, settings), Status::stagnated);
+}
+
+TEST(Solver, ACallHasOneThreadOfTheBlasAndLeavesTheirNumberAsItWas) {
+  if (!openblas_get_num_threads || !openblas_set_num_threads) GTEST_SKIP();
+  struct Watch final : Observer {
+    void iterate(Index, StepLabel, const Vector&) override { threads = openblas_get_num_threads(); }
+    int threads = 0;
+  };
+  const int before = openblas_get_num_threads();
+  openblas_set_num_threads(2);
+  for (const Method method : {Method::condensed, Method::gcx}) {
+    Settings settings;
+    settings.method = method;
+    Watch watch;
+    const Posed posed = block(BlockOptions()).system();
+    EXPECT_EQ(solve(posed.problem(), settings, {}, &watch).status, Status::converged);
+    EXPECT_EQ(watch.threads, 1);
+    EXPECT_EQ(openblas_get_num_threads(), 2);
+  }
+  {
+    const Threads one, several(true);
+    EXPECT_EQ(openblas_get_num_threads(), 2);
+  }
+  EXPECT_EQ(openblas_get_num_threads(), 2);
+  openblas_set_num_threads(before);
 }

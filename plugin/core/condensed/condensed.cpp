@@ -10,6 +10,7 @@
 #include "statics/floating.h"
 #include "factorization.h"
 #include "linear_algebra.h"
+#include "threads.h"
 
 namespace frictioncg {
 
@@ -61,6 +62,7 @@ Solution CondensedSolver::solve(const ContactProblem& problem, const Settings& s
           {}};
   run.observer = observer;
   run.path = &path;
+  const Threads threads(elimination_->threads_pay());
   Solution& s = run.s;
   s.route = Route::condensed;
   if (unheld(run, balance(elimination_->floating(), problem)))

@@ -1,8 +1,8 @@
 #include "condensed/elimination.h"
 
 #include "clock.h"
-#include "condensed/serial.h"
 #include "statics/floating.h"
+#include "threads.h"
 
 namespace frictioncg {
 
@@ -56,6 +56,7 @@ Elimination::Outcome Elimination::factor(const System& system, double memory_bou
   times_.order = cpu_seconds() - start;
   if (memory_needed_ > memory_bound) return Outcome::too_large;
 
+  const Threads threads(threads_pay());
   start = cpu_seconds();
   if (!factorize(system, A) || !find_floating(system)) return Outcome::not_positive_definite;
   times_.factor = cpu_seconds() - start;
@@ -91,12 +92,7 @@ bool Elimination::factorize(const System& system, UpperTriangle& A) {
   springs_.clear();
   std::size_t most_springs = 0;
   for (;;) {
-    const int ok = [&] {
-      const Serial serial;
-      return cholmod_factorize(&A.view, L_, &common_);
-    }();
-    const bool failed = common_.status == CHOLMOD_NOT_POSDEF;
-    if (!failed) check(ok, common_);
+    const bool failed = !SparseFactor::factorize(A.view);
     const Index* place = static_cast<const Index*>(L_->Perm);
     Index i = failed ? place[L_->minor] : dof_of_smallest_pivot(system);
     if (!failed && i < 0) return true;

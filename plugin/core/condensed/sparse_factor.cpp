@@ -1,6 +1,24 @@
 #include "condensed/sparse_factor.h"
 
+#include <sys/mman.h>
+
+#include "threads.h"
+
 namespace frictioncg {
+
+namespace {
+
+/// A factor is touched all at once: a fault for each small page would take a fifth of the
+/// factorization where the system gives large ones to who asks alone.
+void in_large_pages(void* begin, std::size_t bytes) {
+#ifdef MADV_HUGEPAGE
+  constexpr std::size_t page = 4096;
+  const std::size_t skip = -reinterpret_cast<std::size_t>(begin) % page;
+  if (bytes > page) madvise(static_cast<char*>(begin) + skip, bytes - skip, MADV_HUGEPAGE);
+#endif
+}
+
+}  // namespace
 
 UpperTriangle::UpperTriangle(const System& s, const std::vector<char>& chained,
                              const std::vector<Index>& roots) {
@@ -66,6 +84,22 @@ bool SparseFactor::lay_out(cholmod_sparse& view, const std::vector<Index>& order
   check(L_ != nullptr, common_);
   return true;
 }
+
+bool SparseFactor::factorize(cholmod_sparse& view) {
+  if (L_->is_super && L_->xtype == CHOLMOD_PATTERN) {
+    check(cholmod_change_factor(CHOLMOD_REAL, 1, 1, 1, 1, L_, &common_), common_);
+    in_large_pages(L_->x, sizeof(Real) * L_->xsize);
+  }
+  const Threads threads(threads_pay());
+  const bool done = cholmod_factorize(&view, L_, &common_);
+  if (common_.status == CHOLMOD_NOT_POSDEF) return false;
+  check(done, common_);
+  return true;
+}
+
+/// By flops over entries. On two cores threads take 0.8 of the time from 900 on, as in 3D, and 0.9
+/// to 1.2 of it below 600, as in 2D, for twice the CPU time.
+bool SparseFactor::threads_pay() const { return common_.fl > 800 * common_.lnz; }
 
 Vector SparseFactor::solve(int triangle, const Vector& rhs) {
   cholmod_dense b = column_view(rhs);

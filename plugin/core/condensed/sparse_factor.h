@@ -29,8 +29,12 @@ class SparseFactor {
 
   /// Lays out the factor. False where it is too large for CHOLMOD, which indexes it by 32 bits.
   bool lay_out(cholmod_sparse& view, const std::vector<Index>& order);
+  /// Fills it. False where a pivot is not positive, which L_->minor names.
+  bool factorize(cholmod_sparse& view);
   Vector solve(int triangle, const Vector& rhs);
   void release();
+  /// Whether threads of the BLAS are worth their CPU time.
+  bool threads_pay() const;
 
   cholmod_common common_;
   cholmod_factor* L_ = nullptr;

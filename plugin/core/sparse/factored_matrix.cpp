@@ -1,7 +1,5 @@
 #include "sparse/factored_matrix.h"
 
-#include "condensed/serial.h"
-
 namespace frictioncg {
 
 namespace {
@@ -46,10 +44,8 @@ void FactoredMatrix::truncate(const std::vector<char>& fixed,
     for (Index k = A.column[j]; k < A.column[j + 1] - 1; ++k)
       if (fixed[j - interior] || (A.row[k] >= interior && fixed[A.row[k] - interior]))
         A.value[k] = 0;
-  const Serial serial;
   for (Real shift = 0, next = least_shift; shift <= most_shift; next *= stiffer) {
-    check(cholmod_factorize(&A.view, L_, &common_), common_);
-    definite_ = common_.status != CHOLMOD_NOT_POSDEF;
+    definite_ = factorize(A.view);
     if (definite_) return;
     for (Index j = 0; j < n; ++j) A.diagonal(j) += (next - shift) * system_->D[j];
     shift = next;

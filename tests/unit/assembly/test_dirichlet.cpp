@@ -101,6 +101,17 @@ TEST(Dirichlet, AZeroBesideAFreeDofTellsOfACouplingTakenOutWhateverAnotherBodyHa
   EXPECT_THROW(dirichlet.data(0.1 * Vector::Unit(6, 0)), IllegalInput);
 }
 
+TEST(Dirichlet, OfARowThatAnotherProcessOwnsThatOneJudgesWhetherCouplingsAreThere) {
+  const Assembled A(3, {{0, 0, 1}, {1, 1, 2}, {1, 2, -1}, {2, 1, -1}, {2, 2, 2}});
+  const std::array<char, 3> all{1, 1, 1}, others{0, 1, 1};
+  const Vector b = 0.1 * Vector::Unit(3, 0);
+  Triplets part = A.triplets();
+  part.owned = all.data();
+  EXPECT_THROW(Dirichlet(part, {}).data(b), IllegalInput);
+  part.owned = others.data();
+  EXPECT_EQ(Dirichlet(part, {}).data(b)[0], 0.1);
+}
+
 TEST(Dirichlet, PrescribedDisplacementsAreTheLoadOverTheDiagonal) {
   const Assembled A = chain(1e30);
   const Dirichlet dirichlet(A.triplets(), {});

@@ -179,6 +179,20 @@ TEST(Frames, EachNormalOfACornerHasItsOwnGapAndNoFriction) {
   EXPECT_EQ(shared, 2);
 }
 
+TEST(Frames, NoTangentialLawIsPosedAlongTheEdgeBetweenTwoObstacles) {
+  BlockOptions o;
+  o.d = 3;
+  o.cells = 2;
+  o.mu = 0.3;
+  const Posed posed = with_wall(o).system();
+  int shared = 0;
+  for (Index k = 0; k < posed.nodes(); ++k) {
+    shared += posed.local().node(k).shared;
+    EXPECT_EQ(posed.problem().tangents(k), posed.local().node(k).shared ? 0 : 2);
+  }
+  EXPECT_EQ(shared, 6);
+}
+
 TEST(Frames, TheNearestOfTwoFlanksHoldsTheTipOfAGrooveWhoseOtherComponentsAreHeld) {
   for (int flank = 0; flank < 2; ++flank) {
     BlockOptions o;

@@ -1,0 +1,46 @@
+#pragma once
+
+// OpenMP's own, where CHOLMOD brings it along, and OpenBLAS's, where that is the BLAS.
+extern "C" {
+int omp_get_max_active_levels() __attribute__((weak));
+void omp_set_max_active_levels(int levels) __attribute__((weak));
+int openblas_get_num_threads() __attribute__((weak));
+void openblas_set_num_threads(int threads) __attribute__((weak));
+}
+
+namespace frictioncg {
+
+/// As long as it lives, OpenMP's parallel regions run on the thread that meets them, and the BLAS
+/// has one thread. CHOLMOD 3 opens a region of four threads for every supernode, whatever
+/// OMP_NUM_THREADS says: on two cores that takes three times as long as the factorization itself.
+/// The second thread of OpenBLAS spins between small products: twice the CPU time, and no less
+/// time.
+class Threads {
+ public:
+  /// of_blas: as many as where the outermost of these began
+  explicit Threads(bool of_blas = false) {
+    if (omp_get_max_active_levels && omp_set_max_active_levels) {
+      levels_ = omp_get_max_active_levels();
+      omp_set_max_active_levels(0);
+    }
+    if (openblas_get_num_threads && openblas_set_num_threads) {
+      threads_ = openblas_get_num_threads();
+      if (depth_ == 0) given_ = threads_;
+      openblas_set_num_threads(of_blas ? given_ : 1);
+    }
+    ++depth_;
+  }
+  ~Threads() {
+    --depth_;
+    if (levels_ >= 0) omp_set_max_active_levels(levels_);
+    if (threads_ >= 0) openblas_set_num_threads(threads_);
+  }
+  Threads(const Threads&) = delete;
+  Threads& operator=(const Threads&) = delete;
+
+ private:
+  inline static int depth_ = 0, given_ = 1;
+  int levels_ = -1, threads_ = -1;  ///< of before; -1: not changed
+};
+
+}  // namespace frictioncg
