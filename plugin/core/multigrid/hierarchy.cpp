@@ -1,6 +1,12 @@
+#include <Eigen/Cholesky>
+
+#include "linear_algebra.h"
 #include "multigrid/dense.h"
-#include "multigrid/dense_hierarchy.h"
-#include "multigrid/hierarchy_of.h"
+#include "multigrid/exact_matrix.h"
+#include "multigrid/galerkin.h"
+#include "multigrid/hierarchy.h"
+#include "multigrid/level.h"
+#include "multigrid/smoother.h"
 
 namespace frictioncg {
 
@@ -23,178 +29,333 @@ Coarsening coarsening(int dimension, bool fine) {
   return dimension == 2 ? Coarsening{0.25f, 4} : Coarsening{0.25f, 8};
 }
 
-}  // namespace
+using Factor = Eigen::LLT<Eigen::MatrixXd>;
 
-template <int D, int K>
-HierarchyOf<D, K>::HierarchyOf(const Matrix& A, const NodeBlocks& blocks,
-                               const Eigen::MatrixXd& modes, const HierarchyOptions& options)
-    : blocks_(blocks), options_(options) {
-  scale_ = 1 / A.diagonal().mean();
-  fine_.A = make_fine_matrix<D>(A, blocks, scale_, exact_);
-  if (options.multiplies)
-    exact_.keep_if_symmetric(A, fine_.A, blocks.slot);
-  else
-    exact_ = {};
-  for (Index i = 0; i < blocks.blocks; ++i) invert_diagonal(fine_.A, i);
-  Modes<K> B = Modes<K>::Zero(blocks.slots(), K);
-  for (std::size_t p = 0; p < blocks.slot.size(); ++p) B.row(blocks.slot[p]) = modes.row(p);
-  fine_.allocate();
-  build_coarse(coarsen<D, K>(fine_, B, coarsening(D, true)));
-  contact_diagonal_.assign(fine_.A.diagonal.begin() + std::ptrdiff_t(blocks.interior) * D * D,
-                           fine_.A.diagonal.end());
-  contact_P_.assign(fine_.P.at(fine_.P.row[blocks.interior]),
-                    fine_.P.value.data() + fine_.P.value.size());
-  factor_coarsest();
-}
-
-template <int D, int K>
-void HierarchyOf<D, K>::build_coarse(Modes<K> modes) {
-  // on the fine level the contact part is all rows of contact nodes, and their base is 0
-  for (Index i = blocks_.interior; i < blocks_.blocks; ++i) {
-    fine_.touched.rows.push_back(i);
-    for (Index k = fine_.A.row[i]; k < fine_.A.row[i + 1]; ++k) fine_.touched.lower.push_back(k);
-    fine_.touched.begin.push_back(static_cast<Index>(fine_.touched.lower.size()));
-  }
-  std::vector<float> contact = fine_.touched.read(fine_.A);
-  fine_.base.assign(contact.size(), 0);
-  coarse_.emplace_back();
-  make_next<D, K>(fine_, coarse_.back(), contact);
-  std::vector<float>().swap(fine_.base);
-  while (coarse_.back().A.rows() * K > options_.coarsest) {
-    Coarse& level = coarse_.back();
-    modes = coarsen<K, K>(level, modes, coarsening(D, false));
-    if (level.P.columns > stalled * level.A.rows()) break;
-    Coarse next;
-    make_next<K, K>(level, next, contact);
-    coarse_.push_back(std::move(next));
+/// The factor of A, symmetric positive semi-definite; rows of 0 get the solution r itself. A kernel
+/// is shifted away: by `least` of the diagonal, or tenfold as often as it takes.
+void factor_shifted(Eigen::MatrixXd A, Real least, Factor& factor) {
+  const Vector diagonal = A.diagonal();
+  for (Real s = least; s < 1; s *= 10) {
+    for (Eigen::Index k = 0; k < diagonal.size(); ++k)
+      A(k, k) = diagonal[k] > 0 ? (1 + s) * diagonal[k] : 1;
+    factor.compute(A);
+    if (factor.info() == Eigen::Success) break;
   }
 }
 
-/// Diagonal blocks, their inverses and the prolongation at the contact nodes.
-template <int D, int K>
-void HierarchyOf<D, K>::set_contact_rows(const std::vector<char>& fixed,
-                                         const std::vector<TangentialStiffness>& W,
-                                         const Vector& springs) {
-  const Index first_contact = static_cast<Index>(blocks_.slot.size() - fixed.size());
-  const Index first_slot = D * blocks_.interior;
-  std::vector<char> out(std::size_t(blocks_.slots() - first_slot), 0);
-  for (std::size_t c = 0; c < fixed.size(); ++c)
-    out[blocks_.slot[first_contact + c] - first_slot] = fixed[c];
+double bytes_of(const Factor& factor) { return sizeof(Real) * double(factor.matrixLLT().size()); }
 
-  float* diagonal = fine_.A.diagonal.data() + std::size_t(blocks_.interior) * D * D;
-  std::copy(contact_diagonal_.begin(), contact_diagonal_.end(), diagonal);
-  for (Eigen::Index c = 0; c < springs.size(); ++c) {
-    const Index p = blocks_.slot[first_contact + c];
-    diagonal[std::size_t(p - first_slot) * D + p % D] += static_cast<float>(scale_ * springs[c]);
+/// D slots a node on the fine level, K modes a node on the coarse ones.
+template <int D, int K>
+class HierarchyOf final : public LevelHierarchy {
+ public:
+  HierarchyOf(const Matrix& A, const NodeBlocks& blocks, const Eigen::MatrixXd& modes,
+              const HierarchyOptions& options)
+      : blocks_(blocks), scale_(1 / A.diagonal().mean()) {
+    fine_.A = make_fine_matrix<D>(A, blocks, scale_, exact_);
+    if (options.multiplies)
+      exact_.keep_if_symmetric(A, fine_.A, blocks.slot);
+    else
+      exact_ = {};
+    for (Index i = 0; i < blocks.blocks; ++i) invert_diagonal(fine_.A, i);
+    Modes<K> B = Modes<K>::Zero(blocks.slots(), K);
+    for (std::size_t p = 0; p < blocks.slot.size(); ++p) B.row(blocks.slot[p]) = modes.row(p);
+    fine_.allocate();
+    build_coarse(coarsen<D, K>(fine_, B, coarsening(D, true)), options.coarsest);
+    contact_diagonal_.assign(fine_.A.diagonal.begin() + std::ptrdiff_t(blocks.interior) * D * D,
+                             fine_.A.diagonal.end());
+    contact_P_.assign(fine_.P.at(fine_.P.row[blocks.interior]),
+                      fine_.P.value.data() + fine_.P.value.size());
+    factor_coarsest();
   }
-  for (const TangentialStiffness& w : W)
-    for (int k = 0; k < 2; ++k)
-      for (int l = 0; l < 2; ++l) {
-        const Index p = blocks_.slot[w.first + k], q = blocks_.slot[w.first + l];
-        diagonal[std::size_t(p - first_slot) * D + q % D] += static_cast<float>(scale_ * w.M(k, l));
+
+  void truncate(const std::vector<char>& fixed, const std::vector<TangentialStiffness>& W,
+                const Vector& springs) override {
+    set_contact_rows(fixed, W, springs);
+    coarse_.front().touched.clear(coarse_.front().A);
+    fine_product_.add(fine_.A, fine_.P, fine_.touched, coarse_.front().A);
+    restrict_border(fine_.P, fine_.border, coarse_.front().border);
+    for (std::size_t l = 0; l < coarse_.size(); ++l) {
+      Coarse& level = coarse_[l];
+      if (l + 1 < coarse_.size()) {
+        Coarse& next = coarse_[l + 1];
+        next.touched.clear(next.A);
+        product_.add(level.A, level.P, level.touched, next.A);
+        restrict_border(level.P, level.border, next.border);
       }
-  std::copy(contact_P_.begin(), contact_P_.end(), fine_.P.at(fine_.P.row[blocks_.interior]));
-  for (std::size_t s = 0; s < out.size(); ++s) {
-    if (!out[s]) continue;
-    const Index i = blocks_.interior + static_cast<Index>(s / D);
-    const int place = static_cast<int>(s % D);
-    for (int k = 0; k < D; ++k)
-      fine_.A.diagonal_at(i)[place * D + k] = fine_.A.diagonal_at(i)[k * D + place] = 0;
-    for (Index q = fine_.P.row[i]; q < fine_.P.row[i + 1]; ++q)
-      std::fill(fine_.P.at(q) + place * K, fine_.P.at(q) + (place + 1) * K, 0.0f);
-  }
-  for (Index i = blocks_.interior; i < blocks_.blocks; ++i) invert_diagonal(fine_.A, i);
-}
-
-template <int D, int K>
-void HierarchyOf<D, K>::truncate(const std::vector<char>& fixed,
-                                 const std::vector<TangentialStiffness>& W, const Vector& springs) {
-  set_contact_rows(fixed, W, springs);
-  coarse_.front().touched.clear(coarse_.front().A);
-  fine_product_.add(fine_.A, fine_.P, fine_.touched, coarse_.front().A);
-  for (std::size_t l = 0; l < coarse_.size(); ++l) {
-    Coarse& level = coarse_[l];
-    if (l + 1 < coarse_.size()) {
-      Coarse& next = coarse_[l + 1];
-      next.touched.clear(next.A);
-      product_.add(level.A, level.P, level.touched, next.A);
+      level.touched.add(1, level.base, level.A);
+      for (const Index i : level.touched.rows) invert_diagonal(level.A, i);
     }
-    level.touched.add(1, level.base, level.A);
-    for (const Index i : level.touched.rows) invert_diagonal(level.A, i);
+    factor_coarsest();
   }
-  restrict_border(fine_.P, fine_.border, coarse_.front().border);
-  for (std::size_t l = 0; l + 1 < coarse_.size(); ++l)
-    restrict_border(coarse_[l].P, coarse_[l].border, coarse_[l + 1].border);
-  factor_coarsest();
-}
 
-template <int D, int K>
-void HierarchyOf<D, K>::join(const Border& border) {
-  LevelBorder<D>& fine = fine_.border;
-  S_ = scale_ * border.S;
-  std::vector<Index> at(blocks_.blocks, -1);
-  fine.block.clear();
-  for (const Index p : border.row) {
-    const Index i = blocks_.slot[p] / D;
-    if (at[i] >= 0) continue;
-    at[i] = static_cast<Index>(fine.block.size());
-    fine.block.push_back(i);
+  void join(const Border& border) override {
+    LevelBorder<D>& fine = fine_.border;
+    S_ = scale_ * border.S;
+    std::vector<Index> at(blocks_.blocks, -1);
+    fine.block.clear();
+    for (const Index p : border.row) {
+      const Index i = blocks_.slot[p] / D;
+      if (at[i] >= 0) continue;
+      at[i] = static_cast<Index>(fine.block.size());
+      fine.block.push_back(i);
+    }
+    fine.B.setZero(Eigen::Index(fine.block.size()) * D, S_.cols());
+    for (std::size_t b = 0; b < border.row.size(); ++b) {
+      const Index slot = blocks_.slot[border.row[b]];
+      fine.B.row(at[slot / D] * D + slot % D) =
+          (scale_ * border.B.row(Eigen::Index(b))).template cast<float>();
+    }
+    fine.allocate(S_.cols());
+    for (Coarse& level : coarse_) level.border.allocate(S_.cols());
   }
-  fine.B.setZero(Eigen::Index(fine.block.size()) * D, S_.cols());
-  for (std::size_t b = 0; b < border.row.size(); ++b) {
-    const Index slot = blocks_.slot[border.row[b]];
-    fine.B.row(at[slot / D] * D + slot % D) =
-        (scale_ * border.B.row(Eigen::Index(b))).template cast<float>();
+
+  void apply(const Vector& r, Vector& z) override {
+    const Real size = r.lpNorm<Eigen::Infinity>();
+    z.resize(r.size());
+    if (!(size > 0)) {
+      z.setZero();
+      return;
+    }
+    // to order 1 and back: single precision keeps its range
+    const Eigen::Index k = S_.cols();
+    const auto at = [this](Index p) {
+      const std::size_t slot = blocks_.slot[p];
+      return slot / D * stride<D> + slot % D;
+    };
+    for (Index p = 0; p < blocks_.dofs(); ++p) fine_.r[at(p)] = static_cast<float>(r[p] / size);
+    fine_.border.r = r.tail(k) / size;
+    cycle(fine_, 0);
+    for (Index p = 0; p < blocks_.dofs(); ++p) z[p] = size * scale_ * fine_.z[at(p)];
+    z.tail(k) = size * scale_ * fine_.border.z;
   }
-  fine.allocate(S_.cols());
-  for (Coarse& level : coarse_) level.border.allocate(S_.cols());
-}
 
-template <int D, int K>
-void HierarchyOf<D, K>::factor_coarsest() {
-  const Coarse& level = coarse_.back();
-  const Eigen::Index n = Eigen::Index(level.A.rows()) * K, k = S_.cols();
-  if (std::size_t(n) > most) return;
-  x_.resize(n + k);
-  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n + k, n + k);
-  A.topLeftCorner(n, n) = matrix(levels() - 1);
-  A.bottomRightCorner(k, k) = S_;
-  for (std::size_t b = 0; b < level.border.block.size(); ++b) {
-    const Eigen::Index first = Eigen::Index(level.border.block[b]) * K;
-    A.block(first, n, K, k) =
-        level.border.B.template middleRows<K>(Eigen::Index(b) * K).template cast<Real>();
-    A.block(n, first, k, K) = A.block(first, n, K, k).transpose();
+  bool multiply(const Vector& x, Vector& Ax) override {
+    return exact_.multiply(fine_.A, blocks_.slot, x, Ax);
   }
-  coarsest_.factor(std::move(A), shift);
-}
+  Index levels() const override { return static_cast<Index>(1 + coarse_.size()); }
 
-template <int D, int K>
-Real HierarchyOf<D, K>::operator_complexity() const {
-  const auto entries = [](const auto& A) {
-    return 2.0 * double(A.value.size()) + double(A.diagonal.size());
-  };
-  Real sum = entries(fine_.A);
-  for (const Coarse& level : coarse_) sum += entries(level.A);
-  return sum / entries(fine_.A);
-}
+  Real operator_complexity() const override {
+    const auto entries = [](const auto& A) {
+      return 2.0 * double(A.value.size()) + double(A.diagonal.size());
+    };
+    Real sum = entries(fine_.A);
+    for (const Coarse& level : coarse_) sum += entries(level.A);
+    return sum / entries(fine_.A);
+  }
 
-template <int D, int K>
-double HierarchyOf<D, K>::bytes() const {
-  double sum = fine_.bytes() + exact_.bytes() +
-               sizeof(Index) * double(blocks_.slot.size() + blocks_.dof.size());
-  for (const Coarse& level : coarse_) sum += level.bytes();
-  return sum + coarsest_.bytes();
-}
+  double bytes() const override {
+    double sum = fine_.bytes() + exact_.bytes() +
+                 sizeof(Index) * double(blocks_.slot.size() + blocks_.dof.size());
+    for (const Coarse& level : coarse_) sum += level.bytes();
+    return sum + bytes_of(coarsest_);
+  }
 
-template <int D, int K>
-Eigen::MatrixXd HierarchyOf<D, K>::matrix(Index level) const {
-  return level == 0 ? dense(fine_.A) : dense(coarse_[level - 1].A);
-}
+  Eigen::MatrixXd matrix(Index level) const override {
+    return level == 0 ? dense(fine_.A) : dense(coarse_[level - 1].A);
+  }
 
-template <int D, int K>
-Eigen::MatrixXd HierarchyOf<D, K>::prolongation(Index level) const {
-  return level == 0 ? dense(fine_.P) : dense(coarse_[level - 1].P);
-}
+  Eigen::MatrixXd prolongation(Index level) const override {
+    return level == 0 ? dense(fine_.P) : dense(coarse_[level - 1].P);
+  }
+
+ private:
+  using Coarse = Level<K, K>;
+
+  void build_coarse(Modes<K> modes, Index coarsest) {
+    // on the fine level the contact part is all rows of contact nodes, and their base is 0
+    for (Index i = blocks_.interior; i < blocks_.blocks; ++i) {
+      fine_.touched.rows.push_back(i);
+      for (Index k = fine_.A.row[i]; k < fine_.A.row[i + 1]; ++k) fine_.touched.lower.push_back(k);
+      fine_.touched.begin.push_back(static_cast<Index>(fine_.touched.lower.size()));
+    }
+    std::vector<float> contact = fine_.touched.read(fine_.A);
+    fine_.base.assign(contact.size(), 0);
+    coarse_.emplace_back();
+    make_next<D, K>(fine_, coarse_.back(), contact);
+    std::vector<float>().swap(fine_.base);
+    while (coarse_.back().A.rows() * K > coarsest) {
+      Coarse& level = coarse_.back();
+      modes = coarsen<K, K>(level, modes, coarsening(D, false));
+      if (level.P.columns > stalled * level.A.rows()) break;
+      Coarse next;
+      make_next<K, K>(level, next, contact);
+      coarse_.push_back(std::move(next));
+    }
+  }
+
+  /// Diagonal blocks, their inverses and the prolongation at the contact nodes.
+  void set_contact_rows(const std::vector<char>& fixed, const std::vector<TangentialStiffness>& W,
+                        const Vector& springs) {
+    const Index first_contact = static_cast<Index>(blocks_.slot.size() - fixed.size());
+    const Index first_slot = D * blocks_.interior;
+    std::vector<char> out(std::size_t(blocks_.slots() - first_slot), 0);
+    for (std::size_t c = 0; c < fixed.size(); ++c)
+      out[blocks_.slot[first_contact + c] - first_slot] = fixed[c];
+
+    float* diagonal = fine_.A.diagonal.data() + std::size_t(blocks_.interior) * D * D;
+    std::copy(contact_diagonal_.begin(), contact_diagonal_.end(), diagonal);
+    for (Eigen::Index c = 0; c < springs.size(); ++c) {
+      const Index p = blocks_.slot[first_contact + c];
+      diagonal[std::size_t(p - first_slot) * D + p % D] += static_cast<float>(scale_ * springs[c]);
+    }
+    for (const TangentialStiffness& w : W)
+      for (int k = 0; k < 2; ++k)
+        for (int l = 0; l < 2; ++l) {
+          const Index p = blocks_.slot[w.first + k], q = blocks_.slot[w.first + l];
+          diagonal[std::size_t(p - first_slot) * D + q % D] +=
+              static_cast<float>(scale_ * w.M(k, l));
+        }
+    std::copy(contact_P_.begin(), contact_P_.end(), fine_.P.at(fine_.P.row[blocks_.interior]));
+    for (std::size_t s = 0; s < out.size(); ++s) {
+      if (!out[s]) continue;
+      const Index i = blocks_.interior + static_cast<Index>(s / D);
+      const int place = static_cast<int>(s % D);
+      for (int k = 0; k < D; ++k)
+        fine_.A.diagonal_at(i)[place * D + k] = fine_.A.diagonal_at(i)[k * D + place] = 0;
+      for (Index q = fine_.P.row[i]; q < fine_.P.row[i + 1]; ++q)
+        std::fill(fine_.P.at(q) + place * K, fine_.P.at(q) + (place + 1) * K, 0.0f);
+    }
+    for (Index i = blocks_.interior; i < blocks_.blocks; ++i) invert_diagonal(fine_.A, i);
+  }
+
+  void factor_coarsest() {
+    const Coarse& level = coarse_.back();
+    const Eigen::Index n = Eigen::Index(level.A.rows()) * K, k = S_.cols();
+    if (std::size_t(n) > most) return;
+    x_.resize(n + k);
+    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n + k, n + k);
+    A.topLeftCorner(n, n) = matrix(levels() - 1);
+    A.bottomRightCorner(k, k) = S_;
+    for (std::size_t b = 0; b < level.border.block.size(); ++b) {
+      const Eigen::Index first = Eigen::Index(level.border.block[b]) * K;
+      A.block(first, n, K, k) =
+          level.border.B.template middleRows<K>(Eigen::Index(b) * K).template cast<Real>();
+      A.block(n, first, k, K) = A.block(first, n, K, k).transpose();
+    }
+    factor_shifted(std::move(A), shift, coarsest_);
+  }
+
+  /// level.z from level.r: two sweeps, correction from the level next, two sweeps.
+  template <int B>
+  void cycle(Level<B, K>& level, std::size_t next) {
+    level.residual = level.r;
+    sweep_forward(level.A, level.residual.data(), level.z.data());
+    sweep_forward(level.A, level.residual.data(), level.work.data());
+    for (std::size_t k = 0; k < level.z.size(); ++k) level.z[k] += level.work[k];
+    restrict_to(level.P, level.residual.data(), coarse_[next].r);
+    coarse_[next].border.r = level.border.r;
+    level.border.subtract_transposed(level.z.data(), coarse_[next].border.r);
+    correct(next);
+    prolong(level.P, coarse_[next].z.data(), level.z.data());
+    level.border.z = coarse_[next].border.z;
+    for (int sweep = 0; sweep < 2; ++sweep) {
+      level.work = level.r;
+      level.border.subtract(level.border.z, level.work.data());
+      sweep_backward(level.A, level.work.data(), level.z.data());
+    }
+  }
+
+  /// coarse.z from coarse.r: exact on the coarsest level, elsewhere by two cycles.
+  void correct(std::size_t next) {
+    Coarse& coarse = coarse_[next];
+    if (next + 1 == coarse_.size()) {
+      solve_coarsest(coarse);
+      return;
+    }
+    LevelBorder<K>& q = coarse.border;
+    cycle(coarse, next + 1);
+    coarse.r.swap(coarse.first_r);
+    coarse.z.swap(coarse.first_z);
+    q.r.swap(q.first_r);
+    q.z.swap(q.first_z);
+    subtract_product(coarse.A, coarse.first_r.data(), coarse.first_z.data(), coarse.r.data());
+    q.subtract(q.first_z, coarse.r.data());
+    q.r = q.first_r - S_.lazyProduct(q.first_z);
+    q.subtract_transposed(coarse.first_z.data(), q.r);
+    cycle(coarse, next + 1);
+    q.z += q.first_z;
+    for (std::size_t k = 0; k < coarse.z.size(); ++k) coarse.z[k] += coarse.first_z[k];
+  }
+
+  void solve_coarsest(Coarse& level) {
+    LevelBorder<K>& q = level.border;
+    if (x_.size() > 0) {
+      const Eigen::Index rows = level.A.rows();
+      const auto slots = [&](std::vector<float>& v) {
+        return Eigen::Map<Eigen::MatrixXf, 0, Eigen::OuterStride<stride<K>>>(v.data(), K, rows);
+      };
+      x_.head(rows * K).reshaped(K, rows) = slots(level.r).template cast<Real>();
+      x_.tail(q.r.size()) = q.r;
+      coarsest_.solveInPlace(x_);
+      slots(level.z) = x_.head(rows * K).reshaped(K, rows).template cast<float>();
+      q.z = x_.tail(q.z.size());
+      return;
+    }
+    level.work = level.r;
+    sweep_forward(level.A, level.work.data(), level.z.data());
+    level.work = level.r;
+    if (S_.size() > 0) {
+      q.subtract_transposed(level.z.data(), q.r);
+      q.z = solve(S_, q.r);
+      q.subtract(q.z, level.work.data());
+    }
+    sweep_backward(level.A, level.work.data(), level.z.data());
+  }
+
+  NodeBlocks blocks_;
+  ExactMatrix<D> exact_;
+  const Real scale_;  ///< brings A near 1
+  Level<D, K> fine_;
+  std::vector<Coarse> coarse_;
+  std::vector<float> contact_diagonal_, contact_P_;  ///< of the rows of contact nodes, untruncated
+  GalerkinProduct<D, K> fine_product_;
+  GalerkinProduct<K, K> product_;
+  Factor coarsest_;
+  DenseMatrix S_;  ///< of the border, scaled; 0 x 0 without one
+  Vector x_;       ///< on the coarsest level, where that is factored
+};
+
+/// A hierarchy of one level: a small matrix, factored with each set of faces in double precision.
+/// Whatever its conditioning, it needs no coarse space.
+class DenseHierarchy final : public Hierarchy {
+ public:
+  explicit DenseHierarchy(const Matrix& A) : A_(A) { truncate({}, {}, {}); }
+
+  void truncate(const std::vector<char>& fixed, const std::vector<TangentialStiffness>& W,
+                const Vector& springs) override {
+    const Eigen::Index interior = A_.rows() - Eigen::Index(fixed.size());
+    fixed_ = fixed;
+    truncated_ = A_;
+    truncated_.diagonal().tail(springs.size()) += springs;
+    for (const TangentialStiffness& w : W) truncated_.block<2, 2>(w.first, w.first) += w.M;
+    for (std::size_t c = 0; c < fixed.size(); ++c) {
+      if (!fixed[c]) continue;
+      truncated_.row(interior + Eigen::Index(c)).setZero();
+      truncated_.col(interior + Eigen::Index(c)).setZero();
+    }
+    factor_shifted(truncated_, far_above_rounding, factor_);
+  }
+  void apply(const Vector& r, Vector& z) override {
+    z = r;
+    factor_.solveInPlace(z);
+    drop_fixed(fixed_, z);
+  }
+  Index levels() const override { return 1; }
+  Real operator_complexity() const override { return 1; }
+  double bytes() const override {
+    return 2.0 * sizeof(Real) * double(A_.size()) + bytes_of(factor_);
+  }
+  Eigen::MatrixXd matrix(Index) const override { return truncated_; }  ///< by dofs
+
+ private:
+  static constexpr Real far_above_rounding = 1e-10;  ///< and far below A
+  Eigen::MatrixXd A_, truncated_;
+  std::vector<char> fixed_;
+  Factor factor_;
+};
+
+}  // namespace
 
 std::unique_ptr<LevelHierarchy> make_levels(const Matrix& A, const NodeBlocks& blocks,
                                             const Eigen::MatrixXd& modes,
