@@ -36,9 +36,9 @@ void decide_on_equilibrium(const ContactProblem& problem, FloatingMotions& float
   const bool open = s.status == Status::no_equilibrium || s.status == Status::stagnated ||
                     s.status == Status::fixed_point_diverged || s.status == Status::max_iterations;
   if (!open) return;
-  const Statics statics = balance(motions_of_A(problem, floating(), s.status), problem);
-  s.unheld_motion = statics.motion;
-  if (statics.balance == Balance::unheld)
+  const auto motion = unheld_motion(motions_of_A(problem, floating(), s.status), problem);
+  s.unheld_motion = motion.value_or(Vector());
+  if (motion)
     s.status = Status::no_equilibrium;
   else if (s.status == Status::no_equilibrium)
     s.status = Status::stagnated;

@@ -71,18 +71,17 @@ Vector bounds(const CondensedProblem& problem, const DenseMatrix& W) {
 
 }  // namespace
 
-Statics balance_at_bounded_pressure(const DenseMatrix& W, const CondensedProblem& problem) {
-  Statics open;
-  open.balance = Balance::at_limit;
+std::optional<Vector> unheld_at_bounded_pressure(const DenseMatrix& W,
+                                                 const CondensedProblem& problem) {
   const Increment& increment = problem.laws.increment;
-  if (!increment.bilateral || increment.law != Law::coulomb || W.cols() == 0) return open;
+  if (!increment.bilateral || increment.law != Law::coulomb || W.cols() == 0) return std::nullopt;
   const Vector p = bounds(problem, W);
-  if (p.size() == 0) return open;
+  if (p.size() == 0) return std::nullopt;
   ContactProblem limited = problem.laws;
   limited.increment.law = Law::tresca;
   limited.increment.g.resize(p.size());
   for (Index i = 0; i < p.size(); ++i) limited.increment.g[i] = law_of(increment, i).limit(p[i]);
-  return balance(W, limited);
+  return unheld_motion(W, limited);
 }
 
 }  // namespace frictioncg

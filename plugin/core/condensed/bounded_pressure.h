@@ -10,7 +10,8 @@ namespace frictioncg {
 ///   r_N = N0 + H r_T,  |r_T| <= c + mu |r_N|,  so that  |r_N| <= p,  p = |N0| + |H| (c + mu p),
 /// if there is such a p >= 0. Whatever holds then holds at the given limits min(c + mu p, cap).
 ///
-/// W: n x k, rigid motions (A W = 0). Unheld is a proof as balance() gives it; held says nothing.
-Statics balance_at_bounded_pressure(const DenseMatrix& W, const CondensedProblem& problem);
+/// W: n x k, rigid motions (A W = 0). A motion is a proof as unheld_motion() gives it.
+std::optional<Vector> unheld_at_bounded_pressure(const DenseMatrix& W,
+                                                 const CondensedProblem& problem);
 
 }  // namespace frictioncg

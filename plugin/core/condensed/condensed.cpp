@@ -65,7 +65,7 @@ Solution CondensedSolver::solve(const ContactProblem& problem, const Settings& s
   const Threads threads(elimination_->threads_pay());
   Solution& s = run.s;
   s.route = Route::condensed;
-  if (unheld(run, balance(elimination_->floating(), problem)))
+  if (unheld(run, unheld_motion(elimination_->floating(), problem)))
     s.status = Status::no_equilibrium;
   else
     refine(run, x0.size() > 0 ? Vector(x0.tail(problem.contact_dofs())) : Vector());
@@ -229,17 +229,16 @@ Attempt CondensedSolver::by_gradient(Run& run, const CondensedProblem& condensed
 }
 
 /// Whether a motion is a proof that contact and friction cannot hold the load.
-bool CondensedSolver::unheld(Run& run, const Statics& statics) {
-  if (statics.balance != Balance::unheld) return false;
-  run.s.unheld_motion = statics.motion;
-  return true;
+bool CondensedSolver::unheld(Run& run, const std::optional<Vector>& motion) {
+  if (motion) run.s.unheld_motion = *motion;
+  return motion.has_value();
 }
 
 /// The same of all rigid motions, by the laws, or by the stiffness that bounds bilateral contact.
 bool CondensedSolver::unheld_by_anything(Run& run, const CondensedProblem& condensed) {
   const DenseMatrix& W = rigid_motions_of_A(run);
-  return unheld(run, balance(W, run.problem)) ||
-         unheld(run, balance_at_bounded_pressure(W, condensed));
+  return unheld(run, unheld_motion(W, run.problem)) ||
+         unheld(run, unheld_at_bounded_pressure(W, condensed));
 }
 
 /// The kernel of A: of its bodies, where the system knows their motions, which tells soft from

@@ -43,7 +43,7 @@ class CondensedSolver {
   Attempt solve_laws(Run& run, const CondensedProblem& condensed, const Vector& start);
   Attempt by_newton(const Run& run, const CondensedProblem& condensed, const Vector& start) const;
   Attempt by_gradient(Run& run, const CondensedProblem& condensed, const Vector& start);
-  bool unheld(Run& run, const Statics& statics);
+  bool unheld(Run& run, const std::optional<Vector>& motion);
   bool unheld_by_anything(Run& run, const CondensedProblem& condensed);
   const DenseMatrix& rigid_motions_of_A(Run& run);
   void look_for_negative_energy(Run& run);

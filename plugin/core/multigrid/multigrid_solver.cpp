@@ -72,11 +72,10 @@ Solution MultigridSolver::solve(const ContactProblem& problem, const Settings& s
 
 /// Whether statics proves that nothing holds the load.
 bool MultigridSolver::shown_unheld(const ContactProblem& problem, Solution& s) const {
-  if (motions_.cols() == 0) return false;
-  const Statics statics = balance(motions_, problem);
-  if (statics.balance != Balance::unheld) return false;
+  const std::optional<Vector> motion = unheld_motion(motions_, problem);
+  if (!motion) return false;
   s.status = Status::no_equilibrium;
-  s.unheld_motion = statics.motion;
+  s.unheld_motion = *motion;
   s.x = Vector::Zero(problem.dofs());
   s.certificate = certify(problem, s.x);
   return true;

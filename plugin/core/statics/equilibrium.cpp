@@ -11,8 +11,8 @@ namespace {
 
 /// A load is balanced where no more than this share of it is left.
 constexpr Real rounding = 1e-9;
-/// Forces of more than so many times the load are none that a body can bear: a balance that takes
-/// them does not hold the load, and a motion that nothing but they could stop is a proof.
+/// Forces of more than so many times the load are none that a body can bear: a motion that nothing
+/// but they could stop is a proof.
 constexpr Real most_pressure = 1e6;
 /// The search for a balance ends as soon as only forces of so many times the load could make one.
 constexpr Real any_pressure = 1e9;
@@ -41,11 +41,6 @@ class NearestInCone {
         R_(target.size(), target.size()) {}
 
   const Vector& rest() const { return rest_; }  ///< target - nearest point
-  Real pressure() const {                       ///< sum of the weights of the columns as they came
-    Real sum = 0;
-    for (Index k = 0; k < count(); ++k) sum += weight_[k] / size_[k];
-    return sum;
-  }
 
   /// Takes the columns into the cone that bring it nearer to the target. False where none does: a
   /// column that rounding keeps out is passed over for the next.
@@ -78,8 +73,8 @@ class NearestInCone {
   bool add(const Vector& column) {
     const Real before = rest_.norm();
     const DenseMatrix columns = G();
-    const std::vector<Real> weight = weight_, size = size_;
-    if (!append(column.normalized(), 0, column.norm())) return false;
+    const std::vector<Real> weight = weight_;
+    if (!append(column.normalized(), 0)) return false;
     while (count() > 0 && !step()) {
     }
     const Vector rest = orthogonal_rest();
@@ -91,14 +86,13 @@ class NearestInCone {
       return nearer;
     }
     weight_.clear();  // rounding
-    size_.clear();
     for (std::size_t k = 0; k < weight.size(); ++k)
-      append(columns.col(static_cast<Index>(k)), weight[k], size[k]);
+      append(columns.col(static_cast<Index>(k)), weight[k]);
     return false;
   }
 
   /// False where the columns that are there make it up. Gram and Schmidt, twice.
-  bool append(Vector unit, Real weight, Real size) {
+  bool append(Vector unit, Real weight) {
     const Index k = count();
     if (k == target_.size()) return false;
     G_.col(k) = unit;
@@ -114,7 +108,6 @@ class NearestInCone {
     R_.col(k).head(k) = along;
     R_(k, k) = left;
     weight_.push_back(weight);
-    size_.push_back(size);
     return true;
   }
 
@@ -132,7 +125,6 @@ class NearestInCone {
       Q_.applyOnTheRight(k, k + 1, turn);
     }
     weight_.erase(weight_.begin() + j);
-    size_.erase(size_.begin() + j);
   }
 
   /// Towards the least squares of the present columns, as far as the weights stay positive; drops
@@ -166,8 +158,8 @@ class NearestInCone {
 
   const Vector target_;
   Vector rest_;
-  DenseMatrix G_, Q_, R_;            ///< the unit columns of positive weight, G = QR
-  std::vector<Real> weight_, size_;  ///< of the unit columns; what the columns were
+  DenseMatrix G_, Q_, R_;     ///< the unit columns of positive weight, G = QR
+  std::vector<Real> weight_;  ///< of the unit columns
 };
 
 /// What resists a motion: the forces of contact and friction that work most against it.
@@ -296,10 +288,9 @@ Real largest_size(const System& system, const DenseMatrix& W) {
 
 }  // namespace
 
-Statics balance(const DenseMatrix& W, const ContactProblem& problem) {
-  Statics statics;
+std::optional<Vector> unheld_motion(const DenseMatrix& W, const ContactProblem& problem) {
+  if (W.cols() == 0) return std::nullopt;
   const Vector& F = problem.increment.F;
-  if (W.cols() == 0) return statics;
   const System& system = *problem.system;
   Vector work = W.transpose().lazyProduct(F);
   system.sum(work.data(), static_cast<Index>(work.size()));
@@ -307,29 +298,24 @@ Statics balance(const DenseMatrix& W, const ContactProblem& problem) {
   Real noise = rounding * load * system.largest(W.size() > 0 ? W.cwiseAbs().maxCoeff() : 0);
   // what the displacement of before leaves may have been summed of terms a million times larger
   if (problem.increment.noise() > 0) noise += problem.increment.noise() * largest_size(system, W);
-  if (work.norm() <= noise) return statics;
+  if (work.norm() <= noise) return std::nullopt;
   Resistance resistance(W, work, most_pressure * load, problem);
   NearestInCone nearest(resistance.target());
   const auto proven = [&](Real pressures) {
     resistance.meet(nearest.rest());
     return resistance.pull > 0 && pressures * load * resistance.most <= resistance.pull;
   };
-  bool unheld = false, balanced = false;
-  for (int round = 0; round < most_rounds && !unheld && !balanced; ++round) {
+  bool unheld = false;
+  for (int round = 0; round < most_rounds && !unheld; ++round) {
     unheld = proven(any_pressure);
     if (unheld || !nearest.add(resistance.columns)) break;
-    balanced = nearest.rest().norm() <= noise;
+    if (nearest.rest().norm() <= noise) return std::nullopt;
   }
-  statics.balance = Balance::at_limit;
-  if (balanced) {
-    if (nearest.pressure() <= most_pressure * load) statics.balance = Balance::held;
-  } else if (unheld || proven(most_pressure)) {
-    const Vector motion = W.lazyProduct(nearest.rest().head(W.cols()));
-    if (carried(motion, resistance.pull, problem) || !may_be_rigid(system, motion)) return statics;
-    statics.balance = Balance::unheld;
-    statics.motion = motion;
-  }
-  return statics;
+  if (!unheld && !proven(most_pressure)) return std::nullopt;
+  const Vector motion = W.lazyProduct(nearest.rest().head(W.cols()));
+  if (carried(motion, resistance.pull, problem) || !may_be_rigid(system, motion))
+    return std::nullopt;
+  return motion;
 }
 
 }  // namespace frictioncg

@@ -3,18 +3,9 @@
 
 namespace frictioncg {
 
-/// Whether forces of contact and friction can balance a load over rigid motions.
-enum class Balance {
-  held,      ///< such forces exist
-  at_limit,  ///< neither is shown beyond rounding
-  unheld     ///< a rigid motion is found that nothing holds: a proof
-};
-
-struct Statics {
-  Balance balance = Balance::held;
-  Vector motion;  ///< n, the motion that nothing holds; empty unless unheld
-};
-
+/// A rigid motion (n) that no forces of contact and friction hold against the load: a proof that
+/// there is no equilibrium. None where such forces exist, or neither is shown beyond rounding.
+///
 /// W: n x k, rigid motions (A W = 0). A motion w that is not quite one, as a soft deformation may
 /// be, proves nothing where A w can carry what it claims: F.w = x'A w for a solution x of some
 /// size.
@@ -30,7 +21,7 @@ struct Statics {
 ///   c |w_T|  without a cap,  min(c, cap) |w_T|, or p w_N + cap |w_T| at the pressure p > 0 with
 ///   c + mu p = cap, whichever is more, with one.
 /// Bilateral contact: r_N of either sign. Sums of such friction cones are a linear space, and the
-/// test is made with that space: unheld stays a proof, held need not be one.
-Statics balance(const DenseMatrix& W, const ContactProblem& problem);
+/// test is made with that space: a motion stays a proof, where there is none nothing is shown.
+std::optional<Vector> unheld_motion(const DenseMatrix& W, const ContactProblem& problem);
 
 }  // namespace frictioncg
