@@ -133,6 +133,12 @@ struct Prolongation {
   const float* at(std::size_t k) const { return value.data() + k * entries; }
 };
 
+/// What vectors keep in memory.
+template <class... T>
+double bytes_of(const std::vector<T>&... v) {
+  return (0.0 + ... + (double(v.capacity()) * sizeof(T)));
+}
+
 // X of the sizes that levels have, and of those of the prolongations between them.
 #define FRICTIONCG_BLOCKS(X) X(2) X(3) X(6)
 #define FRICTIONCG_PROLONGATIONS(X) X(2, 3) X(3, 3) X(3, 6) X(6, 6)

@@ -32,9 +32,6 @@ struct LevelBorder {
   void allocate(Eigen::Index k) {
     for (Vector* q : {&r, &z, &first_r, &first_z}) q->setZero(k);
   }
-  double bytes() const {
-    return sizeof(Index) * double(block.capacity()) + sizeof(float) * double(B.size());
-  }
 };
 
 /// coarse.B = P' fine.B

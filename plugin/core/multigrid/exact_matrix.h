@@ -19,7 +19,7 @@ class ExactMatrix {
   void keep_if_symmetric(const Matrix& A, const SymmetricBlocks<D>& places,
                          const std::vector<Index>& slot);
   double bytes() const {
-    return sizeof(Real) * double(lower.capacity() + diagonal.capacity() + x_.size() + y_.size());
+    return bytes_of(lower, diagonal) + sizeof(Real) * double(x_.size() + y_.size());
   }
 
  private:

@@ -3,7 +3,6 @@
 #include "linear_algebra.h"
 #include "multigrid/dense.h"
 #include "multigrid/exact_matrix.h"
-#include "multigrid/galerkin.h"
 #include "multigrid/hierarchy.h"
 #include "multigrid/level.h"
 #include "multigrid/smoother.h"
@@ -43,8 +42,6 @@ void factor_shifted(Eigen::MatrixXd A, Real least, Factor& factor) {
   }
 }
 
-double bytes_of(const Factor& factor) { return sizeof(Real) * double(factor.matrixLLT().size()); }
-
 /// D slots a node on the fine level, K modes a node on the coarse ones.
 template <int D, int K>
 class HierarchyOf final : public LevelHierarchy {
@@ -61,7 +58,7 @@ class HierarchyOf final : public LevelHierarchy {
     Modes<K> B = Modes<K>::Zero(blocks.slots(), K);
     for (std::size_t p = 0; p < blocks.slot.size(); ++p) B.row(blocks.slot[p]) = modes.row(p);
     fine_.allocate();
-    build_coarse(coarsen<D, K>(fine_, B, coarsening(D, true)), options.coarsest);
+    build_coarse(fine_.coarsen(B, coarsening(D, true)), options.coarsest);
     contact_diagonal_.assign(fine_.A.diagonal.begin() + std::ptrdiff_t(blocks.interior) * D * D,
                              fine_.A.diagonal.end());
     contact_P_.assign(fine_.P.at(fine_.P.row[blocks.interior]),
@@ -145,10 +142,10 @@ class HierarchyOf final : public LevelHierarchy {
   }
 
   double bytes() const override {
-    double sum = fine_.bytes() + exact_.bytes() +
-                 sizeof(Index) * double(blocks_.slot.size() + blocks_.dof.size());
+    double sum = fine_.bytes() + exact_.bytes() + bytes_of(blocks_.slot, blocks_.dof) +
+                 sizeof(Real) * double(coarsest_.matrixLLT().size());
     for (const Coarse& level : coarse_) sum += level.bytes();
-    return sum + bytes_of(coarsest_);
+    return sum;
   }
 
   Eigen::MatrixXd matrix(Index level) const override {
@@ -172,14 +169,14 @@ class HierarchyOf final : public LevelHierarchy {
     std::vector<float> contact = fine_.touched.read(fine_.A);
     fine_.base.assign(contact.size(), 0);
     coarse_.emplace_back();
-    make_next<D, K>(fine_, coarse_.back(), contact);
+    fine_.make_next(coarse_.back(), contact);
     std::vector<float>().swap(fine_.base);
     while (coarse_.back().A.rows() * K > coarsest) {
       Coarse& level = coarse_.back();
-      modes = coarsen<K, K>(level, modes, coarsening(D, false));
+      modes = level.coarsen(modes, coarsening(D, false));
       if (level.P.columns > stalled * level.A.rows()) break;
       Coarse next;
-      make_next<K, K>(level, next, contact);
+      level.make_next(next, contact);
       coarse_.push_back(std::move(next));
     }
   }
@@ -343,9 +340,7 @@ class DenseHierarchy final : public Hierarchy {
   }
   Index levels() const override { return 1; }
   Real operator_complexity() const override { return 1; }
-  double bytes() const override {
-    return 2.0 * sizeof(Real) * double(A_.size()) + bytes_of(factor_);
-  }
+  double bytes() const override { return 3.0 * sizeof(Real) * double(A_.size()); }
   Eigen::MatrixXd matrix(Index) const override { return truncated_; }  ///< by dofs
 
  private:

@@ -1,7 +1,6 @@
 #pragma once
 #include "multigrid/border.h"
-#include "multigrid/prolongation.h"
-#include "multigrid/touched.h"
+#include "multigrid/galerkin.h"
 
 namespace frictioncg {
 
@@ -20,17 +19,48 @@ struct Level {
     for (std::vector<float>* v : {&r, &z, &work, &residual, &first_r, &first_z})
       v->assign(std::size_t(A.rows()) * stride<B>, 0);
   }
-  double bytes() const;
+
+  /// Builds P by smoothed aggregation; returns the modes of the next level. Thin layers of elements
+  /// are not aggregated across.
+  Modes<K> coarsen(const Modes<K>& modes, Coarsening how) {
+    // so many power steps tell the spectral radius, from below, to some percent: the damping stays
+    // stable with that
+    constexpr int power_steps = 8;
+    // the Jacobi step that smooths P, over the spectral radius: the usual choice
+    constexpr float damping = 4.0f / 3;
+    const BlockGraph graph = make_graph(A);
+    const Aggregates aggregates = aggregate(graph, coupling_strength(A), how);
+    const Tentative<B, K> tentative = make_tentative<B, K>(aggregates, modes);
+    const float omega = damping / spectral_radius(A, power_steps);
+    P = smooth<B, K>(A, graph, aggregates, tentative.value, omega);
+    return tentative.coarse;
+  }
+
+  /// next.A = P' A P, its base apart: A holds its own base in turn, and then, in the touched
+  /// blocks, the contact part alone. contact: that part of A, replaced by that of next.A.
+  void make_next(Level<K, K>& next, std::vector<float>& contact) {
+    next.A = galerkin_pattern(A, P);
+    next.touched = Touched<K>::reached(A, touched, P, next.A);
+    GalerkinProduct<B, K> product;
+    touched.add(0, base, A);
+    product.add(A, P, next.A);
+    next.base = next.touched.read(next.A);
+
+    touched.add(0, contact, A);
+    next.touched.clear(next.A);
+    product.add(A, P, touched, next.A);
+    touched.add(1, base, A);
+    contact = next.touched.read(next.A);
+    next.touched.add(1, next.base, next.A);
+    for (Index i = 0; i < next.A.rows(); ++i) invert_diagonal(next.A, i);
+    next.allocate();
+  }
+
+  double bytes() const {
+    return bytes_of(A.row, A.col, A.value, A.diagonal, A.inverse, P.row, P.col, P.value,
+                    touched.lower, base, r, z, work, residual, first_r, first_z, border.block) +
+           sizeof(float) * double(border.B.size());
+  }
 };
-
-/// Builds the level's P by smoothed aggregation; returns the modes of the next level. Thin layers
-/// of elements are not aggregated across.
-template <int B, int K>
-Modes<K> coarsen(Level<B, K>& level, const Modes<K>& modes, Coarsening how);
-
-/// next.A = P' A P, its base apart: level.A holds its own base in turn, and then, in the touched
-/// blocks, the contact part alone. contact: that part of level.A, replaced by that of next.A.
-template <int B, int K>
-void make_next(Level<B, K>& level, Level<K, K>& next, std::vector<float>& contact);
 
 }  // namespace frictioncg
