@@ -1,7 +1,5 @@
 #include "multigrid/aggregation.h"
 
-#include "multigrid/block_index.h"
-
 namespace frictioncg {
 
 namespace {

@@ -11,6 +11,16 @@ namespace frictioncg {
 // each block operation is a few unrolled instructions. Blocks are stored by rows; those of 3 x 3,
 // and all with rows of six, are multiplied in lanes. Vectors have `stride` floats a row.
 
+/// How many blocks, slots or couplings of blocks there are, as what indexes them. Throws
+/// IllegalInput beyond 2^31 - 1. Entries are counted by 64 bits: a block has up to 36 of them.
+inline Index to_block_index(std::size_t count) {
+  if (count > static_cast<std::size_t>(std::numeric_limits<Index>::max()))
+    refuse("a level of the multigrid hierarchy has ", count,
+           " blocks, more than 2^31 - 1; this build indexes them by 32 bits: take "
+           "method=\"GCX\" with precon=\"ssor\"");
+  return static_cast<Index>(count);
+}
+
 /// Whether R x C blocks fill lanes.
 template <int R, int C>
 constexpr bool in_lanes = C == 6 || (R == 3 && C == 3);

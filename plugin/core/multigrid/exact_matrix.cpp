@@ -1,7 +1,5 @@
 #include "multigrid/exact_matrix.h"
 
-#include "multigrid/block_index.h"
-
 namespace frictioncg {
 
 namespace {

@@ -35,11 +35,6 @@ Faces::Faces(const ContactProblem& problem)
   }
 }
 
-void Faces::start_from_stick() {
-  face_ = all_stick(increment_);
-  update_rows();
-}
-
 void Faces::start_from(const Vector& x, const Vector& b_C) {
   for (Index i = 0; i < system_.nodes(); ++i) {
     const Index first = system_.first[i], size = system_.tangents(i) + 1;
@@ -60,22 +55,6 @@ Eigen::Vector2d Faces::friction(Index i, const Vector& x, const Vector& b_C) con
   return g * face.d + face.stiffness() * x_T;
 }
 
-/// The branch of friction for the force f, where the pressure of a closed node is r_N.
-Branch Faces::branch(Index i, bool closed, const Eigen::Vector2d& f, Real r_N,
-                     const Vector& x) const {
-  Branch next = face_[i];
-  next.closed = closed;
-  next.choose_limit(law_of(increment_, i), r_N);
-  const Real g = next.g;
-  const Index t = system_.tangents(i);
-  const Tangent y = f.head(t) + c_[i] * x.segment(system_.first[i] + 1, t);
-  if (t > 0) next.choose_friction(y, g, c_[i], most_stiffness);
-  // slip does not reverse at once: on a motion that little resists it would do so for ever
-  const bool reverses = !face_[i].stick && y.dot(face_[i].d.head(t)) < 0;
-  next.stick = next.stick || (g > 0 && reverses);
-  return next;
-}
-
 void Faces::start_from(const Branches& faces) {
   face_ = faces;
   for (std::size_t i = 0; i < face_.size(); ++i) {
@@ -88,11 +67,17 @@ void Faces::start_from(const Branches& faces) {
 
 void Faces::choose(const Vector& x, const Vector& b_C) {
   for (Index i = 0; i < system_.nodes(); ++i) {
-    const Branch& now = face_[i];
-    const Index N = normal(i);
-    const bool closed =
-        increment_.bilateral || (now.closed ? b_C[N] > 0 : x[system_.first[i]] > increment_.gap[i]);
-    face_[i] = branch(i, closed, friction(i, x, b_C), now.closed ? b_C[N] : 0, x);
+    const Branch now = face_[i];
+    const Index first = system_.first[i], t = system_.tangents(i);
+    const Real r_N = now.closed ? b_C[normal(i)] : 0;
+    const Tangent y = friction(i, x, b_C).head(t) + c_[i] * x.segment(first + 1, t);
+    Branch& next = face_[i];
+    next.closed = increment_.bilateral || (now.closed ? r_N > 0 : x[first] > increment_.gap[i]);
+    next.choose_limit(law_of(increment_, i), r_N);
+    if (t > 0) next.choose_friction(y, next.g, c_[i], most_stiffness);
+    // slip does not reverse at once: on a motion that little resists it would do so for ever
+    const bool reverses = !now.stick && y.dot(now.d.head(t)) < 0;
+    next.stick = next.stick || (next.g > 0 && reverses);
   }
   update_rows();
 }

@@ -14,7 +14,6 @@ class Faces {
  public:
   explicit Faces(const ContactProblem& problem);
 
-  void start_from_stick();  ///< every node that can close closed, every one with friction in stick
   void start_from(const Vector& x, const Vector& b_C);  ///< the branches that any (x, b) is on
 
   void start_from(const Branches& faces);  ///< m, of another increment
@@ -45,7 +44,6 @@ class Faces {
  private:
   Index normal(Index i) const { return system_.first[i] - system_.interior(); }
   Eigen::Vector2d friction(Index i, const Vector& x, const Vector& b_C) const;
-  Branch branch(Index i, bool closed, const Eigen::Vector2d& f, Real r_N, const Vector& x) const;
   void update_rows();
 
   const System& system_;

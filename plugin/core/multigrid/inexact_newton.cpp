@@ -146,12 +146,14 @@ bool InexactNewton::solve_faces() {
   const Index begin = iterations_;
   Real mark = from;
   Index since = 0;
-  bool falls = mark > share * goal_, first = true;
+  bool falls = mark > share * goal_;
   if (falls) hierarchy_.truncate(faces_.fixed(), faces_.stiffness(), springs_);
   while (falls && iterations_ < max_iterations_) {
     falls = inner_.step(hierarchy_, faces_, springs_, x_, b_C_);
-    count(first ? StepLabel::newton : StepLabel::conjugate);
-    first = false;
+    const StepLabel label = iterations_ == begin ? StepLabel::newton : StepLabel::conjugate;
+    ++iterations_;
+    steps_.add(label);
+    if (observer_) observer_->iterate(iterations_, label, x_);
     const Real violation = faces_.violation(x_, b_C_);
     const Real aim = std::max(Gamma * violation, share * goal_);
     if (inner_.norm() <= aim) break;
@@ -174,12 +176,6 @@ bool InexactNewton::costs_too_much(Real from, Index cycles) const {
   const Real rate = std::log(from / inner_.norm()) / cycles;
   const Real left = std::log(inner_.norm() / (share * goal_));
   return !(iterations_ * rate + left <= affordable_ * rate);
-}
-
-void InexactNewton::count(StepLabel label) {
-  ++iterations_;
-  steps_.add(label);
-  if (observer_) observer_->iterate(iterations_, label, x_);
 }
 
 /// What the springs do to equilibrium, in norm_D.
@@ -219,7 +215,7 @@ bool InexactNewton::retreat(bool solved) {
   faces_.lag(false);
   if (!sprung_) {
     x_.setZero();
-    faces_.start_from_stick();
+    faces_.start_from(all_stick(problem_.increment));
     sprung_ = true;
   } else {
     x_ = rest_;

@@ -44,7 +44,6 @@ class InexactNewton {
   void move_onto_faces();
   bool solve_faces();
   bool costs_too_much(Real from, Index cycles) const;
-  void count(StepLabel label);
   bool violation_falls(Real violation);
   Real spring_force() const;
   void attach_springs();

@@ -1,6 +1,6 @@
 #include "multigrid/node_blocks.h"
 
-#include "multigrid/block_index.h"
+#include "multigrid/block_matrix.h"
 
 namespace frictioncg {
 

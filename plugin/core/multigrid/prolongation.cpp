@@ -1,6 +1,5 @@
 #include "multigrid/prolongation.h"
 
-#include "multigrid/block_index.h"
 #include "multigrid/smoother.h"
 
 namespace frictioncg {

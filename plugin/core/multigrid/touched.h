@@ -1,5 +1,4 @@
 #pragma once
-#include "multigrid/block_index.h"
 #include "multigrid/prolongation.h"
 
 namespace frictioncg {

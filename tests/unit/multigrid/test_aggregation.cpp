@@ -1,5 +1,4 @@
 #include "core/multigrid/aggregation.h"
-#include "core/multigrid/block_index.h"
 
 #include <gtest/gtest.h>
 
