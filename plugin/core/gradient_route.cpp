@@ -16,15 +16,6 @@ DenseMatrix motions_of_A(const ContactProblem& problem, const DenseMatrix& known
   return rigid_motions(*problem.system, default_iterations(problem));
 }
 
-/// The rigid motions that neither A nor the laws determine are named, and taken out of the answer;
-/// where the system knows no candidates for them they are not looked for.
-void settle(const ContactProblem& problem, const Settings& settings, FloatingMotions& floating,
-            Solution& s) {
-  if (s.certificate.residual > settings.tol) return;
-  s.undetermined = left_free(floating(), problem, branches_of(problem, s.x, s.certificate));
-  leave_least(problem, settings.tol, s);
-}
-
 }  // namespace
 
 Settings without_factor(Settings settings) {
@@ -52,7 +43,11 @@ Solution by_gradients(const ContactProblem& problem, const Settings& settings, c
             : settings.method == Method::gcx ? Layer::gcx
                                              : Layer::gc;
   decide_on_equilibrium(problem, floating, s);
-  settle(problem, settings, floating, s);
+  // The rigid motions that neither A nor the laws determine are named, and taken out of the answer;
+  // where the system knows no candidates for them they are not looked for.
+  if (s.certificate.residual > settings.tol) return s;
+  s.undetermined = left_free(floating(), problem, branches_of(problem, s.x, s.certificate));
+  leave_least(problem, settings.tol, s);
   return s;
 }
 

@@ -113,7 +113,7 @@ class FixedPoint {
     if (mismatch <= settled * finest() && inner_ <= finest()) return false;
     const bool learnt = mismatch >= inner_;
     judge_progress(std::max(mismatch, inner_));  // a pass tells g no better than it was solved
-    sharpen_pass(mismatch);
+    inner_ = std::min(inner_, std::max({precision_ * mismatch, largest_cut * inner_, finest()}));
     if (solution_.status != Status::converged) return true;
     step_towards_image(learnt);
     if (settings_.regeps == 0 && solution_.eps > 0) {
@@ -152,11 +152,6 @@ class FixedPoint {
     damped_ = true;
     best_ = mismatch;
     since_best_ = -3 * patience;  // damping is slow: it gets four times as long
-  }
-
-  void sharpen_pass(Real mismatch) {
-    const Real wanted = std::max({precision_ * mismatch, largest_cut * inner_, finest()});
-    inner_ = std::min(inner_, wanted);
   }
 
   /// learnt: the mismatch is one of g, not of the minimization; else it would mislead Anderson.

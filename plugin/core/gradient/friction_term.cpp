@@ -21,27 +21,15 @@ bool FrictionTerm::update(const Vector& x, const Vector& r_C, const ActiveSet& f
     if (faces.at_rest(i)) {
       r_.segment(c + 1, t).setZero();
     } else if (t > 0 && g[i] > 0) {
-      brake(i, x, g[i], phi);
-      crossed |= changes_piece(i, x, phi);
+      const auto x_T = x.segment(system_.first[i] + 1, t);
+      const Real slip = x_T.norm();
+      r_.segment(c + 1, t) -= g[i] * phi.slope_over_t(slip) * x_T;
+      part_.hessian.segment(c + 1, t).setConstant(g[i] * phi.mean_second_derivative(slip, t));
+      const char piece = phi.eps > 0 ? slip <= phi.eps : t == 1 && x_T[0] > 0;
+      crossed |= std::exchange(piece_[i], piece) != piece;
     }
   }
   return crossed;
-}
-
-void FrictionTerm::brake(Index i, const Vector& x, Real g, const Phi& phi) {
-  const Index T = system_.first[i] + 1, c = T - system_.interior(), t = system_.tangents(i);
-  const auto x_T = x.segment(T, t);
-  const Real slip = x_T.norm();
-  r_.segment(c, t) -= g * phi.slope_over_t(slip) * x_T;
-  part_.hessian.segment(c, t).setConstant(g * phi.mean_second_derivative(slip, t));
-}
-
-bool FrictionTerm::changes_piece(Index i, const Vector& x, const Phi& phi) {
-  const Index T = system_.first[i] + 1, t = system_.tangents(i);
-  const char piece = phi.eps > 0 ? x.segment(T, t).norm() <= phi.eps : t == 1 && x[T] > 0;
-  const bool changed = piece != piece_[i];
-  piece_[i] = piece;
-  return changed;
 }
 
 Real FrictionTerm::along(const Vector& r_C, const Vector& v) const {

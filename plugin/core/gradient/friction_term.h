@@ -24,9 +24,6 @@ class FrictionTerm {
   Real along(const Vector& r_C, const Vector& v) const;
 
  private:
-  void brake(Index i, const Vector& x, Real g, const Phi& phi);
-  bool changes_piece(Index i, const Vector& x, const Phi& phi);
-
   const System& system_;
   Vector r_;
   ContactPart part_;

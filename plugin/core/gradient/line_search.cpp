@@ -40,13 +40,13 @@ void LineSearch::gather(const Vector& g, const Vector& x, const Vector& v) {
   }
 }
 
-Real LineSearch::friction_slope(const Phi& phi, Real rho) const {
-  Real sum = 0;
+Real LineSearch::slope(const Phi& phi, Real rho) const {
+  Real friction = 0;
   for (const Node& n : nodes_) {
     const Real t = std::sqrt(std::max(0.0, n.xx + rho * (2 * n.xv + rho * n.vv)));
-    sum += n.g * phi.slope_over_t(t) * (n.xv + rho * n.vv);
+    friction += n.g * phi.slope_over_t(t) * (n.xv + rho * n.vv);
   }
-  return sum;
+  return rho * vAv_ - a_ + friction;
 }
 
 /// sum g <phi'' v, v> at x + rho v, of (14).
@@ -60,10 +60,6 @@ Real LineSearch::friction_curvature(const Phi& phi, Real rho) const {
     sum += n.g * (phi.second_derivative(t) * radial + phi.slope_over_t(t) * (n.vv - radial));
   }
   return sum;
-}
-
-Real LineSearch::slope(const Phi& phi, Real rho) const {
-  return rho * vAv_ - a_ + friction_slope(phi, rho);
 }
 
 Real LineSearch::operator()(const Phi& phi, const Vector& g, const Vector& x, const Vector& v,

@@ -34,7 +34,6 @@ class LineSearch {
   };
 
   void gather(const Vector& g, const Vector& x, const Vector& v);
-  Real friction_slope(const Phi& phi, Real rho) const;
   Real friction_curvature(const Phi& phi, Real rho) const;
   Real slope(const Phi& phi, Real rho) const;
   Real rise(const Phi& phi, Real rho) const;

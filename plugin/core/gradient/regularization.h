@@ -39,8 +39,6 @@ struct Phi {
     return 0;
   }
 
-  Real slope(Real t) const { return t * slope_over_t(t); }
-
   Real second_derivative(Real t) const {
     switch (kind) {
       case Regularization::square_root: {

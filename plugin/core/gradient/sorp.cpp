@@ -32,7 +32,7 @@ class Sorp final : public TrescaSolver {
   /// Stagnated where the sweeps leave the range of numbers: nothing is proved by that.
   Outcome minimize(Vector& x, const Vector& g, Real, Tangents tangents, Real bound) override {
     Outcome outcome;
-    start(x, tangents);
+    ActiveSet(problem_).start(x, g, tangents, false);
     ratio_ = 0;
     since_measured_ = 0;
     bool done = violation(x, g, tangents) <= bound;
@@ -58,15 +58,6 @@ class Sorp final : public TrescaSolver {
     Real energy = 0;  ///< sum of a_ii dx_i^2
     Real square = 0;  ///< sum of dx_i^2
   };
-
-  void start(Vector& x, Tangents tangents) const {
-    const Increment& now = problem_.increment;
-    for (Index i = 0; i < problem_.nodes(); ++i) {
-      const Index N = problem_.system->first[i];
-      x[N] = now.bilateral ? now.gap[i] : std::min(x[N], now.gap[i]);
-      if (tangents == Tangents::stuck) x.segment(N + 1, problem_.tangents(i)).setZero();
-    }
-  }
 
   Change sweep(Vector& x, const Vector& g, Tangents tangents) const {
     Change change;
