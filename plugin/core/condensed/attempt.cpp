@@ -6,7 +6,17 @@ namespace {
 
 constexpr Index newton_steps = 40;  ///< where it arrives it takes 15; beyond 40 it cycles
 
-bool run(SemismoothNewton& newton, Index max_steps, Attempt& a) {
+}  // namespace
+
+bool newton_from(const Vector& x, const CondensedProblem& problem, Index max_steps, Attempt& a,
+                 const Branches& given) {
+  SemismoothNewton newton(problem);
+  if (x.size() > 0)
+    newton.start_from(x, problem.residual(x));
+  else if (!given.empty())
+    newton.start_from(given);
+  else
+    newton.start_from_stick();
   const Index bound = std::min(newton_steps, max_steps - a.steps);
   const bool solved = newton.solve(bound) == SemismoothNewton::Outcome::converged;
   a.steps += newton.steps();
@@ -19,24 +29,6 @@ bool run(SemismoothNewton& newton, Index max_steps, Attempt& a) {
   a.undetermined = newton.undetermined();
   a.positive = newton.positive();
   return true;
-}
-
-}  // namespace
-
-bool newton_from(const Vector& x, const CondensedProblem& problem, Index max_steps, Attempt& a) {
-  SemismoothNewton newton(problem);
-  if (x.size() > 0)
-    newton.start_from(x, problem.residual(x));
-  else
-    newton.start_from_stick();
-  return run(newton, max_steps, a);
-}
-
-bool newton_from(const Branches& branches, const CondensedProblem& problem, Index max_steps,
-                 Attempt& a) {
-  SemismoothNewton newton(problem);
-  newton.start_from(branches);
-  return run(newton, max_steps, a);
 }
 
 }  // namespace frictioncg

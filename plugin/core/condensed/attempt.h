@@ -15,12 +15,10 @@ struct Attempt {
   Status status = Status::stagnated;
 };
 
-/// Newton's method from the branches of x, or from stick where x is empty: the rest of max_steps,
-/// at most 40. True where it arrives; a is then its answer, and else keeps the one it has.
-bool newton_from(const Vector& x, const CondensedProblem& problem, Index max_steps, Attempt& a);
-
-/// The same from given branches.
-bool newton_from(const Branches& branches, const CondensedProblem& problem, Index max_steps,
-                 Attempt& a);
+/// Newton's method from the branches of x, or where x is empty from given ones, or where these are
+/// from stick: the rest of max_steps, at most 40. True where it arrives; a is then its answer, and
+/// else keeps the one it has.
+bool newton_from(const Vector& x, const CondensedProblem& problem, Index max_steps, Attempt& a,
+                 const Branches& given = {});
 
 }  // namespace frictioncg

@@ -48,9 +48,6 @@ struct CondensedSolver::Run {
   Index left() const { return bound - s.iterations; }
 };
 
-CondensedSolver::CondensedSolver(SystemPtr system)
-    : system_(std::move(system)), elimination_(std::make_unique<Elimination>()) {}
-
 Solution CondensedSolver::solve(const ContactProblem& problem, const Settings& settings,
                                 const Vector& x0, Observer* observer, const PathOnA& path) {
   Run run{problem,
@@ -62,10 +59,10 @@ Solution CondensedSolver::solve(const ContactProblem& problem, const Settings& s
           {}};
   run.observer = observer;
   run.path = &path;
-  const Threads threads(elimination_->threads_pay());
+  const Threads threads(elimination_.threads_pay());
   Solution& s = run.s;
   s.route = Route::condensed;
-  if (unheld(run, unheld_motion(elimination_->floating(), problem)))
+  if (unheld(run, unheld_motion(elimination_.floating(), problem)))
     s.status = Status::no_equilibrium;
   else
     refine(run, x0.size() > 0 ? Vector(x0.tail(problem.contact_dofs())) : Vector());
@@ -114,10 +111,10 @@ void CondensedSolver::start_over(Run& run) {
 /// The laws see the whole x_C, but only the load that x does not carry yet:  f = f(r) + S x_C.
 CondensedProblem CondensedSolver::condense(Run& run) {
   const Stopwatch watch(run.s.times.back_substitution);
-  CondensedProblem condensed{elimination_->S(), elimination_->condense(run.r),
+  CondensedProblem condensed{elimination_.S(), elimination_.condense(run.r),
                              run.problem.system->weight.tail(run.x_C.size()), run.problem};
   condensed.observer = run.observer;
-  if (!run.x_C.isZero(0)) condensed.f.noalias() += elimination_->S() * run.x_C;
+  if (!run.x_C.isZero(0)) condensed.f.noalias() += elimination_.S() * run.x_C;
   return condensed;
 }
 
@@ -130,7 +127,7 @@ void CondensedSolver::recover(Run& run, const Attempt& a) {
   }
   {
     const Stopwatch watch(s.times.back_substitution);
-    run.x += elimination_->recover(a.x - run.x_C);
+    run.x += elimination_.recover(a.x - run.x_C);
     run.x_C = a.x;
   }
   const Stopwatch watch(s.times.certificate);
@@ -199,10 +196,8 @@ Attempt CondensedSolver::solve_laws(Run& run, const CondensedProblem& condensed,
 Attempt CondensedSolver::by_newton(const Run& run, const CondensedProblem& condensed,
                                    const Vector& start) const {
   Attempt a;
-  if (start.size() > 0)
-    a.solved = newton_from(start, condensed, run.left(), a);
-  else if (!last_.empty())
-    a.solved = newton_from(last_, condensed, run.left(), a);
+  if (start.size() > 0 || !last_.empty())
+    a.solved = newton_from(start, condensed, run.left(), a, last_);
   if (!a.solved) a.solved = newton_from(Vector(), condensed, run.left(), a);
   return a;
 }
@@ -223,7 +218,7 @@ Attempt CondensedSolver::by_gradient(Run& run, const CondensedProblem& condensed
   s.eps = smooth.eps;
   a.x = smooth.x;
   a.status = smooth.status;
-  if (smooth.negative.size() == a.x.size()) s.negative = elimination_->extend(smooth.negative);
+  if (smooth.negative.size() == a.x.size()) s.negative = elimination_.extend(smooth.negative);
   a.solved = smooth.status == Status::converged;
   return a;
 }
@@ -248,11 +243,11 @@ const DenseMatrix& CondensedSolver::rigid_motions_of_A(Run& run) {
   if (run.rigid.rows() > 0) return run.rigid;
   DenseMatrix known = floating_motions(*system_);
   const DenseMatrix W_C =
-      rigid_motions(elimination_->S(), system_->weight.tail(system_->contact_dofs()));
-  run.rigid = elimination_->floating();
+      rigid_motions(elimination_.S(), system_->weight.tail(system_->contact_dofs()));
+  run.rigid = elimination_.floating();
   const bool all_known = known.cols() >= run.rigid.cols() + W_C.cols();
   for (Index k = 0; k < W_C.cols() && !all_known; ++k) {  // each costs a solve
-    const Vector w = elimination_->extend(W_C.col(k));
+    const Vector w = elimination_.extend(W_C.col(k));
     if (!costs_no_energy(*system_, w)) continue;
     run.rigid.conservativeResize(system_->dofs(), run.rigid.cols() + 1);
     run.rigid.rightCols(1) = w;
@@ -297,13 +292,13 @@ Vector CondensedSolver::negative_energy_of(const Branches& branches,
       known = known && positive_on_[open.back()];
     }
   if (known || open.empty()) return {};
-  const DenseMatrix S = elimination_->S()(open, open);
+  const DenseMatrix S = elimination_.S()(open, open);
   DenseMatrix factor = S;
   const Vector of_open = Cholesky(factor).found() ? Vector() : negative_direction(S);
   if (of_open.size() > 0) {
     Vector p = Vector::Zero(system_->contact_dofs());
     p(open) = of_open;
-    p = elimination_->extend(p);
+    p = elimination_.extend(p);
     if (costs_negative_energy(*system_, p)) return p;
   }
   positive_on_ = std::move(is_open);
@@ -336,14 +331,14 @@ void CondensedSolver::settle(Run& run) {
       touches_without_force(run.problem, s.x, s.certificate))
     s.undetermined = left_free(rigid_motions_of_A(run), run.problem, branches);
   else
-    s.undetermined = elimination_->floating();
+    s.undetermined = elimination_.floating();
   leave_least(run.problem, run.settings.tol, s);
 }
 
 /// Whether some body among those that can touch is held by no force at all: then stick put it where
 /// it is. Nodes that S couples belong to one body.
 bool CondensedSolver::may_be_idle(const Branches& branches) const {
-  const DenseMatrix& S = elimination_->S();
+  const DenseMatrix& S = elimination_.S();
   const Index nodes = system_->nodes(), interior = system_->interior();
   const auto place = [&](Index i) { return system_->first[i] - interior; };
   std::vector<char> seen(nodes, 0);

@@ -13,11 +13,11 @@ class CondensedSolver {
   /// A central path on A, of at most so many steps, where that is cheaper than on S; else nothing.
   using PathOnA = std::function<std::optional<Solution>(Index max_steps)>;
 
-  explicit CondensedSolver(SystemPtr system);
+  explicit CondensedSolver(SystemPtr system) : system_(std::move(system)) {}
 
   Elimination::Outcome factor(double memory_bound) {
     positive_on_.clear();
-    return elimination_->factor(*system_, memory_bound, std::exchange(same_pattern_, false));
+    return elimination_.factor(*system_, memory_bound, std::exchange(same_pattern_, false));
   }
   /// Another matrix on the same dofs, to be factored; same_pattern: over the layout of the last.
   void renew(SystemPtr system, bool same_pattern) {
@@ -32,7 +32,7 @@ class CondensedSolver {
   Solution solve(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                  Observer* observer = nullptr, const PathOnA& path = {});
 
-  const Elimination& elimination() const { return *elimination_; }
+  const Elimination& elimination() const { return elimination_; }
 
  private:
   struct Run;
@@ -54,7 +54,7 @@ class CondensedSolver {
 
   SystemPtr system_;
   bool same_pattern_ = false;  ///< as the matrix that was factored last
-  std::unique_ptr<Elimination> elimination_;
+  Elimination elimination_;
   Branches last_;                  ///< of the last answer: where an increment starts
   std::vector<char> positive_on_;  ///< contact_dofs: where S is known to be positive definite
 };

@@ -14,8 +14,7 @@ struct CondensedProblem {
   Real springs = 0;              ///< to the ground, on every contact dof, in units of D
   Observer* observer = nullptr;  ///< hears of every step of the layers
 
-  Index offset() const { return laws.interior(); }
-  Index normal(Index i) const { return laws.system->first[i] - offset(); }
+  Index normal(Index i) const { return laws.system->first[i] - laws.interior(); }
 
   /// f - (S + springs D) x
   Vector residual(const Vector& x) const;

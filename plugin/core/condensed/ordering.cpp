@@ -21,11 +21,6 @@ cholmod_sparse symmetric_view(Index n, std::vector<Index>& column, std::vector<I
   return view;
 }
 
-cholmod_dense column_view(const Vector& b) {
-  const std::size_t n = b.size();
-  return {n, 1, n, n, const_cast<Real*>(b.data()), nullptr, CHOLMOD_REAL, CHOLMOD_DOUBLE};
-}
-
 namespace {
 
 /// The graph of the mesh nodes: its upper triangle by columns, and the dofs of each node.
@@ -65,11 +60,6 @@ struct NodeGraph {
     for (Index v = 0; v < count; ++v)
       for (Index k = first_dof[order[v]]; k < first_dof[order[v] + 1]; ++k) list.push_back(dofs[k]);
     return list;
-  }
-
-  void restrict_to_interior() {
-    view.nrow = view.ncol = interior;
-    view.nzmax = column[interior];
   }
 
  private:
@@ -118,7 +108,8 @@ std::vector<Index> contact_last(const System& s, cholmod_common& common) {
     std::fill(member.begin() + graph.interior, member.end(), 1);
     ok = cholmod_camd(&graph.view, nullptr, 0, member.data(), order.data(), &common);
   } else {
-    graph.restrict_to_interior();
+    graph.view.nrow = graph.view.ncol = graph.interior;
+    graph.view.nzmax = graph.column[graph.interior];
     ok = cholmod_metis(&graph.view, nullptr, 0, 0, order.data(), &common);
   }
   if (!ok && common.status == CHOLMOD_TOO_LARGE) return {};

@@ -27,9 +27,6 @@ std::vector<Index> last_of_each_part(const System& system, const std::vector<Ind
 cholmod_sparse symmetric_view(Index n, std::vector<Index>& column, std::vector<Index>& row,
                               Real* value);
 
-/// CHOLMOD's view of a column (n).
-cholmod_dense column_view(const Vector& b);
-
 /// Throws what CHOLMOD's status says where a call of it has failed.
 void check(bool ok, const cholmod_common& common);
 

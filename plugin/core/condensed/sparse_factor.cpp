@@ -102,13 +102,14 @@ bool SparseFactor::factorize(cholmod_sparse& view) {
 bool SparseFactor::threads_pay() const { return common_.fl > 800 * common_.lnz; }
 
 Vector SparseFactor::solve(int triangle, const Vector& rhs) {
-  cholmod_dense b = column_view(rhs);
+  const std::size_t n = rhs.size();
+  cholmod_dense b{n, 1, n, n, const_cast<Real*>(rhs.data()), nullptr, CHOLMOD_REAL, CHOLMOD_DOUBLE};
   // cholmod_solve2 would make its own, but goes on without where there is no memory
   const auto ensure = [this](cholmod_dense*& workspace, std::size_t rows) {
     check(cholmod_ensure_dense(&workspace, rows, 1, rows, CHOLMOD_REAL, &common_), common_);
   };
-  ensure(X_, L_->n);
-  ensure(Y_, L_->n);
+  ensure(X_, n);
+  ensure(Y_, n);
   ensure(E_, L_->maxesize);
   check(cholmod_solve2(triangle, L_, &b, nullptr, &X_, nullptr, &Y_, &E_, &common_), common_);
   return Eigen::Map<const Vector>(static_cast<Real*>(X_->x), rhs.size());
