@@ -131,26 +131,22 @@ Solution Solver::by_route(const ContactProblem& problem, const Settings& setting
   const Plan plan = make_plan(problem, settings);
   costs_ = plan.costs;
   multigrid_failed_ = false;
-  switch (plan.route) {
-    case Route::iterative:
-    case Route::sparse:  // no plan has it: that it comes first shows once A is ordered
-      break;
-    case Route::condensed:
-      if (may_replace_a_factor(settings) && !condense(settings, observer) && !indefinite_)
-        return by_multigrid(problem, settings, x0, observer);
-      return by_condensation(problem, settings, x0, observer);
-    case Route::multigrid:
-      if (may_replace_a_factor(settings)) {
-        const bool has_others = (poor_ || factored_) && settings.memory >= memory_needed_;
-        if (has_others || sparse_comes_first(settings))
-          return (this->*after_multigrid())(problem, settings, x0, observer);
-        if (sparse_ && sparse_->has_answered() && lay_out_sparse_factor(settings))
-          return or_by(&Solver::by_multigrid, sparse_->go_on(problem, settings, x0, observer),
-                       problem, settings, observer);
-      }
+  if (plan.route == Route::iterative)
+    return by_gradients(problem, settings, x0, observer, floating_);
+  const bool may_choose = may_replace_a_factor(settings);
+  if (plan.route == Route::condensed) {
+    if (may_choose && !condense(settings, observer) && !indefinite_)
       return by_multigrid(problem, settings, x0, observer);
+    return by_condensation(problem, settings, x0, observer);
   }
-  return by_gradients(problem, settings, x0, observer, floating_);
+  // that sparse factors come first shows once A is ordered
+  const bool has_others = (poor_ || factored_) && settings.memory >= memory_needed_;
+  if (may_choose && (has_others || sparse_comes_first(settings)))
+    return (this->*after_multigrid())(problem, settings, x0, observer);
+  if (may_choose && sparse_ && sparse_->has_answered() && lay_out_sparse_factor(settings))
+    return or_by(&Solver::by_multigrid, sparse_->go_on(problem, settings, x0, observer), problem,
+                 settings, observer);
+  return by_multigrid(problem, settings, x0, observer);
 }
 
 /// The condensed route where its factor fits; where it does not arrive, or does not fit, the same

@@ -127,12 +127,7 @@ Bodies bodies_of(const Matrix& A) {
   return bodies;
 }
 
-Vector magnitude(const Matrix& A, const Vector& x) {
-  Vector sum = Vector::Zero(A.rows());
-  for (Index i = 0; i < A.rows(); ++i)
-    for (Matrix::InnerIterator e(A, i); e; ++e) sum[i] += std::abs(e.value() * x[e.col()]);
-  return sum;
-}
+Vector magnitude(const Matrix& A, const Vector& x) { return A.cwiseAbs() * x.cwiseAbs(); }
 
 namespace {
 

@@ -22,7 +22,7 @@ constexpr Index few_motions = 60;
 
 MultigridSolver::MultigridSolver(SystemPtr system) : system_(std::move(system)) { set_up(); }
 
-MultigridSolver::MultigridSolver(SystemPtr system, std::unique_ptr<Hierarchy> hierarchy)
+MultigridSolver::MultigridSolver(SystemPtr system, std::shared_ptr<Hierarchy> hierarchy)
     : system_(std::move(system)),
       hierarchy_(std::move(hierarchy)),
       motions_(floating_motions(*system_)) {}

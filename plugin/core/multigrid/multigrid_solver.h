@@ -21,7 +21,7 @@ class MultigridSolver {
   explicit MultigridSolver(SystemPtr system);
 
   /// With a hierarchy that is made already.
-  MultigridSolver(SystemPtr system, std::unique_ptr<Hierarchy> hierarchy);
+  MultigridSolver(SystemPtr system, std::shared_ptr<Hierarchy> hierarchy);
 
   /// Another matrix on the same dofs, whose hierarchy is set up by set_up(); the faces of the last
   /// answer stay.
@@ -54,7 +54,7 @@ class MultigridSolver {
                Observer* observer, const Allowance& allowance, Solution& s);
 
   SystemPtr system_;
-  std::unique_ptr<Hierarchy> hierarchy_;
+  std::shared_ptr<Hierarchy> hierarchy_;
   Eigen::MatrixXd motions_;  ///< n x k: rigid motions that A leaves free
   Branches last_;            ///< of the last answer: where an increment starts
   Past past_;

@@ -16,14 +16,8 @@ constexpr Index from_path = 40;  ///< steps, from the end of the central path: i
 
 }  // namespace
 
-SparseSolver::SparseSolver(SystemPtr system)
-    : SparseSolver(system, std::make_unique<FactoredMatrix>(system)) {}
-
-SparseSolver::SparseSolver(SystemPtr system, std::unique_ptr<FactoredMatrix> factor)
-    : factor_(*factor), newton_(std::move(system), std::move(factor)) {}
-
 void SparseSolver::renew(const SystemPtr& system) {
-  factor_.renew(system);
+  factor_->renew(system);
   newton_.take(system);
 }
 
@@ -47,7 +41,7 @@ Solution SparseSolver::go_on(const ContactProblem& problem, const Settings& sett
 Solution SparseSolver::follow_path(const ContactProblem& problem, const Settings& settings,
                                    Index max_steps, Observer* observer) {
   const System& system = *problem.system;
-  CentralPath path(problem, std::make_unique<SparsePathMatrix>(system, factor_),
+  CentralPath path(problem, std::make_unique<SparsePathMatrix>(system, *factor_),
                    problem.increment.F, system.weight, observer);
   Index steps = path.follow(max_steps);
   const auto from_its_end = [&](Index left) {
@@ -75,8 +69,8 @@ Solution SparseSolver::follow_path(const ContactProblem& problem, const Settings
 bool SparseSolver::is_definite_at(const ContactProblem& problem, const Solution& s) {
   Faces faces(problem);
   faces.start_from(branches_of(problem, s.x, s.certificate));
-  if (!factor_.is_of(faces.fixed())) factor_.truncate(faces.fixed(), {}, {});
-  return factor_.definite();
+  if (!factor_->is_of(faces.fixed())) factor_->truncate(faces.fixed(), {}, {});
+  return factor_->definite();
 }
 
 }  // namespace frictioncg

@@ -14,13 +14,14 @@ constexpr Real lifts = 0.5;
 /// and factors cheap.
 class SparseSolver {
  public:
-  explicit SparseSolver(SystemPtr system);
+  explicit SparseSolver(const SystemPtr& system)
+      : factor_(std::make_shared<FactoredMatrix>(system)), newton_(system, factor_) {}
 
   /// Another matrix of the same pattern.
   void renew(const SystemPtr& system);
-  double bytes() const { return factor_.bytes(); }
-  double flops() const { return factor_.flops(); }
-  bool laid_out() const { return factor_.laid_out(); }
+  double bytes() const { return factor_->bytes(); }
+  double flops() const { return factor_->flops(); }
+  bool laid_out() const { return factor_->laid_out(); }
   bool has_answered() const { return answered_; }
 
   /// Newton's method, then the central path. x0: n, or empty to start from the last answer.
@@ -36,8 +37,7 @@ class SparseSolver {
   bool is_definite_at(const ContactProblem& problem, const Solution& s);
 
  private:
-  SparseSolver(SystemPtr system, std::unique_ptr<FactoredMatrix> factor);
-  FactoredMatrix& factor_;
+  const std::shared_ptr<FactoredMatrix> factor_;
   MultigridSolver newton_;
   bool answered_ = false;  ///< newton_ has faces to start from
 };

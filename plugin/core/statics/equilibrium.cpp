@@ -306,7 +306,7 @@ std::optional<Vector> unheld_motion(const DenseMatrix& W, const ContactProblem& 
     return resistance.pull > 0 && pressures * load * resistance.most <= resistance.pull;
   };
   bool unheld = false;
-  for (int round = 0; round < most_rounds && !unheld; ++round) {
+  for (int round = 0; round < most_rounds; ++round) {
     unheld = proven(any_pressure);
     if (unheld || !nearest.add(resistance.columns)) break;
     if (nearest.rest().norm() <= noise) return std::nullopt;

@@ -78,13 +78,12 @@ Candidates::Candidates(const System& system) : M(system.dofs(), 0) {
 }
 
 /// Adds up those of all processes, in one go.
-template <class Dense>
-void sum(const System& system, std::vector<Dense>& of_bodies) {
+void sum(const System& system, std::vector<DenseMatrix>& of_bodies) {
   std::vector<Real> all;
-  for (const Dense& own : of_bodies) all.insert(all.end(), own.data(), own.data() + own.size());
+  for (const DenseMatrix& own : of_bodies) all.insert(all.end(), own.data(), own.data() + own.size());
   system.sum(all.data(), Index(all.size()));
   const Real* from = all.data();
-  for (Dense& own : of_bodies) {
+  for (DenseMatrix& own : of_bodies) {
     std::copy_n(from, own.size(), own.data());
     from += own.size();
   }
@@ -291,18 +290,18 @@ DenseMatrix floating_motions(const System& system) {
 bool may_be_rigid(const System& system, const Vector& w) {
   const Candidates all(system);
   if (all.count() == 0) return true;
-  std::vector<Vector> mixed;
+  std::vector<DenseMatrix> mixed;  // one column each
   for (const std::vector<Index>& own : all.of_body)
     mixed.push_back(Vector::Zero(Index(own.size())));
   for (Index i = 0; i < Index(w.size()); ++i)
     for (Matrix::InnerIterator m(all.M, i); m; ++m)
-      mixed[all.bodies.of[i]][all.place(all.bodies.of[i], Index(m.col()))] += m.value() * w[i];
+      mixed[all.bodies.of[i]](all.place(all.bodies.of[i], Index(m.col()))) += m.value() * w[i];
   const std::vector<DenseMatrix> size = gram_in(system, all, Vector::Ones(w.size()));
   const Real whole = system.sum(w.squaredNorm());
   Real rest = whole;
   sum(system, mixed);
   for (std::size_t body = 0; body < size.size(); ++body)
-    rest -= mixed[body].dot(Vector(least_squares(size[body], mixed[body])));
+    rest -= mixed[body].cwiseProduct(least_squares(size[body], mixed[body])).sum();
   return rest <= bent * bent * whole;
 }
 
