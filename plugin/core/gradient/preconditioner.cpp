@@ -100,13 +100,6 @@ class DiagonalPreconditioner final : public ResidualPreconditioner {
   Vector C_;  ///< the diagonal
 };
 
-/// The gradient methods have products with A of their own.
-HierarchyOptions without_products() {
-  HierarchyOptions options;
-  options.multiplies = false;
-  return options;
-}
-
 /// One cycle of the hierarchy of A on the free face: held dofs are cut out on every level. What
 /// friction adds (J'') enters as springs on the tangents; those whose regularization is far stiffer
 /// than A leave the hierarchy, too, and get r over their stiffness: single precision would lose A
@@ -115,7 +108,8 @@ class MultigridPreconditioner final : public ResidualPreconditioner {
  public:
   explicit MultigridPreconditioner(const System& system)
       : ResidualPreconditioner(system),
-        hierarchy_(make_hierarchy(system, without_products())),
+        // the gradient methods have products with A of their own
+        hierarchy_(make_hierarchy(system, {/*multiplies=*/false})),
         springs_(Vector::Zero(system.contact_dofs())) {
     if (!hierarchy_)
       throw IllegalInput(
@@ -165,9 +159,6 @@ class MultigridPreconditioner final : public ResidualPreconditioner {
 };
 
 }  // namespace
-
-Preconditioner::Preconditioner(const System& system)
-    : system_(system), interior_(system.interior()), D_(system.D) {}
 
 std::unique_ptr<Preconditioner> make_preconditioner(const System& system, Precon kind, Real omega) {
   switch (kind) {

@@ -25,7 +25,8 @@ struct ContactPart {
 /// The order of calls in one iteration:  direction, curvature, advance, set_contact.
 class Preconditioner {
  public:
-  explicit Preconditioner(const System& system);
+  explicit Preconditioner(const System& system)
+      : system_(system), interior_(system.interior()), D_(system.D) {}
   virtual ~Preconditioner() = default;
 
   /// Starts from r = F - Ax - g phi'(x_T) (n), of which the interior is kept; then set_contact.
@@ -47,8 +48,8 @@ class Preconditioner {
   /// interior. Half a pass over A; set_contact has to follow, and a restart.
   virtual void move_contact(const Vector& dx_C) = 0;
 
-  virtual Real r_z() const { return r_z_; }     ///< <r, P r>, of the last set_contact
-  virtual Real dr_z() const { return dr_z_; }   ///< <r - r_before_advance, P r>, eq. (12)
+  virtual Real r_z() const = 0;                 ///< <r, P r>, of the last set_contact
+  virtual Real dr_z() const = 0;                ///< <r - r_before_advance, P r>, eq. (12)
   virtual Real r_v(const Vector& v) const = 0;  ///< <r, v>
 
   /// Norm of r over the free dofs, in norm_D. May cost half a product.
@@ -58,7 +59,6 @@ class Preconditioner {
   const System& system_;
   const Index interior_;
   const Vector& D_;  ///< diag(A)
-  Real r_z_ = 0, dr_z_ = 0;
 };
 
 /// Throws IllegalInput where multigrid is asked for and the system allows no hierarchy.

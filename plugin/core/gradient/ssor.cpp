@@ -169,6 +169,8 @@ class SsorPreconditioner final : public Preconditioner {
     }
   }
 
+  Real r_z() const override { return r_z_; }
+  Real dr_z() const override { return dr_z_; }
   Real r_v(const Vector&) const override { return y_.dot(s_); }
   Real free_norm() const override {
     const auto [row, col, a] = arrays_of(system_.entries());
@@ -217,7 +219,7 @@ class SsorPreconditioner final : public Preconditioner {
   Vector dr_C_, dE_y_, dy_C_;    ///< what set_contact has changed of r, E_CI y_I and y
   Vector dy_I_;                  ///< interior dofs: what move_contact has changed of y
   bool C_changed_ = false;       ///< since s was formed
-  Real interior_r_z_ = 0, interior_dr_z_ = 0;
+  Real r_z_ = 0, dr_z_ = 0, interior_r_z_ = 0, interior_dr_z_ = 0;
 };
 
 }  // namespace

@@ -31,9 +31,13 @@ struct Reals {
 
 }  // namespace
 
-/// y_ = A x_
 template <int D>
-void ExactMatrix<D>::multiply_slots(const SymmetricBlocks<D>& places) {
+bool ExactMatrix<D>::multiply(const SymmetricBlocks<D>& places, const std::vector<Index>& slot,
+                              const Vector& x, Vector& Ax) {
+  const Index n = static_cast<Index>(slot.size());
+  if (diagonal.empty()) return false;
+  if (x_.size() == 0) x_ = y_ = Vector::Zero(Eigen::Index(places.rows()) * D);
+  for (Index p = 0; p < n; ++p) x_[slot[p]] = x[p];
   for (std::size_t i = 0; i < std::size_t(places.rows()); ++i) {
     const Real* x_i = x_.data() + i * D;
     Reals<D> sum[D] = {};
@@ -53,16 +57,6 @@ void ExactMatrix<D>::multiply_slots(const SymmetricBlocks<D>& places) {
     }
     for (int r = 0; r < D; ++r) y_[Eigen::Index(i) * D + r] = sum[r].sum();
   }
-}
-
-template <int D>
-bool ExactMatrix<D>::multiply(const SymmetricBlocks<D>& places, const std::vector<Index>& slot,
-                              const Vector& x, Vector& Ax) {
-  const Index n = static_cast<Index>(slot.size());
-  if (diagonal.empty()) return false;
-  if (x_.size() == 0) x_ = y_ = Vector::Zero(Eigen::Index(places.rows()) * D);
-  for (Index p = 0; p < n; ++p) x_[slot[p]] = x[p];
-  multiply_slots(places);
   Ax.resize(n);
   for (Index p = 0; p < n; ++p) Ax[p] = y_[slot[p]];
   return true;

@@ -23,8 +23,6 @@ class ExactMatrix {
   }
 
  private:
-  void multiply_slots(const SymmetricBlocks<D>& places);
-
   Vector x_, y_;  ///< by slots
 };
 

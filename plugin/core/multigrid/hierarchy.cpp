@@ -44,7 +44,7 @@ void factor_shifted(Eigen::MatrixXd A, Real least, Factor& factor) {
 
 /// D slots a node on the fine level, K modes a node on the coarse ones.
 template <int D, int K>
-class HierarchyOf final : public LevelHierarchy {
+class HierarchyOf final : public Hierarchy {
  public:
   HierarchyOf(const Matrix& A, const NodeBlocks& blocks, const Eigen::MatrixXd& modes,
               const HierarchyOptions& options)
@@ -143,7 +143,7 @@ class HierarchyOf final : public LevelHierarchy {
 
   double bytes() const override {
     double sum = fine_.bytes() + exact_.bytes() + bytes_of(blocks_.slot, blocks_.dof) +
-                 sizeof(Real) * double(coarsest_.matrixLLT().size());
+                 sizeof(Real) * double(coarsest_.rows()) * double(coarsest_.cols());
     for (const Coarse& level : coarse_) sum += level.bytes();
     return sum;
   }
@@ -185,29 +185,21 @@ class HierarchyOf final : public LevelHierarchy {
   void set_contact_rows(const std::vector<char>& fixed, const std::vector<TangentialStiffness>& W,
                         const Vector& springs) {
     const Index first_contact = static_cast<Index>(blocks_.slot.size() - fixed.size());
-    const Index first_slot = D * blocks_.interior;
-    std::vector<char> out(std::size_t(blocks_.slots() - first_slot), 0);
-    for (std::size_t c = 0; c < fixed.size(); ++c)
-      out[blocks_.slot[first_contact + c] - first_slot] = fixed[c];
-
-    float* diagonal = fine_.A.diagonal.data() + std::size_t(blocks_.interior) * D * D;
-    std::copy(contact_diagonal_.begin(), contact_diagonal_.end(), diagonal);
-    for (Eigen::Index c = 0; c < springs.size(); ++c) {
-      const Index p = blocks_.slot[first_contact + c];
-      diagonal[std::size_t(p - first_slot) * D + p % D] += static_cast<float>(scale_ * springs[c]);
-    }
+    std::copy(contact_diagonal_.begin(), contact_diagonal_.end(),
+              fine_.A.diagonal_at(blocks_.interior));
+    const auto add = [&](Index i, Index j, Real stiffness) {  // of dofs of one node
+      const Index p = blocks_.slot[i], q = blocks_.slot[j];
+      fine_.A.diagonal_at(p / D)[p % D * D + q % D] += static_cast<float>(scale_ * stiffness);
+    };
+    for (Index c = 0; c < springs.size(); ++c)
+      add(first_contact + c, first_contact + c, springs[c]);
     for (const TangentialStiffness& w : W)
       for (int k = 0; k < 2; ++k)
-        for (int l = 0; l < 2; ++l) {
-          const Index p = blocks_.slot[w.first + k], q = blocks_.slot[w.first + l];
-          diagonal[std::size_t(p - first_slot) * D + q % D] +=
-              static_cast<float>(scale_ * w.M(k, l));
-        }
+        for (int l = 0; l < 2; ++l) add(w.first + k, w.first + l, w.M(k, l));
     std::copy(contact_P_.begin(), contact_P_.end(), fine_.P.at(fine_.P.row[blocks_.interior]));
-    for (std::size_t s = 0; s < out.size(); ++s) {
-      if (!out[s]) continue;
-      const Index i = blocks_.interior + static_cast<Index>(s / D);
-      const int place = static_cast<int>(s % D);
+    for (std::size_t c = 0; c < fixed.size(); ++c) {
+      if (!fixed[c]) continue;
+      const Index slot = blocks_.slot[first_contact + c], i = slot / D, place = slot % D;
       for (int k = 0; k < D; ++k)
         fine_.A.diagonal_at(i)[place * D + k] = fine_.A.diagonal_at(i)[k * D + place] = 0;
       for (Index q = fine_.P.row[i]; q < fine_.P.row[i + 1]; ++q)
@@ -326,11 +318,11 @@ class DenseHierarchy final : public Hierarchy {
     truncated_ = A_;
     truncated_.diagonal().tail(springs.size()) += springs;
     for (const TangentialStiffness& w : W) truncated_.block<2, 2>(w.first, w.first) += w.M;
-    for (std::size_t c = 0; c < fixed.size(); ++c) {
-      if (!fixed[c]) continue;
-      truncated_.row(interior + Eigen::Index(c)).setZero();
-      truncated_.col(interior + Eigen::Index(c)).setZero();
-    }
+    for (std::size_t c = 0; c < fixed.size(); ++c)
+      if (fixed[c]) {
+        truncated_.row(interior + Eigen::Index(c)).setZero();
+        truncated_.col(interior + Eigen::Index(c)).setZero();
+      }
     factor_shifted(truncated_, far_above_rounding, factor_);
   }
   void apply(const Vector& r, Vector& z) override {
@@ -352,18 +344,12 @@ class DenseHierarchy final : public Hierarchy {
 
 }  // namespace
 
-std::unique_ptr<LevelHierarchy> make_levels(const Matrix& A, const NodeBlocks& blocks,
-                                            const Eigen::MatrixXd& modes,
-                                            const HierarchyOptions& options) {
-  if (blocks.size == 2) return std::make_unique<HierarchyOf<2, 3>>(A, blocks, modes, options);
-  return std::make_unique<HierarchyOf<3, 6>>(A, blocks, modes, options);
-}
-
 std::unique_ptr<Hierarchy> make_hierarchy(const Matrix& A, const NodeBlocks& blocks,
                                           const Eigen::MatrixXd& modes,
                                           const HierarchyOptions& options) {
   if (blocks.dofs() <= options.dense) return std::make_unique<DenseHierarchy>(A);
-  return make_levels(A, blocks, modes, options);
+  if (blocks.size == 2) return std::make_unique<HierarchyOf<2, 3>>(A, blocks, modes, options);
+  return std::make_unique<HierarchyOf<3, 6>>(A, blocks, modes, options);
 }
 
 }  // namespace frictioncg

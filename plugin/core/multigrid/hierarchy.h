@@ -17,6 +17,13 @@ inline void drop_fixed(const std::vector<char>& fixed, Vector& v) {
     if (fixed[c]) v[interior + Eigen::Index(c)] = 0;
 }
 
+/// k unknowns q beside the n of a truncated A:   [A B; B' S]
+struct Border {
+  std::vector<Index> row;  ///< those of B that may not be 0
+  DenseMatrix B;           ///< rows of `row` x k, 0 on fixed dofs
+  DenseMatrix S;           ///< k x k, definite where A is
+};
+
 /// Smoothed aggregation with rigid-body modes for A, in single precision: a symmetric positive
 /// definite approximate inverse, one cycle. Structure and prolongations come from A once; contact
 /// dofs are then cut out or put back on every level at the price of their own rows:
@@ -35,6 +42,10 @@ class Hierarchy {
   /// springs (or empty), what is added to its diagonal [force/length].
   virtual void truncate(const std::vector<char>& fixed, const std::vector<TangentialStiffness>& W,
                         const Vector& springs = {}) = 0;
+
+  /// Of levels alone: carries the unknowns of a border from level to level, as they are, and solves
+  /// for them on the coarsest one. From the next truncation on; r and z have n + k entries then.
+  virtual void join(const Border& /*border*/) {}
 
   /// z = one cycle on r (n): two forward Gauss-Seidel sweeps, coarse correction (by two cycles
   /// where that level has coarser ones), two backward sweeps. 0 on fixed dofs, whatever r is there.
@@ -57,35 +68,16 @@ class Hierarchy {
 };
 
 struct HierarchyOptions {
+  bool multiplies = true;  ///< keeps half of A for multiply()
   /// Dofs of a coarse level from which on a dense factorization takes over, which each change of
   /// faces repeats: at 600 a cube of 6591 dofs takes 2.5 times as long, a square of 2738 ten times.
   /// At 60 nothing changes.
   Index coarsest = 150;
-  Index dense = 300;       ///< dofs of A up to which one on the fine level itself does
-  bool multiplies = true;  ///< keeps half of A for multiply()
+  Index dense = 300;  ///< dofs of A up to which one on the fine level itself does
 };
 
-/// k unknowns q beside the n of a truncated A:   [A B; B' S]
-struct Border {
-  std::vector<Index> row;  ///< those of B that may not be 0
-  DenseMatrix B;           ///< rows of `row` x k, 0 on fixed dofs
-  DenseMatrix S;           ///< k x k, definite where A is
-};
-
-/// A hierarchy that carries the unknowns of a border from level to level, as they are: they are
-/// solved for on the coarsest one.
-class LevelHierarchy : public Hierarchy {
- public:
-  /// From the next truncation on; r and z have n + k entries then.
-  virtual void join(const Border& border) = 0;
-};
-
-/// modes (n x 3 in 2D, n x 6 in 3D): rigid motions, see rigid_modes. A is not kept.
-std::unique_ptr<LevelHierarchy> make_levels(const Matrix& A, const NodeBlocks& blocks,
-                                            const Eigen::MatrixXd& modes,
-                                            const HierarchyOptions& options = {});
-
-/// The same, or where A is small, its dense factor.
+/// Where A is small its dense factor, else levels. modes (n x 3 in 2D, n x 6 in 3D): rigid motions,
+/// see rigid_modes. A is not kept.
 std::unique_ptr<Hierarchy> make_hierarchy(const Matrix& A, const NodeBlocks& blocks,
                                           const Eigen::MatrixXd& modes,
                                           const HierarchyOptions& options = {});

@@ -20,7 +20,7 @@ constexpr Real shift = 1e-10;
 class BorderedHierarchy final : public Hierarchy {
  public:
   /// bodies: of A without the border of the system, which is kept.
-  BorderedHierarchy(const System& system, std::unique_ptr<LevelHierarchy> bodies)
+  BorderedHierarchy(const System& system, std::unique_ptr<Hierarchy> bodies)
       : system_(system),
         bodies_(std::move(bodies)),
         first_(system.interior() - static_cast<Index>(system.border.cols())),
@@ -105,7 +105,7 @@ class BorderedHierarchy final : public Hierarchy {
   }
 
   const System& system_;
-  const std::unique_ptr<LevelHierarchy> bodies_;
+  const std::unique_ptr<Hierarchy> bodies_;
   const Index first_, border_;    ///< of the dofs q
   const DenseMatrix at_contact_;  ///< contact_dofs x k, of the system's border
   std::vector<Index> near_;       ///< the contact dofs and those beside them, without q
@@ -161,8 +161,9 @@ std::unique_ptr<Hierarchy> make_hierarchy(const System& system, const HierarchyO
   const NodeBlocks blocks = make_node_blocks(mesh_node, system.dimension, end - k);
   HierarchyOptions within = options;
   within.multiplies = false;  // by the whole of A alone
+  within.dense = 0;           // levels join a border
   return std::make_unique<BorderedHierarchy>(
-      system, make_levels(without_border(system), blocks, of_bodies, within));
+      system, make_hierarchy(without_border(system), blocks, of_bodies, within));
 }
 
 }  // namespace frictioncg
