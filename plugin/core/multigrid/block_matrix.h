@@ -108,7 +108,6 @@ inline void add_transposed_block_product(float factor, const float* a, const flo
 /// the storage, and a sweep that uses each block in both places reads half as much.
 template <int B>
 struct SymmetricBlocks {
-  static constexpr int size = B;
   static constexpr int entries = B * B;
   std::vector<Index> row{0};    ///< rows + 1, into col
   std::vector<Index> col;       ///< sorted in each row, col < row

@@ -11,17 +11,6 @@ constexpr Real dependent = 1e-7;
 /// A pivot of which less than this share is left is rounding.
 constexpr float lost = 1e-5f;
 
-/// The rows of each aggregate, one aggregate after the other.
-struct Members {
-  std::vector<Index> begin, row;
-  explicit Members(const Aggregates& a) : begin(a.count + 1, 0), row(a.of.size()) {
-    for (Index c : a.of) ++begin[c + 1];
-    for (Index c = 0; c < a.count; ++c) begin[c + 1] += begin[c];
-    std::vector<Index> next(begin.begin(), begin.end() - 1);
-    for (std::size_t i = 0; i < a.of.size(); ++i) row[next[a.of[i]]++] = static_cast<Index>(i);
-  }
-};
-
 /// Modified Gram-Schmidt, twice, on the columns of Q; R of Q R. Dependent columns become 0.
 template <int K>
 Eigen::Matrix<Real, K, K> orthonormalize(Eigen::Matrix<Real, Eigen::Dynamic, K>& Q) {
@@ -49,22 +38,23 @@ Eigen::Matrix<Real, K, K> orthonormalize(Eigen::Matrix<Real, Eigen::Dynamic, K>&
 
 template <int B, int K>
 Tentative<B, K> make_tentative(const Aggregates& aggregates, const Modes<K>& modes) {
-  const Members members(aggregates);
+  std::vector<std::vector<Index>> members(aggregates.count);
+  for (std::size_t i = 0; i < aggregates.of.size(); ++i)
+    members[aggregates.of[i]].push_back(static_cast<Index>(i));
   Tentative<B, K> t;
   t.value.assign(aggregates.of.size() * B * K, 0);
   t.coarse.setZero(Eigen::Index(aggregates.count) * K, K);
   for (Index c = 0; c < aggregates.count; ++c) {
-    const Index begin = members.begin[c], size = members.begin[c + 1] - begin;
-    Eigen::Matrix<Real, Eigen::Dynamic, K> Q(size * B, K);
-    for (Index q = 0; q < size; ++q)
-      Q.template middleRows<B>(q * B) =
-          modes.template middleRows<B>(Eigen::Index(members.row[begin + q]) * B);
+    const std::vector<Index>& rows = members[c];
+    Eigen::Matrix<Real, Eigen::Dynamic, K> Q(Eigen::Index(rows.size()) * B, K);
+    for (std::size_t q = 0; q < rows.size(); ++q)
+      Q.template middleRows<B>(Eigen::Index(q) * B) =
+          modes.template middleRows<B>(Eigen::Index(rows[q]) * B);
     t.coarse.template middleRows<K>(Eigen::Index(c) * K) = orthonormalize<K>(Q);
-    for (Index q = 0; q < size; ++q) {
-      float* block = t.value.data() + std::size_t(members.row[begin + q]) * B * K;
-      for (int r = 0; r < B; ++r)
-        for (int k = 0; k < K; ++k) block[r * K + k] = static_cast<float>(Q(q * B + r, k));
-    }
+    for (std::size_t q = 0; q < rows.size(); ++q)
+      Eigen::Map<Eigen::Matrix<float, B, K, Eigen::RowMajor>>(t.value.data() +
+                                                              std::size_t(rows[q]) * B * K) =
+          Q.template middleRows<B>(Eigen::Index(q) * B).template cast<float>();
   }
   return t;
 }
