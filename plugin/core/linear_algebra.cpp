@@ -1,5 +1,6 @@
 #include "linear_algebra.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <Eigen/SVD>
@@ -16,6 +17,16 @@ DenseMatrix least_squares(const DenseRef& A, const DenseRef& B, Real threshold, 
 
 DenseMatrix solve(const DenseRef& A, const DenseRef& B) {
   return Eigen::FullPivLU<DenseMatrix>(A).solve(B);
+}
+
+Eigenpairs eigenpairs(const DenseRef& A) {
+  const Eigen::SelfAdjointEigenSolver<DenseMatrix> found(A);
+  return {found.eigenvalues(), found.eigenvectors()};
+}
+
+Eigenpairs eigenpairs(const DenseRef& A, const DenseRef& M) {
+  const Eigen::GeneralizedSelfAdjointEigenSolver<DenseMatrix> found(A, M);
+  return {found.eigenvalues(), found.eigenvectors()};
 }
 
 DenseMatrix triangle(const DenseRef& A) {

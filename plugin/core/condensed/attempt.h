@@ -21,4 +21,9 @@ struct Attempt {
 bool newton_from(const Vector& x, const CondensedProblem& problem, Index max_steps, Attempt& a,
                  const Branches& given = {});
 
+/// Proximal points (model/proximal_springs.h), where Newton's method alone does not arrive: from
+/// x_0 = 0 by Newton's method with springs, until it arrives from x_k without them. At most
+/// max_steps of Newton's method.
+Attempt by_proximal_points(const CondensedProblem& problem, Index max_steps);
+
 }  // namespace frictioncg

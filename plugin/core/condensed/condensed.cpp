@@ -3,7 +3,6 @@
 #include "clock.h"
 #include "condensed/bounded_pressure.h"
 #include "condensed/interior_point.h"
-#include "condensed/proximal.h"
 #include "condensed/regularized.h"
 #include "statics/rigid_motions.h"
 #include "statics/undetermined.h"
@@ -33,6 +32,8 @@ Vector CondensedProblem::residual(const Vector& x) const {
 struct CondensedSolver::Run {
   const ContactProblem& problem;
   const Settings& settings;
+  Observer* const observer;
+  const PathOnA& path;
   const Index bound;  ///< on all iterations
   Vector x, r;        ///< n, F - Ax; the next pass solves for what r leaves
   Vector x_C;         ///< contact_dofs, of x
@@ -42,8 +43,6 @@ struct CondensedSolver::Run {
   bool positive = false;      ///< A is known to have no negative energy at s.x
   bool asked = false;         ///< whether the load can be held
   DenseMatrix rigid = {};     ///< n x k, found where it was asked for
-  Observer* observer = nullptr;
-  const PathOnA* path = nullptr;
 
   Index left() const { return bound - s.iterations; }
 };
@@ -52,13 +51,13 @@ Solution CondensedSolver::solve(const ContactProblem& problem, const Settings& s
                                 const Vector& x0, Observer* observer, const PathOnA& path) {
   Run run{problem,
           settings,
+          observer,
+          path,
           bound_of(problem, settings),
           Vector::Zero(problem.dofs()),
           problem.increment.F,
           Vector::Zero(problem.contact_dofs()),
           {}};
-  run.observer = observer;
-  run.path = &path;
   const Threads threads(elimination_.threads_pay());
   Solution& s = run.s;
   s.route = Route::condensed;
@@ -171,7 +170,7 @@ Attempt CondensedSolver::solve_laws(Run& run, const CondensedProblem& condensed,
     return a;
   }
   run.asked = true;
-  if (const auto on_A = *run.path ? (*run.path)(run.left()) : std::nullopt) {
+  if (const auto on_A = run.path ? run.path(run.left()) : std::nullopt) {
     s.iterations += on_A->iterations;
     a.x = on_A->x.tail(condensed.f.size());
     a.solved = on_A->status == Status::converged;

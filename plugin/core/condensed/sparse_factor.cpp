@@ -33,7 +33,13 @@ UpperTriangle::UpperTriangle(const System& s, const std::vector<char>& chained,
       row.push_back(col[k]);
       value.push_back(a[k]);
     }
-    if (j == s.interior()) insert(roots);
+    if (j == s.interior())
+      for (const Index r : roots) {  // the column stays sorted
+        const auto at = std::lower_bound(row.begin() + column.back(), row.end(), r);
+        if (at != row.end() && *at == r) continue;
+        value.insert(value.begin() + (at - row.begin()), 0);
+        row.insert(at, r);
+      }
     if (chained[j] && (row.size() == std::size_t(column[j]) || row.back() != j - 1)) {
       row.push_back(j - 1);
       value.push_back(0);
@@ -43,17 +49,6 @@ UpperTriangle::UpperTriangle(const System& s, const std::vector<char>& chained,
     column.push_back(static_cast<Index>(row.size()));
   }
   view = symmetric_view(n, column, row, value.data());
-}
-
-/// Zero entries in these rows of the column under construction, which stays sorted.
-void UpperTriangle::insert(const std::vector<Index>& rows) {
-  for (Index r : rows) {
-    const auto begin = row.begin() + column.back();
-    const auto at = std::lower_bound(begin, row.end(), r);
-    if (at != row.end() && *at == r) continue;
-    value.insert(value.begin() + (at - row.begin()), 0);
-    row.insert(at, r);
-  }
 }
 
 SparseFactor::SparseFactor(int supernodal) {

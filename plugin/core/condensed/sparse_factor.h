@@ -14,9 +14,6 @@ struct UpperTriangle {
   UpperTriangle(const System& system, const std::vector<char>& chained,
                 const std::vector<Index>& roots = {});
   Real& diagonal(Index j) { return value[column[j + 1] - 1]; }
-
- private:
-  void insert(const std::vector<Index>& rows);
 };
 
 /// A session of CHOLMOD, and in it one factor L L' of a matrix in an order that is given.

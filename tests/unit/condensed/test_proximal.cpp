@@ -3,7 +3,7 @@
 
 #include "../statics.h"
 #include "../statics/bodies.h"
-#include "core/condensed/proximal.h"
+#include "core/condensed/attempt.h"
 
 using namespace frictioncg;
 using namespace frictioncg::test;
