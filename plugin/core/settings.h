@@ -62,11 +62,6 @@ inline bool smooths_friction(const Settings& s) {
   return s.method != Method::gcx && s.method != Method::sorp;
 }
 
-/// The preconditioner, or SORP, has an omega.
-inline bool relaxes(const Settings& s) {
-  return s.method == Method::sorp || s.precon == Precon::ssor || s.precon == Precon::hessian_ssor;
-}
-
 /// What an iteration was: each has one label. Where several fit, release counts first, then
 /// expansion, contact hit and stick frozen. The numbers are those of the script's history.
 enum class StepLabel {

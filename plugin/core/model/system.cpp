@@ -113,8 +113,6 @@ void AssembledSystem::move_contact(const Vector& dx_C, Vector& r) const {
   }
 }
 
-Bodies AssembledSystem::bodies() const { return bodies_of(A); }
-
 Bodies bodies_of(const Matrix& A) {
   const Index n = static_cast<Index>(A.rows());
   Groups groups(n);

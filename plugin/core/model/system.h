@@ -82,6 +82,9 @@ struct System {
   }
 };
 
+/// The bodies of a scene: parts of the graph of A that share no entry.
+Bodies bodies_of(const Matrix& A);
+
 /// A system that one process holds whole.
 struct AssembledSystem final : System {
   Matrix A;
@@ -90,7 +93,7 @@ struct AssembledSystem final : System {
   void product(const Matrix& M, const VisitRow& visit) const override;
   Vector multiply_sized(const Vector& x, Vector& Ax) const override;
   void move_contact(const Vector& dx_C, Vector& r) const override;
-  Bodies bodies() const override;
+  Bodies bodies() const override { return bodies_of(A); }
   const Matrix& entries() const override { return A; }
 };
 
@@ -110,9 +113,6 @@ bool costs_no_energy(const System& system, const Vector& w);
 /// Whether p'Ap < 0 beyond the rounding of |p|'|A||p|, on the matrix itself: what a method met on
 /// its way may be drift, or the rounding of an elimination. p: n, or empty on all processes.
 bool costs_negative_energy(const System& system, const Vector& p);
-
-/// The bodies of a scene: parts of the graph of A that share no entry.
-Bodies bodies_of(const Matrix& A);
 
 /// |A||x|, the sum of the sizes of what Ax is summed of: rounding of Ax is about 2^-53 of it.
 Vector magnitude(const Matrix& A, const Vector& x);

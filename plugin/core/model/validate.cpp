@@ -87,8 +87,10 @@ const char* without_effect(Option option, const Settings& s) {
     return condensed ? ", whose answer is not regularized; leave it out, or add method=\"GC3\" or "
                        "newton=false"
                      : ", whose answer is not regularized; leave it out, or the method";
+  const bool relaxes =
+      s.method == Method::sorp || s.precon == Precon::ssor || s.precon == Precon::hessian_ssor;
   if (option == Option::omega)
-    return relaxes(s) ? none : ", which does not relax; leave it out, or take an SSOR";
+    return relaxes ? none : ", which does not relax; leave it out, or take an SSOR";
   if (option == Option::precon)
     return s.method != Method::sorp ? none : ", which does not precondition; leave it out";
   if (option == Option::step)

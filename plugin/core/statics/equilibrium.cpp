@@ -16,8 +16,8 @@ constexpr Real rounding = 1e-9;
 constexpr Real most_pressure = 1e6;
 /// The search for a balance ends as soon as only forces of so many times the load could make one.
 constexpr Real any_pressure = 1e9;
-/// A can take the pull of a motion that is not quite rigid by a displacement of up to so many times
-/// load / stiffness: the motion is then no proof.
+/// A can take the pull F.w of a motion that is not quite rigid, F.w = x'A w, by a displacement x of
+/// up to so many times load / stiffness: the motion is then no proof.
 constexpr Real most_displacement = 1e4;
 /// A column leads to the target only where its cosine to it is above this.
 constexpr Real no_descent = 1e-14;
@@ -270,15 +270,6 @@ class Resistance {
   const Real unit_;
 };
 
-/// Whether A can take the pull F.w of a motion that is not quite rigid, F.w = x'A w, by a
-/// displacement x that a body may have.
-bool carried(const Vector& w, Real pull, const ContactProblem& problem) {
-  Vector Aw;
-  problem.system->multiply(w, Aw);
-  const Real load = norm_D(*problem.system, problem.increment.F);
-  return pull <= most_displacement * load * norm_D(*problem.system, Aw);
-}
-
 /// The largest <Dw,w>^{1/2} of motions: the most that a residual of norm_D 1 can work on them.
 Real largest_size(const System& system, const DenseMatrix& W) {
   Vector sizes = W.cwiseAbs2().transpose().lazyProduct(system.D);
@@ -313,8 +304,10 @@ std::optional<Vector> unheld_motion(const DenseMatrix& W, const ContactProblem& 
   }
   if (!unheld && !proven(most_pressure)) return std::nullopt;
   const Vector motion = W.lazyProduct(nearest.rest().head(W.cols()));
-  if (carried(motion, resistance.pull, problem) || !may_be_rigid(system, motion))
-    return std::nullopt;
+  Vector Aw;
+  system.multiply(motion, Aw);
+  const Real most_pull = most_displacement * norm_D(system, F) * norm_D(system, Aw);
+  if (resistance.pull <= most_pull || !may_be_rigid(system, motion)) return std::nullopt;
   return motion;
 }
 

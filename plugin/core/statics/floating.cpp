@@ -54,11 +54,7 @@ struct Candidates {
 
 Candidates::Candidates(const System& system) : M(system.dofs(), 0) {
   if (!(system.body_modes || system.rigid_modes) || system.largest(system.dofs()) == 0) return;
-  Matrix made;
-  if (system.body_modes)
-    made = system.body_modes();
-  else
-    made = system.rigid_modes().sparseView();
+  Matrix made = system.body_modes ? system.body_modes() : Matrix(system.rigid_modes().sparseView());
   const bool of_use = made.rows() == system.dofs() && made.coeffs().allFinite();
   if (system.largest(of_use ? 0 : 1) > 0) return;  // on all processes alike
   M.swap(made);
@@ -80,7 +76,8 @@ Candidates::Candidates(const System& system) : M(system.dofs(), 0) {
 /// Adds up those of all processes, in one go.
 void sum(const System& system, std::vector<DenseMatrix>& of_bodies) {
   std::vector<Real> all;
-  for (const DenseMatrix& own : of_bodies) all.insert(all.end(), own.data(), own.data() + own.size());
+  for (const DenseMatrix& own : of_bodies)
+    all.insert(all.end(), own.data(), own.data() + own.size());
   system.sum(all.data(), Index(all.size()));
   const Real* from = all.data();
   for (DenseMatrix& own : of_bodies) {
@@ -260,22 +257,15 @@ DenseMatrix floating_motions(const System& system) {
   std::vector<Matrix> c(all.bodies.count);
   for (Index body = 0; body < all.bodies.count; ++body) {
     const std::vector<Index>& own = all.of_body[body];
-    if (each < all.count())
-      c[body] = alone(own, each, in_A[body], in_D[body]);
-    else
-      c[body].resize(Index(own.size()), 0);
+    c[body] = each < all.count() ? alone(own, each, in_A[body], in_D[body])
+                                 : Matrix(Index(own.size()), 0);
   }
   const std::vector<std::vector<Index>> accepted = motions.add(c);
   // then what is left in common
   for (Index body = 0; body < all.bodies.count; ++body) {
-    EntryList entries;
-    for (Index i = 0; i < Index(c[body].rows()); ++i)
-      for (Matrix::InnerIterator x(c[body], i); x; ++x) {
-        const auto at = std::lower_bound(accepted[body].begin(), accepted[body].end(), x.col());
-        if (at != accepted[body].end() && *at == x.col())
-          entries.emplace_back(i, Index(at - accepted[body].begin()), x.value());
-      }
-    const Matrix V = sparse(c[body].rows(), Index(accepted[body].size()), entries);
+    EntryList kept;
+    for (Index j : accepted[body]) kept.emplace_back(j, Index(kept.size()), 1);
+    const Matrix V = c[body] * sparse(Index(c[body].cols()), Index(kept.size()), kept);
     const DenseMatrix R = beside(V, all.of_body[body], each, in_D[body]);
     c[body] = (R * candidates_of_a_body(R.transpose() * in_A[body] * R,
                                         R.transpose() * in_D[body] * R, in_D[body].trace()))

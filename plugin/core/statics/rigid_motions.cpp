@@ -55,13 +55,9 @@ DenseMatrix rigid_motions(const DenseMatrix& S, const Vector& D) {
   const Index n = static_cast<Index>(S.rows());
   if (n == 0) return DenseMatrix(0, 0);
   const Vector scale = D.cwiseSqrt().cwiseInverse();
-  DenseMatrix M;
-  const auto scaled = [&](Real shift) {
-    M = scale.asDiagonal() * S * scale.asDiagonal();
-    M.diagonal().array() += shift;
-  };
   for (Real shift = first_shift; shift <= greatest_shift; shift *= 100) {
-    scaled(shift);
+    DenseMatrix M = scale.asDiagonal() * S * scale.asDiagonal();
+    M.diagonal().array() += shift;
     const Cholesky factor(M);
     if (!factor.found()) continue;
     for (Index block = std::min(n, first_block);; block = std::min(n, 2 * block)) {
