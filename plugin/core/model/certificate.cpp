@@ -89,9 +89,8 @@ Certificate certify(const ContactProblem& problem, const Vector& x) {
   c.scale = scale_of(problem, x, c.r, violation, rounding);
   c.attainable = rounding / c.scale;
   c.residual = violation / c.scale;
-  c.equilibrium = std::sqrt(c.equilibrium) / c.scale;
-  c.normal = std::sqrt(c.normal) / c.scale;
-  c.friction = std::sqrt(c.friction) / c.scale;
+  for (Real* share : {&c.equilibrium, &c.normal, &c.friction})
+    *share = std::sqrt(*share) / c.scale;
   return c;
 }
 

@@ -77,9 +77,7 @@ void ExactMatrix<D>::keep_if_symmetric(const Matrix& A, const SymmetricBlocks<D>
 template <int D>
 SymmetricBlocks<D> make_fine_matrix(const Matrix& A, const NodeBlocks& blocks, Real factor,
                                     ExactMatrix<D>& exact) {
-  const Index* begin = A.outerIndexPtr();
-  const Index* col = A.innerIndexPtr();
-  const Real* a = A.valuePtr();
+  const Arrays of_A = arrays_of(A);
   SymmetricBlocks<D> M;
   M.diagonal.assign(std::size_t(blocks.blocks) * D * D, 0);
   M.inverse.assign(std::size_t(blocks.blocks) * D * D, 0);
@@ -92,13 +90,13 @@ SymmetricBlocks<D> make_fine_matrix(const Matrix& A, const NodeBlocks& blocks, R
     for (Index r = 0; r < D; ++r) {
       const Index p = blocks.dof[i * D + r];
       if (p < 0) continue;
-      for (Index e = begin[p]; e < begin[p + 1]; ++e) visit(r, e);
+      for (Index e = of_A.row[p]; e < of_A.row[p + 1]; ++e) visit(r, e);
     }
   };
   for (Index i = 0; i < blocks.blocks; ++i) {
     const std::size_t first = M.col.size();
     for_each_entry(i, [&](Index, Index e) {
-      const Index j = block_of[col[e]];
+      const Index j = block_of[of_A.col[e]];
       if (j >= i || place[j] >= Index(first)) return;
       place[j] = static_cast<Index>(M.col.size());
       M.col.push_back(j);
@@ -110,11 +108,11 @@ SymmetricBlocks<D> make_fine_matrix(const Matrix& A, const NodeBlocks& blocks, R
   for (Index i = 0; i < blocks.blocks; ++i) {
     for (Index k = M.row[i]; k < M.row[i + 1]; ++k) place[M.col[k]] = k;
     for_each_entry(i, [&](Index r, Index e) {
-      const Index j = block_of[col[e]], c = blocks.slot[col[e]] - j * D;
+      const Index j = block_of[of_A.col[e]], c = blocks.slot[of_A.col[e]] - j * D;
       if (j < i)
-        exact.lower[(std::size_t(place[j]) * D + r) * D + c] = a[e];
+        exact.lower[(std::size_t(place[j]) * D + r) * D + c] = of_A.a[e];
       else if (j == i)
-        exact.diagonal[(std::size_t(i) * D + r) * D + c] = a[e];
+        exact.diagonal[(std::size_t(i) * D + r) * D + c] = of_A.a[e];
     });
   }
   const auto scaled = [factor](Real entry) { return static_cast<float>(factor * entry); };

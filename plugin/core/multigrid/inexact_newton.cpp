@@ -56,11 +56,13 @@ constexpr Index least_cycles = 8;
 }  // namespace
 
 InexactNewton::InexactNewton(const ContactProblem& problem, Hierarchy& hierarchy,
-                             Observer* observer)
+                             Observer* observer, Real affordable, Real most_violation)
     : problem_(problem),
       system_(*problem.system),
       hierarchy_(hierarchy),
       observer_(observer),
+      affordable_(affordable),
+      most_violation_(most_violation),
       faces_(problem),
       inner_(system_),
       proximal_(first_spring, least_spring),

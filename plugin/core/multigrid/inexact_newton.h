@@ -12,7 +12,11 @@ namespace frictioncg {
 /// are chosen anew.
 class InexactNewton {
  public:
-  InexactNewton(const ContactProblem& problem, Hierarchy& hierarchy, Observer* observer = nullptr);
+  /// affordable: the cycles that another method of the caller costs, or infinity. Ends, stagnated,
+  /// where the rate of a linear system promises more, where the forces of the first one violate the
+  /// laws by more than most_violation times the load, or where faces leave a motion free.
+  InexactNewton(const ContactProblem& problem, Hierarchy& hierarchy, Observer* observer,
+                Real affordable, Real most_violation);
 
   /// From x0 (n), where b0 = F - A x0 (n) is known, or where it is empty from 0; on the given
   /// branches, or where these are empty on those of x0, or where that is, too, on those that
@@ -21,15 +25,6 @@ class InexactNewton {
   /// of the faces nor springs reduce the violation.
   Status solve(Real tol, Index max_iterations, const Vector& x0, const Vector& b0,
                const Branches& start = {});
-
-  /// For a caller who has another method, which costs as much as so many cycles. Ends, stagnated,
-  /// where the rate of a linear system promises more than that, where the forces of the first one
-  /// violate the laws by more than so many times the load, or where faces leave a motion
-  /// free.
-  void give_up_beyond(Real cycles, Real violation) {
-    affordable_ = cycles;
-    most_violation_ = violation;
-  }
 
   const Vector& x() const { return x_; }
   const Certificate& certificate() const { return certificate_; }  ///< of x, where it has converged
@@ -56,16 +51,16 @@ class InexactNewton {
   const System& system_;
   Hierarchy& hierarchy_;
   Observer* const observer_;
+  const Real affordable_;      ///< cycles
+  const Real most_violation_;  ///< over the load
   Faces faces_;
   ConjugateResiduals inner_;
-  Vector x_, b_;                    ///< n; b = F - Ax, and the springs' force
-  Vector b_C_, s_;                  ///< contact dofs of b; n, residual of the linear system
-  Vector accepted_;                 ///< n, the last x that the certificate lets pass; or empty
-  Certificate certificate_;         ///< of the last x that passes
-  Real goal_ = 0;                   ///< of residual and violation [norm_D]
-  Real load_ = 0;                   ///< norm_D of the load, or of what gaps press with, if more
-  Real affordable_ = infinity;      ///< cycles
-  Real most_violation_ = infinity;  ///< over the load
+  Vector x_, b_;             ///< n; b = F - Ax, and the springs' force
+  Vector b_C_, s_;           ///< contact dofs of b; n, residual of the linear system
+  Vector accepted_;          ///< n, the last x that the certificate lets pass; or empty
+  Certificate certificate_;  ///< of the last x that passes
+  Real goal_ = 0;            ///< of residual and violation [norm_D]
+  Real load_ = 0;            ///< norm_D of the load, or of what gaps press with, if more
   bool gave_up_ = false;
   /// Violations (norm_D) since the springs were set: after the first update, the least one, and the
   /// updates since then.

@@ -84,9 +84,8 @@ bool MultigridSolver::shown_unheld(const ContactProblem& problem, Solution& s) c
 void MultigridSolver::iterate(const ContactProblem& problem, const Settings& settings,
                               const Vector& x0, Observer* observer, const Allowance& allowance,
                               Solution& s) {
-  InexactNewton newton(problem, *hierarchy_, observer);
   const Real affordable = allowance.cost * usual_iterations;
-  newton.give_up_beyond(affordable, allowance.violation);
+  InexactNewton newton(problem, *hierarchy_, observer, affordable, allowance.violation);
   const Index most = static_cast<Index>(std::min<Real>(affordable, most_iterations));
   const Index bound = std::min(settings.nbiter > 0 ? settings.nbiter : most, most);
   const Vector going_on = past_.next(*system_, problem.increment);
