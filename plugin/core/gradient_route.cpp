@@ -7,17 +7,6 @@
 
 namespace frictioncg {
 
-namespace {
-
-/// The rigid motions of A: from the candidates of the system, or, where none of them floats, by
-/// conjugate gradients; not after a call that was to be short.
-DenseMatrix motions_of_A(const ContactProblem& problem, const DenseMatrix& known, Status status) {
-  if (known.cols() > 0 || status == Status::max_iterations) return known;
-  return rigid_motions(*problem.system, default_iterations(problem));
-}
-
-}  // namespace
-
 Settings without_factor(Settings settings) {
   settings.method = settings.newton ? Method::gcx : Method::gc3;
   return settings;
@@ -27,7 +16,12 @@ void decide_on_equilibrium(const ContactProblem& problem, FloatingMotions& float
   const bool open = s.status == Status::no_equilibrium || s.status == Status::stagnated ||
                     s.status == Status::fixed_point_diverged || s.status == Status::max_iterations;
   if (!open) return;
-  const auto motion = unheld_motion(motions_of_A(problem, floating(), s.status), problem);
+  // The motions of A: from the candidates of the system, or, where none of them floats, by
+  // conjugate gradients; not after a call that was to be short.
+  const DenseMatrix& known = floating();
+  const bool enough = known.cols() > 0 || s.status == Status::max_iterations;
+  const auto motion = unheld_motion(
+      enough ? known : rigid_motions(*problem.system, default_iterations(problem)), problem);
   s.unheld_motion = motion.value_or(Vector());
   if (motion)
     s.status = Status::no_equilibrium;

@@ -256,8 +256,7 @@ Allowance Solver::allowance(const Settings& settings) const {
 
 /// Whether the condensed route is open: factors A where that was not done, and fits now.
 bool Solver::condense(const Settings& settings, Observer* observer) {
-  const bool fits = settings.memory >= memory_needed_;
-  if (fits && !factored_ && !indefinite_) {
+  if (settings.memory >= memory_needed_ && !factored_ && !indefinite_) {
     if (observer) observer->begin(Work::factorization, seconds_of_factor(*system_));
     if (!condensed_) condensed_ = std::make_unique<CondensedSolver>(system_);
     const Elimination::Outcome outcome = condensed_->factor(settings.memory);

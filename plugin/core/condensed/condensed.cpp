@@ -83,7 +83,14 @@ void CondensedSolver::refine(Run& run, Vector start) {
     const Attempt a = solve_laws(run, condense(run), start);
     recover(run, a);
     if (from_last && a.solved && run.best > doubtful) {
-      start_over(run);
+      // From stick, as a first call: the last branches have left the bodies all but free, and what
+      // is far away counts as settled by its rounding.
+      last_.clear();
+      run.x.setZero();
+      run.x_C.setZero();
+      run.r = run.problem.increment.F;
+      run.best = infinity;
+      run.s.layer = Layer::none;
       return refine(run, {});
     }
     start = run.x_C;
@@ -94,17 +101,6 @@ void CondensedSolver::refine(Run& run, Vector start) {
   else if (run.s.status == Status::converged)
     run.s.status = Status::stagnated;
   if (run.best > run.settings.tol) last_.clear();
-}
-
-/// From stick, as a first call: the last branches have left the bodies all but free, and what is
-/// far away counts as settled by its rounding.
-void CondensedSolver::start_over(Run& run) {
-  last_.clear();
-  run.x.setZero();
-  run.x_C.setZero();
-  run.r = run.problem.increment.F;
-  run.best = infinity;
-  run.s.layer = Layer::none;
 }
 
 /// The laws see the whole x_C, but only the load that x does not carry yet:  f = f(r) + S x_C.

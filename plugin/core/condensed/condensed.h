@@ -37,7 +37,6 @@ class CondensedSolver {
  private:
   struct Run;
   void refine(Run& run, Vector start);
-  void start_over(Run& run);
   CondensedProblem condense(Run& run);
   void recover(Run& run, const Attempt& a);
   Attempt solve_laws(Run& run, const CondensedProblem& condensed, const Vector& start);
