@@ -155,8 +155,11 @@ Solution Solver::by_condensation(const ContactProblem& problem, const Settings& 
                                  const Vector& x0, Observer* observer) {
   if (!condense(settings, observer))
     return by_gradients(problem, without_factor(settings), x0, observer, floating_);
+  // where a sparse factor of A is cheaper than a dense one of S, and fits
   const auto path = [&](Index max_steps) -> std::optional<Solution> {
-    if (max_steps <= 0 || !is_cheaper_on_A(settings)) return std::nullopt;
+    const double dense = std::pow(double(system_->contact_dofs()), 3) / 3;
+    if (max_steps <= 0 || dense < worth_an_ordering) return std::nullopt;
+    if (!lay_out_sparse_factor(settings) || sparse_->flops() >= dense) return std::nullopt;
     return sparse_->follow_path(problem, settings, max_steps, observer);
   };
   Solution s = condensed_->solve(problem, settings, x0, observer, path);
@@ -236,13 +239,6 @@ Solution Solver::or_by(Way next, Solution s, const ContactProblem& problem,
   return s;
 }
 
-/// Whether a sparse factor of A is cheaper than a dense one of S, and fits.
-bool Solver::is_cheaper_on_A(const Settings& settings) {
-  const double dense = std::pow(double(system_->contact_dofs()), 3) / 3;
-  if (dense < worth_an_ordering) return false;
-  return lay_out_sparse_factor(settings) && sparse_->flops() < dense;
-}
-
 /// What the cheaper of the routes after it costs, over multigrid as a rule: infinite where the
 /// latter is named.
 Allowance Solver::allowance(const Settings& settings) const {
@@ -266,11 +262,7 @@ bool Solver::condense(const Settings& settings, Observer* observer) {
     if (!factored_) condensed_.reset();
   }
   if (settings.memory >= memory_needed_) return factored_;
-  if (settings.method == Method::condensed) refuse_memory(settings.memory);
-  return false;
-}
-
-void Solver::refuse_memory(double given) const {
+  if (settings.method != Method::condensed) return false;
   const char* const condensed = "method=\"condensed\" needs ";
   const char* const otherwise = ", or leave the choice to method=\"auto\"";
   if (!std::isfinite(memory_needed_))
@@ -278,7 +270,8 @@ void Solver::refuse_memory(double given) const {
            "method=\"GCX\"", otherwise);
   refuse(condensed, "at least ", memory_needed_ / 1e9,
          " GB for its factor and the dense matrices on ", system_->contact_dofs(),
-         " contact dofs, more than memory = ", given / 1e9, " GB; raise memory", otherwise);
+         " contact dofs, more than memory = ", settings.memory / 1e9, " GB; raise memory",
+         otherwise);
 }
 
 Solution solve(const ContactProblem& problem, const Settings& settings, const Vector& x0,

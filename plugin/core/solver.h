@@ -46,7 +46,6 @@ class Solver {
   double memory_needed() const { return memory_needed_; }
 
  private:
-  /// Solves on the way of the plan; what answered stands in Solution::layer.
   Solution by_route(const ContactProblem& problem, const Settings& settings, const Vector& x0,
                     Observer* observer);
   Solution by_condensation(const ContactProblem& problem, const Settings& settings,
@@ -61,11 +60,9 @@ class Solver {
   Solution or_by(Way next, Solution s, const ContactProblem& problem, const Settings& settings,
                  Observer* observer);
   bool lay_out_sparse_factor(const Settings& settings);
-  bool is_cheaper_on_A(const Settings& settings);
   bool sparse_comes_first(const Settings& settings);
   Allowance allowance(const Settings& settings) const;
   bool condense(const Settings& settings, Observer* observer);
-  [[noreturn]] void refuse_memory(double given) const;
 
   SystemPtr system_;
   FloatingMotions floating_;
