@@ -18,7 +18,7 @@ void load() {
   if (!take_buffer_of_blas())
     throw ErrorLoad("frictionCG: not enough memory for a buffer of BLAS", 1);
   register_contactproblem();
-  add_operators<SolveOnce<Site>, Construct<Site>, SolveIncrement, Site>();
+  add_operators<SolveOnce, Construct, SolveIncrement>();
 }
 
 }  // namespace

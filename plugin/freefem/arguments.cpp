@@ -370,14 +370,14 @@ long read_verb(Stack stack, const Arguments& args) {
   return args.value<long>(stack, p_verb, std::min(verbosity, 3L));
 }
 
-Site::Site(const basicAC_F0& args, int first, std::size_t count)
+Site::Site(const basicAC_F0& args, int first, int count)
     : d(args[first].left() == atype<v_fes::pfes*>() ? 2 : 3), slave_(args[first + 1]) {
   const auto space = [&](int k) {
     return d == 2 ? to<v_fes::pfes*>(args[k]) : to<v_fes3::pfes*>(args[k]);
   };
   spaces_.push_back(space(first));
   if (count > 3) spaces_.push_back(space(first + 2));
-  if (count > 2) master_.emplace(args[first + static_cast<int>(count) - 1]);
+  if (count > 2) master_.emplace(args[first + count - 1]);
 }
 
 SpacePtr Site::space(Stack stack, std::size_t k) const {

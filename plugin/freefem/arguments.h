@@ -142,8 +142,7 @@ constexpr long cut = -111111;  ///< macro_ddm's label of what it cuts
 class Site {
  public:
   /// count: of the arguments from `first` on.
-  Site(const basicAC_F0& args, int first, std::size_t count);
-  virtual ~Site() = default;
+  Site(const basicAC_F0& args, int first, int count);
 
   const int d;  ///< dimension
   bool two_bodies() const { return master_.has_value(); }

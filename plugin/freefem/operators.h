@@ -8,29 +8,12 @@
 
 namespace frictioncg {
 
-/// The variable itself. FreeFEM allots its bytes without a constructor, calls init() and destroy(),
-/// and never a destructor; arrays of it are made by `new`, and deleted.
+/// The variable itself. FreeFEM allots its bytes without a constructor, copies an empty one there,
+/// and calls destroy() in place of the destructor; arrays of it are made by `new`, and deleted.
 class ContactProblemVariable {
  public:
-  ContactProblemVariable() = default;
-  ContactProblemVariable(const ContactProblemVariable& from) { *this = from; }
-  ContactProblemVariable& operator=(const ContactProblemVariable& from) {
-    if (this == &from) return *this;
-    auto* copy = from.problem_ ? new PosedProblem(*from.problem_) : nullptr;
-    delete problem_;
-    problem_ = copy;
-    return *this;
-  }
-  ~ContactProblemVariable() { destroy(); }
-  void init() { problem_ = nullptr; }
-  void destroy() {
-    delete problem_;
-    problem_ = nullptr;
-  }
-  void set(PosedProblem problem) {
-    destroy();
-    problem_ = new PosedProblem(std::move(problem));
-  }
+  void destroy() { problem_.reset(); }
+  void set(PosedProblem problem) { problem_ = std::move(problem); }
   /// A copy, so that what the script assigns meanwhile takes nothing away from a call.
   PosedProblem get() const {
     if (!problem_)
@@ -41,25 +24,18 @@ class ContactProblemVariable {
   }
 
  private:
-  PosedProblem* problem_ = nullptr;
+  std::optional<PosedProblem> problem_;
 };
 
 /// C = ..., at the declaration: the bytes hold nothing yet.
 inline ContactProblemVariable* first_assignment(ContactProblemVariable* C,
                                                 ContactProblemVariable* from) {
-  C->init();
-  *C = *from;
-  return C;
+  return new (C) ContactProblemVariable(*from);
 }
 
 inline ContactProblemVariable* assignment(ContactProblemVariable* C, ContactProblemVariable* from) {
   *C = *from;
   return C;
-}
-
-inline AnyType init_variable(Stack, const AnyType& x) {
-  GetAny<ContactProblemVariable*>(x)->init();
-  return x;
 }
 
 /// return C: a function's variables end with it, so what it returns is a copy that lives to the end
@@ -86,7 +62,8 @@ inline ContactProblemVariable* element(ContactProblemArray* const& a, const long
 /// Registers the type, its assignments, and arrays of it: contactproblem[int] C(n).
 inline void register_contactproblem() {
   using C = ContactProblemVariable*;
-  Dcl_Type<C>(init_variable, ::Destroy<ContactProblemVariable>, copy_on_return);
+  Dcl_Type<C>(::Initialize<ContactProblemVariable>, ::Destroy<ContactProblemVariable>,
+              copy_on_return);
   zzzfff->Add("contactproblem", atype<C>());
   TheOperators->Add("<-", new OneOperator2<C, C, C>(first_assignment));
   TheOperators->Add("=", new OneOperator2<C, C, C>(assignment));
@@ -116,6 +93,14 @@ class Overload : public OneOperator {
   };
   Make make_;
 };
+
+/// Registers an operator, Form, for arguments of these types.
+template <class Form>
+void add_form(const char* name, const std::vector<aType>& types) {
+  Global.Add(name, "(",
+             new Overload(atype<typename Form::Result>(), types,
+                          [](const basicAC_F0& args) { return new Form(args); }));
+}
 
 /// What a script calls an argument of this type.
 inline std::string words(aType type) {
@@ -187,31 +172,27 @@ inline AnyType result(Stack stack, const Vector& field) {
 }
 
 /// u[] = frictionalContactCG(A, b, site, ...).
-template <class SiteType>
 class SolveOnce : public E_F0mps {
  public:
   using Result = KN_<double>;
-  SolveOnce(const basicAC_F0& args, std::shared_ptr<const SiteType> site)
-      : arguments_(args, site->d, site->two_bodies()),
+  explicit SolveOnce(const basicAC_F0& args)
+      : site_(args, 2, args.size() - 2),
+        arguments_(args, site_.d, site_.two_bodies()),
         A_(to<Matrice_Creuse<double>*>(args[0])),
-        b_(to<KN_<double>>(args[1])),
-        site_(std::move(site)) {}
-  static std::vector<aType> before_site() {
-    return {atype<Matrice_Creuse<double>*>(), atype<KN_<double>>()};
-  }
+        b_(to<KN_<double>>(args[1])) {}
   AnyType operator()(Stack stack) const override {
     return translated(operator_name, [&] {
       const Call call(stack, arguments_, b_);
       PointLaws laws;
-      const auto scene = read_scene(stack, arguments_, A_, *site_, false, laws);
+      const auto scene = read_scene(stack, arguments_, A_, site_, false, laws);
       return result(stack, solve(stack, call, *scene, laws));
     });
   }
 
  protected:
+  Site site_;
   Arguments arguments_;
   Expression A_, b_;
-  std::shared_ptr<const SiteType> site_;
 };
 
 /// A temporary, to the end of the statement; variables take copies.
@@ -223,14 +204,13 @@ inline AnyType variable(Stack stack, PosedProblem posed) {
 
 /// contactproblem C = contactProblem(A, site, ...): FreeFEM's grammar takes no fespace in
 /// C(A, Vh, ...).
-template <class SiteType>
 class Construct : public E_F0mps {
  public:
   using Result = ContactProblemVariable*;
-  Construct(const basicAC_F0& args, std::shared_ptr<const SiteType> site)
-      : arguments_(args, site->d, site->two_bodies()),
-        A_(to<Matrice_Creuse<double>*>(args[0])),
-        site_(std::move(site)) {
+  explicit Construct(const basicAC_F0& args)
+      : site_(args, 1, args.size() - 1),
+        arguments_(args, site_.d, site_.two_bodies()),
+        A_(to<Matrice_Creuse<double>*>(args[0])) {
     arguments_.allow_only({p_mu,        p_mu2,       p_direction,   p_gap,
                            p_normal,    p_cohesion,  p_shearmax,    p_slidinglimit,
                            p_bilateral, p_maxgap,    p_smooth,      p_weight,
@@ -238,19 +218,18 @@ class Construct : public E_F0mps {
                            p_pivot,     p_obstacles, p_motionfree,  p_at,
                            p_forceold});
   }
-  static std::vector<aType> before_site() { return {atype<Matrice_Creuse<double>*>()}; }
   AnyType operator()(Stack stack) const override {
     return translated(constructor_name, [&] {
       PosedProblem posed;
-      posed.scene = read_scene(stack, arguments_, A_, *site_, true, posed.laws);
+      posed.scene = read_scene(stack, arguments_, A_, site_, true, posed.laws);
       return variable(stack, std::move(posed));
     });
   }
 
  protected:
+  Site site_;
   Arguments arguments_;
   Expression A_;
-  std::shared_ptr<const SiteType> site_;
 };
 
 /// What a call names that the scene of its contactproblem does not have.
@@ -272,10 +251,6 @@ class SolveIncrement : public E_F0mps {
       : arguments_(Arguments::of_increment(args)),
         C_(to<ContactProblemVariable*>(args[0])),
         b_(to<KN_<double>>(args[1])) {}
-  static ArrayOfaType typeargs() {
-    return ArrayOfaType(atype<ContactProblemVariable*>(), atype<KN_<double>>());
-  }
-  static E_F0* f(const basicAC_F0& args) { return new SolveIncrement(args); }
   AnyType operator()(Stack stack) const override {
     return translated(operator_name, [&] {
       const PosedProblem posed = GetAny<ContactProblemVariable*>((*C_)(stack))->get();
@@ -301,11 +276,6 @@ class Renew : public E_F0mps {
         C_(to<ContactProblemVariable*>(args[0])),
         A_(to<Matrice_Creuse<double>*>(args[1])),
         b_(to<KN_<double>>(args[2])) {}
-  static ArrayOfaType typeargs() {
-    return ArrayOfaType(atype<ContactProblemVariable*>(), atype<Matrice_Creuse<double>*>(),
-                        atype<KN_<double>>());
-  }
-  static E_F0* f(const basicAC_F0& args) { return new Renew(args); }
   AnyType operator()(Stack stack) const override {
     return translated(operator_name, [&] {
       ContactProblemVariable* const C = GetAny<ContactProblemVariable*>((*C_)(stack));
@@ -340,31 +310,14 @@ class Renew : public E_F0mps {
   Expression C_, A_, b_;
 };
 
-/// Makes a site of the arguments from `first` on.
-template <class SiteType>
-using MakeSite = std::function<std::shared_ptr<const SiteType>(const basicAC_F0& args, int first)>;
-
-/// Registers an operator on a site, whose types these are.
-template <class Operator, class SiteType>
-void add_operator(const char* name, const std::vector<aType>& site,
-                  const MakeSite<SiteType>& make) {
-  std::vector<aType> types = Operator::before_site();
-  const int first = static_cast<int>(types.size());
-  types.insert(types.end(), site.begin(), site.end());
-  Global.Add(name, "(",
-             new Overload(atype<typename Operator::Result>(), types, [=](const basicAC_F0& args) {
-               return new Operator(args, make(args, first));
-             }));
-}
-
-/// Calls add(types, make) for one space and for two, on a mesh and on a mesh3, and for labels in
-/// each form.
-template <class SiteType, class Add>
-void for_each_site(const Add& add) {
-  const auto add_types = [&](const std::vector<aType>& types) {
-    add(types, MakeSite<SiteType>([count = types.size()](const basicAC_F0& args, int first) {
-          return std::make_shared<const SiteType>(args, first, count);
-        }));
+/// Calls add(types) for one space and for two, on a mesh and on a mesh3, and for labels in each
+/// form, after the types of the arguments before the site.
+template <class Add>
+void for_each_site(const std::vector<aType>& before, const Add& add) {
+  const auto add_types = [&](std::initializer_list<aType> site) {
+    std::vector<aType> types = before;
+    types.insert(types.end(), site);
+    add(types);
   };
   const aType labels[] = {atype<long>(), atype<KN_<long>>(), atype<E_Array>()};
   for (aType space : {atype<v_fes::pfes*>(), atype<v_fes3::pfes*>()})
@@ -378,18 +331,18 @@ void for_each_site(const Add& add) {
 }
 
 /// Registers all that a script may call.
-template <class Once, class Constructor, class Increment, class SiteType>
+template <class Once, class Constructor, class Increment>
 void add_operators() {
-  for_each_site<SiteType>([](const std::vector<aType>& site, const MakeSite<SiteType>& make) {
-    add_operator<Once>(operator_name, site, make);
-    add_operator<Constructor>(constructor_name, site, make);
-  });
-  Global.Add(operator_name, "(", new OneOperatorCode<Increment>());
-  Global.Add(operator_name, "(", new OneOperatorCode<Renew>());
+  const aType A = atype<Matrice_Creuse<double>*>(), b = atype<KN_<double>>(),
+              C = atype<ContactProblemVariable*>();
+  for_each_site({A, b}, [](const auto& types) { add_form<Once>(operator_name, types); });
+  for_each_site({A}, [](const auto& types) { add_form<Constructor>(constructor_name, types); });
+  add_form<Increment>(operator_name, {C, b});
+  add_form<Renew>(operator_name, {C, A, b});
   constexpr int most = 10;  // the longest form has six arguments; four bodies with spaces have ten
   for (int arguments = 0; arguments <= most; ++arguments) {
-    add_refusal(atype<KN_<double>>(), arguments, false);
-    add_refusal(atype<ContactProblemVariable*>(), arguments, true);
+    add_refusal(b, arguments, false);
+    add_refusal(C, arguments, true);
   }
   Global.New("frictionCGversion", CConstant<double>(std::strtod(version, nullptr)));
 }

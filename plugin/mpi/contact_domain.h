@@ -1,6 +1,7 @@
 #pragma once
 #include "../freefem/freefem.h"
 
+#include "../freefem/operators.h"
 #include "domain.h"
 #include "petsc.h"
 #include "together.h"
@@ -9,8 +10,7 @@ extern KN<String>* pkarg;  // FreeFEM's: the words of the command line
 
 namespace frictioncg {
 
-/// What a script's variable of type contactdomain stands for. FreeFEM allots its bytes without a
-/// constructor, and calls destroy() in place of the destructor.
+/// What a script's variable of type contactdomain stands for, as ContactProblemVariable.
 class ContactDomainVariable {
  public:
   void destroy() { domain_.reset(); }
@@ -66,11 +66,6 @@ class MakeDomain : public E_F0mps {
         D_(to<KN_<double>>(args[3])) {
     args.SetNameParam(1, names, named_);
   }
-  static ArrayOfaType typeargs() {
-    return ArrayOfaType(atype<ContactDomainVariable*>(), atype<long>(), atype<Lists*>(),
-                        atype<KN_<double>>(), false);
-  }
-  static E_F0* f(const basicAC_F0& args) { return new MakeDomain(args); }
 
   AnyType operator()(Stack stack) const override {
     MPI_Comm communicator = MPI_COMM_WORLD;
@@ -115,16 +110,12 @@ class MakeDomain : public E_F0mps {
 
 inline void register_contactdomain() {
   using C = ContactDomainVariable*;
-  Dcl_Type<C>(
-      [](Stack, const AnyType& x) -> AnyType {
-        new (GetAny<C>(x)) ContactDomainVariable;
-        return x;
-      },
-      ::Destroy<ContactDomainVariable>);
+  Dcl_Type<C>(::Initialize<ContactDomainVariable>, ::Destroy<ContactDomainVariable>);
   zzzfff->Add("contactdomain", atype<C>());
   set_type_of_domain(typeid(C));
   atype<C>()->AddCast(new JoinDomains);
-  Global.Add("constructor", "(", new OneOperatorCode<MakeDomain>());
+  add_form<MakeDomain>("constructor", {atype<C>(), atype<long>(), atype<MakeDomain::Lists*>(),
+                                       atype<KN_<double>>()});
 }
 
 }  // namespace frictioncg

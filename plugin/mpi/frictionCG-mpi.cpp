@@ -41,7 +41,7 @@ void load() {
         "it?",
         1);
   ff_atend(end);
-  add_operators<SharedSolveOnce, SharedConstruct, SharedSolveIncrement, SharedSite>();
+  add_operators<SharedSolveOnce, SharedConstruct, SharedSolveIncrement>();
 }
 
 }  // namespace

@@ -58,22 +58,22 @@ inline std::shared_ptr<const Domain> opened(Opening& opening, Stack stack, const
 }
 
 /// u[] = frictionalContactCG(A, b, Vh, labels, ..., domain=C).
-class SharedSolveOnce : public SolveOnce<SharedSite> {
+class SharedSolveOnce : public SolveOnce {
  public:
   using SolveOnce::SolveOnce;
   AnyType operator()(Stack stack) const override {
-    Opening opening(operator_name, form_of(operator_name, *site_), arguments_);
-    const auto domain = opened(opening, stack, arguments_, *site_);
+    Opening opening(operator_name, form_of(operator_name, site_), arguments_);
+    const auto domain = opened(opening, stack, arguments_, site_);
     if (!domain && !opening.failed())
       return solved_alone([&] { return SolveOnce::operator()(stack); });
     opening.alone([&] {
-      refuse_options(arguments_, site_->two_bodies());
+      refuse_options(arguments_, site_.two_bodies());
       opening.call = std::make_unique<Call>(stack, arguments_, b_);
       set_method(opening.call->settings);
     });
     return opening.together_with(domain.get(), [&] {
       PointLaws laws;
-      const auto shared = read_shared(stack, arguments_, A_, *site_, domain, false, opening, laws);
+      const auto shared = read_shared(stack, arguments_, A_, site_, domain, false, opening, laws);
       return result(stack,
                     solve_together(stack, *opening.call, *shared, with_ghosts(laws, *shared)));
     });
@@ -81,17 +81,17 @@ class SharedSolveOnce : public SolveOnce<SharedSite> {
 };
 
 /// contactproblem P = contactProblem(A, Vh, labels, ..., domain=C).
-class SharedConstruct : public Construct<SharedSite> {
+class SharedConstruct : public Construct {
  public:
   using Construct::Construct;
   AnyType operator()(Stack stack) const override {
-    Opening opening(constructor_name, form_of(constructor_name, *site_), arguments_);
-    const auto domain = opened(opening, stack, arguments_, *site_);
+    Opening opening(constructor_name, form_of(constructor_name, site_), arguments_);
+    const auto domain = opened(opening, stack, arguments_, site_);
     if (!domain && !opening.failed())
       return solved_alone([&] { return Construct::operator()(stack); });
     return opening.together_with(domain.get(), [&] {
       PosedProblem posed;
-      posed.shared = read_shared(stack, arguments_, A_, *site_, domain, true, opening, posed.laws);
+      posed.shared = read_shared(stack, arguments_, A_, site_, domain, true, opening, posed.laws);
       posed.scene = posed.shared->scene;
       posed.laws = with_ghosts(posed.laws, *posed.shared);
       return variable(stack, std::move(posed));
@@ -103,8 +103,6 @@ class SharedConstruct : public Construct<SharedSite> {
 class SharedSolveIncrement : public SolveIncrement {
  public:
   using SolveIncrement::SolveIncrement;
-  static E_F0* f(const basicAC_F0& args) { return new SharedSolveIncrement(args); }
-
   AnyType operator()(Stack stack) const override {
     PosedProblem posed;
     Opening opening(operator_name, std::string(operator_name) + " of a contactproblem", arguments_);

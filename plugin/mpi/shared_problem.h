@@ -28,7 +28,7 @@ inline std::shared_ptr<const Domain> domain_of(Stack stack, const Arguments& arg
 
 /// Reads the problem of all processes: geometry, laws, the matrix.   Collective.
 inline std::shared_ptr<SharedScene> read_shared(Stack stack, const Arguments& args,
-                                                const Expression A, const SharedSite& site,
+                                                const Expression A, const Site& site,
                                                 std::shared_ptr<const Domain> domain,
                                                 bool everywhere, const Opening& opening,
                                                 PointLaws& laws) {
@@ -38,7 +38,7 @@ inline std::shared_ptr<SharedScene> read_shared(Stack stack, const Arguments& ar
   shared->number = shared->domain->meeting().next_number();
   Stage stage;
   shared->domain->agree([&] { stage = read_stage(stack, args); });
-  shared->scene = site.part(stack, opening, *shared->domain, stage);
+  shared->scene = part_of(site, stack, opening, *shared->domain, stage);
   if (site.two_bodies()) {
     read_pair(stack, args, A, everywhere, opening, *shared, laws);
     return shared;

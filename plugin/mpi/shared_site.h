@@ -47,88 +47,84 @@ inline Stage with_ghosts(const Stage& stage, const DofCount& dofs, const Domain&
   return {at, of_owners(stage.begun)};
 }
 
-/// Where a call looks for contact; of its labels a process may have none.
-class SharedSite final : public Site {
- public:
-  using Site::Site;
-  /// The part of this process, where the stage says; the labels of the opening are the same on all.
-  /// Collective.
-  std::shared_ptr<Scene> part(Stack stack, const Opening& opening, const Domain& domain,
-                              const Stage& given) const {
-    SpacePtr V1, V2;  // the latter of two spaces alone
-    DofCount dofs;
-    domain.agree([&] {
-      V1 = space(stack);
-      if (in_two_spaces()) V2 = space(stack, 1);
-      dofs = dofs_of(*V1, V2.get());
-      check_size(domain, dofs);
-    });
-    const auto here = [&](const Space& Vh, const std::vector<long>& labels, const char* name) {
-      return labels_here(domain, Vh.labels(), labels,
-                         V2 ? std::string("the mesh of ") + name : "the mesh");
-    };
-    const std::vector<long> labels = here(*V1, opening.labels, "V1");
-    if (!two_bodies()) return obstacle_part(V1, labels, domain, with_ghosts(given, dofs, domain));
-    const std::vector<long> masters = here(V2 ? *V2 : *V1, opening.masters, "V2");
-    return pair_part(V1, V2, labels, masters, opening, domain, with_ghosts(given, dofs, domain));
+/// One body, by the labels that are here.
+inline std::shared_ptr<Scene> obstacle_part(const SpacePtr& Vh, const std::vector<long>& labels,
+                                            const Domain& domain, const Stage& stage) {
+  SpacePtr place;
+  Boundary surface, begun;
+  std::vector<NodePlace> places;
+  domain.agree([&] {
+    place = Vh->at(stage);
+    surface = place->boundary(labels);
+    if (place->begun()) begun = place->begun()->boundary(labels);
+    places = place->places();
+  });
+  refuse_other_domain(domain, places);
+  const std::size_t own = surface.nodes.size();
+  add_facets_of_others(domain, place->d, surface);
+  if (place->begun()) {
+    add_facets_of_others(domain, place->d, begun);
+    decide_by(begun, surface);
   }
+  std::shared_ptr<Scene> scene;
+  domain.agree([&] {
+    std::vector<BoundaryNode> points = contact_points(place->d, surface, own);
+    if (place->begun()) remember(contact_points(place->d, begun, own), points);
+    const auto is_ghost = [&](const BoundaryNode& n) { return !domain.owns(n.point.dof[0]); };
+    points.erase(std::remove_if(points.begin(), points.end(), is_ghost), points.end());
+    scene = obstacle_scene(place, std::move(points));
+  });
+  scene->at = stage.at;
+  follow_motions_of_all(domain, name_bodies(domain, std::move(places), *scene),
+                        place->begun() != nullptr, *scene);
+  return scene;
+}
 
- private:
-  /// One body, by the labels that are here.
-  std::shared_ptr<Scene> obstacle_part(const SpacePtr& Vh, const std::vector<long>& labels,
-                                       const Domain& domain, const Stage& stage) const {
-    SpacePtr place;
-    Boundary surface, begun;
-    std::vector<NodePlace> places;
-    domain.agree([&] {
-      place = Vh->at(stage);
-      surface = place->boundary(labels);
-      if (place->begun()) begun = place->begun()->boundary(labels);
-      places = place->places();
-    });
-    refuse_other_domain(domain, places);
-    const std::size_t own = surface.nodes.size();
-    add_facets_of_others(domain, d, surface);
-    if (place->begun()) {
-      add_facets_of_others(domain, d, begun);
-      decide_by(begun, surface);
-    }
-    std::shared_ptr<Scene> scene;
-    domain.agree([&] {
-      std::vector<BoundaryNode> points = contact_points(d, surface, own);
-      if (place->begun()) remember(contact_points(d, begun, own), points);
-      const auto is_ghost = [&](const BoundaryNode& n) { return !domain.owns(n.point.dof[0]); };
-      points.erase(std::remove_if(points.begin(), points.end(), is_ghost), points.end());
-      scene = obstacle_scene(place, std::move(points));
-    });
+/// V2: the master's space; null where it is V1.
+inline std::shared_ptr<Scene> pair_part(const SpacePtr& V1, const SpacePtr& V2,
+                                        const std::vector<long>& slave,
+                                        const std::vector<long>& master, const Opening& opening,
+                                        const Domain& domain, const Stage& stage) {
+  std::shared_ptr<Scene> scene;
+  std::vector<NodePlace> places;
+  domain.agree([&] {
+    if (!V2 && opening.labels == opening.masters)
+      throw IllegalInput("slave and master have the same labels " + in_brackets(opening.labels) +
+                         ": what touches itself is of one process; with domain= name two labels");
+    PairLabels labels{opening.labels, opening.masters};
+    labels.slave = slave;
+    labels.master = master;
+    labels.of_part = true;
+    scene = pair_scene(V1->at(stage), V2 ? V2->at(stage, V1->dofs()) : nullptr, labels);
     scene->at = stage.at;
-    follow_motions_of_all(domain, name_bodies(domain, std::move(places), *scene),
-                          place->begun() != nullptr, *scene);
-    return scene;
-  }
-  /// V2: the master's space; null where it is V1.
-  std::shared_ptr<Scene> pair_part(const SpacePtr& V1, const SpacePtr& V2,
-                                   const std::vector<long>& slave, const std::vector<long>& master,
-                                   const Opening& opening, const Domain& domain,
-                                   const Stage& stage) const {
-    std::shared_ptr<Scene> scene;
-    std::vector<NodePlace> places;
-    domain.agree([&] {
-      if (!V2 && opening.labels == opening.masters)
-        throw IllegalInput("slave and master have the same labels " + in_brackets(opening.labels) +
-                           ": what touches itself is of one process; with domain= name two labels");
-      PairLabels labels{opening.labels, opening.masters};
-      labels.slave = slave;
-      labels.master = master;
-      labels.of_part = true;
-      scene = pair_scene(V1->at(stage), V2 ? V2->at(stage, V1->dofs()) : nullptr, labels);
-      scene->at = stage.at;
-      places = scene->places();
-    });
-    refuse_other_domain(domain, places);
-    name_bodies(domain, std::move(places), *scene);
-    return scene;
-  }
-};
+    places = scene->places();
+  });
+  refuse_other_domain(domain, places);
+  name_bodies(domain, std::move(places), *scene);
+  return scene;
+}
+
+/// The part of this process, where the stage says, of whose labels it may have none; those of the
+/// opening are the same on all.   Collective.
+inline std::shared_ptr<Scene> part_of(const Site& site, Stack stack, const Opening& opening,
+                                      const Domain& domain, const Stage& given) {
+  SpacePtr V1, V2;  // the latter of two spaces alone
+  DofCount dofs;
+  domain.agree([&] {
+    V1 = site.space(stack);
+    if (site.in_two_spaces()) V2 = site.space(stack, 1);
+    dofs = dofs_of(*V1, V2.get());
+    check_size(domain, dofs);
+  });
+  const auto here = [&](const Space& Vh, const std::vector<long>& labels, const char* name) {
+    return labels_here(domain, Vh.labels(), labels,
+                       V2 ? std::string("the mesh of ") + name : "the mesh");
+  };
+  const std::vector<long> labels = here(*V1, opening.labels, "V1");
+  if (!site.two_bodies())
+    return obstacle_part(V1, labels, domain, with_ghosts(given, dofs, domain));
+  const std::vector<long> masters = here(V2 ? *V2 : *V1, opening.masters, "V2");
+  return pair_part(V1, V2, labels, masters, opening, domain, with_ghosts(given, dofs, domain));
+}
 
 }  // namespace frictioncg

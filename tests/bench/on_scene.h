@@ -29,18 +29,18 @@ class OnScene : public E_F0mps {
  public:
   using Result = typename Body::Result;
   /// next: the first of the extra arguments
-  OnScene(const basicAC_F0& args, std::shared_ptr<const Site> site, int next)
-      : arguments_(args, site->d, site->two_bodies()),
+  OnScene(const basicAC_F0& args, int next)
+      : site_(args, 2, next - 2),
+        arguments_(args, site_.d, site_.two_bodies()),
         A_(to<Matrice_Creuse<double>*>(args[0])),
-        b_(to<KN_<double>>(args[1])),
-        site_(std::move(site)) {
+        b_(to<KN_<double>>(args[1])) {
     (extra_.push_back(to<Extra>(args[next++])), ...);
   }
   AnyType operator()(Stack stack) const override {
     return translated(Body::name, [&] {
       const Call call(stack, arguments_, b_);
       PointLaws laws;
-      const auto scene = read_scene(stack, arguments_, A_, *site_, true, laws);
+      const auto scene = read_scene(stack, arguments_, A_, site_, true, laws);
       const LocalIncrement now = increment(Vectors(call, *scene), *scene, laws);
       return SetAny<Result>(run(
           stack,
@@ -55,28 +55,22 @@ class OnScene : public E_F0mps {
     return Body::run(stack, posed, GetAny<Extra>((*extra_[k])(stack))...);
   }
 
+  Site site_;
   Arguments arguments_;
   Expression A_, b_;
-  std::shared_ptr<const Site> site_;
   std::vector<Expression> extra_;
 };
 
 template <class Body, class... Extra>
-void add_on_site(const std::vector<aType>& site, const MakeSite<Site>& make) {
-  std::vector<aType> types = SolveOnce<Site>::before_site();
-  const int first = static_cast<int>(types.size());
-  types.insert(types.end(), site.begin(), site.end());
-  const int next = static_cast<int>(types.size());
-  (types.push_back(atype<Extra>()), ...);
-  Global.Add(Body::name, "(",
-             new Overload(atype<typename Body::Result>(), types, [=](const basicAC_F0& args) {
-               return new OnScene<Body, Extra...>(args, make(args, first), next);
-             }));
-}
-
-template <class Body, class... Extra>
 void add_on_scene() {
-  for_each_site<Site>(add_on_site<Body, Extra...>);
+  for_each_site({atype<Matrice_Creuse<double>*>(), atype<KN_<double>>()}, [](auto types) {
+    const int next = static_cast<int>(types.size());
+    (types.push_back(atype<Extra>()), ...);
+    Global.Add(Body::name, "(",
+               new Overload(atype<typename Body::Result>(), types, [=](const basicAC_F0& args) {
+                 return new OnScene<Body, Extra...>(args, next);
+               }));
+  });
 }
 
 }  // namespace frictioncg
