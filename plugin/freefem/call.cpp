@@ -160,20 +160,6 @@ PointLaws laws_at(const Arguments& args, const Scene& before, const Scene& scene
   return laws;
 }
 
-/// What was given as a gap elsewhere says nothing here: C takes that of the call, but for the first
-/// `measured`, which the meshes tell.
-void keep_gap(const PointLaws& of_call, Index measured, PointLaws& of_C) {
-  const Index rest = of_C.gap.size() - measured;
-  of_C.gap.tail(rest) = of_call.gap.tail(rest);
-}
-
-/// What the data of a call say against each other; u0: where the increment starts.
-void check_loads(const Call& call, const Scene& scene, const Vector& u0) {
-  report_leftover(check_data(scene, call.b, u0), call.verb);
-  check_one_value(scene, call.b, call.verb);
-  check_load_for_data(scene, call.b, call.verb);
-}
-
 /// newton_step of call.h in one process. b, u_old: by all dofs; u0: where the increment of s
 /// starts. A gap that is given stays as it is.
 Solution newton_step(Solution s, const Vector& u0, const Settings& settings, const Scene& scene,
@@ -271,13 +257,6 @@ void check_vectors(const Call& call, const DofCount& dofs) {
   if (call.args.has(call.args.start())) check_vector(call.u_init, name_of(call.args.start()), dofs);
 }
 
-void refuse_motions(const Arguments& args, const Scene& scene) {
-  if (!scene.moving)
-    args.refuse(of_moving_obstacle,
-                "is of an obstacle that moves, and C was made with none; name pivot or "
-                "motionfree in contactProblem(...)");
-}
-
 Vectors::Vectors(const Call& call, const Scene& scene)
     : b(scene.stiffened ? scene.stiffened->load(call.b, *scene.at) : call.b),
       u_old(call.u_old),
@@ -307,7 +286,9 @@ Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws)
   check_vectors(call, scene.dofs);
   Vectors vectors(call, scene);
   LocalIncrement now = increment(vectors, scene, laws);
-  check_loads(call, scene, now.u0);
+  report_leftover(check_data(scene, call.b, now.u0), call.verb);
+  check_one_value(scene, call.b, call.verb);
+  check_load_for_data(scene, call.b, call.verb);
   ContactProblem problem{scene.system->system(), now.increment};
   if (call.verb > 0) {
     report_plan(call.args, scene, problem, call.settings, call.verb);
@@ -334,7 +315,8 @@ Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws)
   const Settings rest = what_remains(problem, call.settings, solution);
   if (solution.status != Status::converged && scene.stiffened && rest.nbiter > 0) {
     report_plain(call.verb);
-    scene.assemble_plain();
+    const std::unique_ptr<Stiffened> last = std::move(scene.stiffened);
+    scene.assemble(last->plain());
     vectors = Vectors(call, scene);
     now = increment(vectors, scene, laws);
     problem = {scene.system->system(), now.increment};
@@ -418,10 +400,14 @@ PosedProblem renewed(Stack stack, const Arguments& args, const Expression A, con
   posed.laws = laws_at(args, before, scene, C.laws);
   laws = read_laws(stack, args, scene, begun_laws(stack, args, posed.laws), posed.laws.gap);
   if (posed.laws.gap.size() == 0) posed.laws = laws;
-  if (moves) keep_gap(laws, C.laws.given_gap ? 0 : static_cast<Index>(scene.paired()), posed.laws);
+  if (moves) {  // a gap given elsewhere says nothing here; what the meshes tell comes first
+    const Index measured = C.laws.given_gap ? 0 : static_cast<Index>(scene.paired());
+    const Index rest = posed.laws.gap.size() - measured;
+    posed.laws.gap.tail(rest) = laws.gap.tail(rest);
+  }
   const Triplets matrix = matrix_of(stack, A, scene.dofs);
   assemble(matrix, scene, read_verb(stack, args),
-           [&](const Triplets& M) { scene.assemble_after(before, M, alone); });
+           [&](const Triplets& M) { scene.assemble(M, &before, alone); });
   return posed;
 }
 

@@ -39,9 +39,6 @@ std::shared_ptr<Scene> read_scene(Stack stack, const Arguments& args, const Expr
 /// Sizes, and finite values.
 void check_vectors(const Call& call, const DofCount& dofs);
 
-/// Of a call on a contactproblem.
-void refuse_motions(const Arguments& args, const Scene& scene);
-
 /// The vectors of a call by all dofs: those of the script, then those of obstacles that move.
 struct Vectors {
   Vector b, u_old, u_init;  ///< u_old and u_init empty where nothing gives them

@@ -53,8 +53,9 @@ std::string describe(const Scene& scene, const Vector& motion) {
   return text;
 }
 
-}  // namespace
-
+/// Whether contact holds a body against its turn, by the normals of nodes that touch and by those
+/// that stick. Between the faces of one body, such as a crack, it holds nothing of its motion.
+/// V: the turn and the motions that go along, in dofs of the system.
 bool held_by_contact(const Scene& scene, const std::vector<Index>& nodes,
                      const std::vector<NodeState>& state, const System& system,
                      const LargeTurn& turn, const DenseMatrix& V) {
@@ -77,9 +78,12 @@ bool held_by_contact(const Scene& scene, const std::vector<Index>& nodes,
   return contact.holds(turn.motion.w.norm());
 }
 
-std::string runaway(const std::vector<NodePlace>& nodes, int d, const Vector& u,
-                    const System& system, const std::function<Vector(const Vector&)>& field_of,
-                    const std::function<bool(const LargeTurn&, const DenseMatrix&)>& held) {
+}  // namespace
+
+std::string runaway(const Scene& scene, const std::vector<NodePlace>& nodes, const Vector& u,
+                    const std::vector<Index>& contact_nodes, const std::vector<NodeState>& state,
+                    const System& system, const std::function<Vector(const Vector&)>& field_of) {
+  const int d = scene.d;
   const std::vector<LargeTurn> turns = large_turns(nodes, d, u);
   if (turns.empty()) return "";
   const DenseMatrix W = floating_motions(system);
@@ -88,7 +92,8 @@ std::string runaway(const std::vector<NodePlace>& nodes, int d, const Vector& u,
   const auto bodies = by_body(nodes);
   for (const LargeTurn& turn : turns) {
     const DenseMatrix by = turning(motions, bodies.at(turn.body), d, turn.motion.w.normalized());
-    if (by.cols() > 0 && !held(turn, DenseMatrix(W * by))) return describe(turn, d);
+    if (by.cols() > 0 && !held_by_contact(scene, contact_nodes, state, system, turn, W * by))
+      return describe(turn, d);
   }
   return "";
 }
@@ -98,15 +103,10 @@ std::string runaway(const Scene& scene, const Solution& s, const Vector& u) {
   const Vector field = scene.at ? Vector(u - *scene.at) : u;
   const Real most = std::sqrt(scene.d) * field.lpNorm<Eigen::Infinity>();
   if (!(most > small_turn * scene.least_gyration())) return "";
-  const std::vector<NodePlace> places = scene.places();
   std::vector<Index> nodes(scene.system->nodes());
   std::iota(nodes.begin(), nodes.end(), 0);
-  const System& system = *scene.system->system();
-  const auto field_of = [&](const Vector& w) { return scene.system->to_global(w); };
-  const auto held = [&](const LargeTurn& turn, const DenseMatrix& V) {
-    return held_by_contact(scene, nodes, s.state, system, turn, V);
-  };
-  return runaway(places, scene.d, field, system, field_of, held);
+  return runaway(scene, scene.places(), field, nodes, s.state, *scene.system->system(),
+                 [&](const Vector& w) { return scene.system->to_global(w); });
 }
 
 std::string blamed_motion(const Scene& scene, const Solution& solution) {

@@ -27,50 +27,36 @@ class ContactProblemVariable {
   std::optional<PosedProblem> problem_;
 };
 
-/// C = ..., at the declaration: the bytes hold nothing yet.
-inline ContactProblemVariable* first_assignment(ContactProblemVariable* C,
-                                                ContactProblemVariable* from) {
-  return new (C) ContactProblemVariable(*from);
-}
-
-inline ContactProblemVariable* assignment(ContactProblemVariable* C, ContactProblemVariable* from) {
-  *C = *from;
-  return C;
-}
-
-/// return C: a function's variables end with it, so what it returns is a copy that lives to the end
-/// of the statement.
-inline AnyType copy_on_return(Stack stack, const AnyType& x) {
-  return SetAny<ContactProblemVariable*>(
-      Add2StackOfPtr2Free(stack, new ContactProblemVariable(*GetAny<ContactProblemVariable*>(x))));
-}
-
-using ContactProblemArray = KN<ContactProblemVariable>;
-
-inline ContactProblemArray* init_array(ContactProblemArray* const& a, const long& n) {
-  a->init(n);
-  return a;
-}
-
-inline ContactProblemVariable* element(ContactProblemArray* const& a, const long& k) {
-  if (k < 0 || k >= a->N())
-    ExecError("contactproblem[int]: index " + std::to_string(k) + " of an array of " +
-              std::to_string(a->N()));
-  return &(*a)[k];
-}
-
 /// Registers the type, its assignments, and arrays of it: contactproblem[int] C(n).
 inline void register_contactproblem() {
   using C = ContactProblemVariable*;
+  // a function's variables end with it: what it returns is a copy to the end of the statement
+  const auto copy_on_return = [](Stack stack, const AnyType& x) -> AnyType {
+    return SetAny<C>(Add2StackOfPtr2Free(stack, new ContactProblemVariable(*GetAny<C>(x))));
+  };
   Dcl_Type<C>(::Initialize<ContactProblemVariable>, ::Destroy<ContactProblemVariable>,
               copy_on_return);
   zzzfff->Add("contactproblem", atype<C>());
-  TheOperators->Add("<-", new OneOperator2<C, C, C>(first_assignment));
-  TheOperators->Add("=", new OneOperator2<C, C, C>(assignment));
+  TheOperators->Add("<-", new OneOperator2<C, C, C>([](C to, C from) {
+                      return new (to) ContactProblemVariable(*from);  // the bytes hold nothing yet
+                    }));
+  TheOperators->Add("=", new OneOperator2<C, C, C>([](C to, C from) {
+                      *to = *from;
+                      return to;
+                    }));
 
-  using Array = ContactProblemArray*;
-  Dcl_Type<Array>(0, ::Destroy<ContactProblemArray>, NotReturnOfthisType);
-  TheOperators->Add("<-", new OneOperator2_<Array, Array, long>(init_array));
+  using Array = KN<ContactProblemVariable>*;
+  Dcl_Type<Array>(0, ::Destroy<KN<ContactProblemVariable>>, NotReturnOfthisType);
+  TheOperators->Add("<-", new OneOperator2_<Array, Array, long>([](Array const& a, const long& n) {
+                      a->init(n);
+                      return a;
+                    }));
+  const auto element = [](Array const& a, const long& k) {
+    if (k < 0 || k >= a->N())
+      ExecError("contactproblem[int]: index " + std::to_string(k) + " of an array of " +
+                std::to_string(a->N()));
+    return &(*a)[k];
+  };
   atype<Array>()->Add("[", "", new OneOperator2_<C, Array, long>(element));
   map_type_of_map[std::make_pair(atype<long>(), atype<C>())] = atype<Array>();
 }
@@ -237,7 +223,10 @@ inline void refuse_what_C_lacks(const Arguments& args, const Scene& scene) {
   refuse_friction_of_none("C", args, scene);
   if (!scene.pairing && args.has(p_distance))
     throw IllegalInput("distance is that of two bodies; C has one, and an obstacle");
-  refuse_motions(args, scene);
+  if (!scene.moving)
+    args.refuse(of_moving_obstacle,
+                "is of an obstacle that moves, and C was made with none; name pivot or "
+                "motionfree in contactProblem(...)");
   if (scene.beside_pairs == 0)
     args.refuse({p_obstaclegap, p_obstaclenormal, p_obstacleforce},
                 "is that of an obstacle beside pairs; C was made without obstacle=");
@@ -280,9 +269,15 @@ class Renew : public E_F0mps {
     return translated(operator_name, [&] {
       ContactProblemVariable* const C = GetAny<ContactProblemVariable*>((*C_)(stack));
       PosedProblem posed = C->get();
-      refuse_shared(posed);
+      if (posed.shared)
+        throw IllegalInput(
+            "the contactproblem belongs to several processes, where a matrix is not renewed; make "
+            "it anew, with contactProblem(A, Vh, labels, ..., domain=C)");
       refuse_what_C_lacks(arguments_, *posed.scene);
-      check_normals(posed.scene->d);
+      const int d = posed.scene->d;  // which FreeFEM's compiler does not know
+      for (Parameter p : {p_normal, p_obstaclenormal})
+        if (arguments_.has(p) && arguments_.dimension(p) != d)
+          refuse(name_of(p), " has ", 5 - d, " components, and C is of dimension ", d);
       const Call call(stack, arguments_, b_);
       check_vectors(call, posed.scene->dofs);
       PointLaws laws;
@@ -294,18 +289,6 @@ class Renew : public E_F0mps {
   }
 
  private:
-  static void refuse_shared(const PosedProblem& posed) {
-    if (posed.shared)
-      throw IllegalInput(
-          "the contactproblem belongs to several processes, where a matrix is not renewed; make it "
-          "anew, with contactProblem(A, Vh, labels, ..., domain=C)");
-  }
-  /// FreeFEM's compiler does not know the dimension of C.
-  void check_normals(int d) const {
-    for (Parameter p : {p_normal, p_obstaclenormal})
-      if (arguments_.has(p) && arguments_.dimension(p) != d)
-        refuse(name_of(p), " has ", (d == 3 ? "2" : "3"), " components, and C is of dimension ", d);
-  }
   Arguments arguments_;
   Expression C_, A_, b_;
 };

@@ -140,37 +140,24 @@ void Scene::face(const Triplets& A, const mortar::Options& options, const Vector
   beside_pairs = of_obstacle.size();
 }
 
-void Scene::assemble(const Triplets& A) {
+void Scene::assemble(const Triplets& A, Scene* before, bool alone) {
   const Stopwatch watch(copy_seconds);
-  make_system(A, nullptr);
-  solver = std::make_unique<Solver>(system->system());
-}
-
-void Scene::assemble_after(Scene& before, const Triplets& A, bool alone) {
-  const Stopwatch watch(copy_seconds);
-  make_system(A, before.system.get());
-  if (alone) {
-    before.solver->renew(system->system());
-    solver = std::move(before.solver);
-  } else {
-    solver = std::make_unique<Solver>(system->system());
-  }
-}
-
-void Scene::make_system(const Triplets& A, const LocalSystem* before) {
   std::vector<ContactPoint> points = points_of(nodes);
+  const LocalSystem* const last = before ? before->system.get() : nullptr;
   const Index n = static_cast<Index>(ndof());
   const auto modes = [places = places, d = d, n] { return rigid_modes(places(), d, n); };
   const auto each = [places = places, d = d, n] { return body_modes(places(), d, n); };
   system = placed([&] {
-    if (pairing) return pairing->system(A, d, std::move(points), mesh_node, modes, each, before);
+    if (pairing) return pairing->system(A, d, std::move(points), mesh_node, modes, each, last);
     if (moving)
       return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, moving->rigid, modes,
-                                           each, before);
-    return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, modes, before);
+                                           each, last);
+    return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, modes, last);
   });
   held = held_dofs(system->basis());
   unit_load_.resize(0);
+  if (alone) before->solver->renew(system->system());
+  solver = alone ? std::move(before->solver) : std::make_unique<Solver>(system->system());
 }
 
 Vector Scene::slip_from(const Vector& u_old) const {
@@ -278,17 +265,6 @@ std::shared_ptr<Scene> scene_of(const Site& site, Stack stack, const std::vector
   });
 }
 
-DenseMatrix MovingObstacles::free_motions(const RigidGenerators& generators) const {
-  const Index each = generators.count();
-  DenseMatrix motions(each, 0);
-  for (Index q = 0; q < rigid.dofs(); ++q) {
-    if (!rigid.free[q]) continue;
-    motions.conservativeResize(each, motions.cols() + 1);
-    motions.rightCols(1) = generators.about(pivot[q / each], q % each);
-  }
-  return motions;
-}
-
 void follow_free_motions(Scene& scene, const std::vector<NodePlace>& places, const Extent& extent,
                          Index bodies, bool has_begun,
                          const std::function<void(FreedomOfBodies&)>& add,
@@ -300,8 +276,13 @@ void follow_free_motions(Scene& scene, const std::vector<NodePlace>& places, con
   add(freedom_of);
   const mortar::Freedom freedom = freedom_of.freedom();
   const RigidGenerators& generators = freedom.generators;
-  const DenseMatrix of_obstacles =
-      scene.moving ? scene.moving->free_motions(generators) : DenseMatrix(generators.count(), 0);
+  const Index each = generators.count();
+  DenseMatrix of_obstacles(each, 0);  // their free components
+  for (Index q = 0; scene.moving && q < scene.moving->rigid.dofs(); ++q) {
+    if (!scene.moving->rigid.free[q]) continue;
+    of_obstacles.conservativeResize(each, of_obstacles.cols() + 1);
+    of_obstacles.rightCols(1) = generators.about(scene.moving->pivot[q / each], q % each);
+  }
   follow_by_body(scene.d, body, bodies, has_begun, scene.nodes,
                  [&](Index b, std::vector<PointNormal>& points, DecidedCount decided) {
                    const DenseMatrix& own = freedom.of_body[b];

@@ -31,9 +31,6 @@ struct MovingObstacles {
   std::vector<long> labels;  ///< empty: one obstacle
   std::vector<Vec3> pivot;   ///< of each
   RigidObstacles rigid;
-
-  /// Their free components, as columns of generators.
-  DenseMatrix free_motions(const RigidGenerators& generators) const;
 };
 
 struct Scene;
@@ -102,25 +99,18 @@ struct Scene : Geometry {
   void face(const Triplets& A, const mortar::Options& options, const Vector& u_old,
             bool again = false);
   /// Copies A into the local frames; the nodes carry their normals and whether they have friction.
-  void assemble(const Triplets& A);
-  /// The same after `before`, of which all that still holds is kept. alone: nobody else has it, and
-  /// its solver goes over.
-  void assemble_after(Scene& before, const Triplets& A, bool alone);
+  /// before: a scene of which all that still holds is kept, or null. alone: nobody else has that,
+  /// and its solver goes over.
+  void assemble(const Triplets& A, Scene* before = nullptr, bool alone = false);
   /// The same geometry, without system and solver.
   std::shared_ptr<Scene> posed_anew() const;
   /// Where friction counts slip from, in local dofs: uold, or empty.
   Vector slip_from(const Vector& u_old) const;
-  /// A itself in place of what is stiffened.
-  void assemble_plain() {
-    const std::unique_ptr<Stiffened> last = std::move(stiffened);
-    assemble(last->plain());
-  }
   /// The load of a call, and its laws, in local dofs.
   LocalIncrement increment(const LocalLoad& load, const PointLaws& laws) const;
 
  private:
   mutable Vector unit_load_;
-  void make_system(const Triplets& A, const LocalSystem* before);
   /// make(), whose refusals of a contact point get the place of its node.
   template <class Make>
   auto placed(const Make& make) const {

@@ -107,12 +107,9 @@ inline std::string runaway(SharedScene& shared, const Solution& own, const Vecto
   const Real most = shared.domain->largest(largest_displacement(shared.scene->places(), d, field));
   if (!(most > small_turn * *shared.gyration)) return "";
   const Sample sample(shared);
-  const auto field_in_sample = [&](const Vector& w) { return sample.of(field_of(shared, w)); };
-  const auto held = [&](const LargeTurn& turn, const DenseMatrix& V) {
-    return held_by_contact(*shared.scene, shared.numbering().own_nodes, own.state, *shared.A, turn,
-                           V);
-  };
-  return runaway(sample.nodes(), d, sample.of(field), *shared.A, field_in_sample, held);
+  return runaway(*shared.scene, sample.nodes(), sample.of(field), shared.numbering().own_nodes,
+                 own.state, *shared.A,
+                 [&](const Vector& w) { return sample.of(field_of(shared, w)); });
 }
 
 /// In words, the motion that nothing holds, or that costs negative energy; or empty.   Collective.
