@@ -26,114 +26,142 @@ std::map<long, std::set<std::size_t>> pairs_of_labels(const std::vector<mortar::
   return of_label;
 }
 
+constexpr const char* pair_inside =
+    "contact of two bodies needs two faces there, and meshes that were merged, as + does with near "
+    "vertices, have none: use one space per mesh, or join them apart and move them back with "
+    "movemesh, in 3D with cleanmesh=false";
+
+/// Fills an Interface from the two sides, which have the labels of all pairs.
+class InterfaceBuilder {
+ public:
+  explicit InterfaceBuilder(const PairLabels& labels) : labels_(labels) {
+    all_.pairs = labels.pairs;
+  }
+  void add_slave(const SpacePtr& space, const SpaceInWords& words) {
+    const Boundary side = space->boundary(labels_.slave, words);
+    all_.slave = side.nodes;
+    add(*space, side, words, 0, &mortar::Pair::slave);
+    std::vector<int> element;
+    for (const SharedNode& n : side.nodes) element.push_back(n.facets.front().element);
+    all_.slave_bodies = [space, element] {
+      const std::vector<Index> of_element = space->body_of_element();
+      std::vector<Index> body;
+      for (int k : element) body.push_back(of_element[k]);
+      return body;
+    };
+  }
+  /// dof_offset: of the master's dofs among those of the call.
+  void add_master(const Space& space, const SpaceInWords& words, Index dof_offset) {
+    const Boundary side = space.boundary(labels_.master, words);
+    add(space, side, words, dof_offset, &mortar::Pair::master);
+    if (dof_offset == 0) count_bodies(space, side);
+    add_vertices_behind(space, side, dof_offset);
+  }
+  Interface take() { return std::move(all_); }
+
+ private:
+  /// Each pair takes the facets of its labels.
+  void add(const Space& space, const Boundary& side, const SpaceInWords& words, Index dof_offset,
+           mortar::Surface mortar::Pair::*which) {
+    const int d = space.d;
+    all_.is_moved = space.is_moved();
+    std::map<long, std::set<std::size_t>> of_label = pairs_of_labels(all_.pairs, which);
+    std::vector<Index> number;
+    for (const SharedNode& n : side.nodes) {
+      number.push_back(node(n, d, dof_offset));
+      const Vec3 &x = all_.X[number.back()], other = n.other.value_or(n.x);
+      if (is_elsewhere(other, x, n.facets.front().normal, d))
+        refuse(words.name, " is periodic, and ", mortar::place(d, x), " and ",
+               mortar::place(d, other), " on label ", n.facets.front().label,
+               " are one node, which may not touch another body; end the label before the seam, "
+               "hold its sides by on() in place of the period, or let one of the bodies be an "
+               "obstacle");
+    }
+    for (const BoundaryFacet& f : side.facets) {
+      mortar::Facet facet;
+      facet.label = f.label;
+      facet.outward = f.normal;
+      for (std::size_t k = 0; k < f.node.size(); ++k) facet.node[k] = number[f.node[k]];
+      for (std::size_t p : of_label[f.label]) {
+        mortar::Surface& surface = all_.pairs[p].*which;
+        surface.quadratic = static_cast<int>(f.node.size()) > d;
+        surface.facets.push_back(facet);
+      }
+    }
+  }
+  /// The number of a node, a new one if need be.
+  Index node(const SharedNode& n, int d, Index dof_offset) {
+    const std::array<Index, 3> dof = shifted(dof_offset, d, n.dof);
+    const auto [entry, is_new] = number_.emplace(dof[0], static_cast<Index>(all_.X.size()));
+    if (is_new) {
+      all_.X.push_back(n.x);
+      all_.moved.push_back(n.moved);
+      all_.dof.push_back(dof);
+    }
+    return entry->second;
+  }
+  /// How many bodies meet at each vertex that both sides have.
+  void count_bodies(const Space& space, const Boundary& master) {
+    std::map<long, Index> shared;  // vertex of the mesh -> node
+    for (const SharedNode& n : master.nodes) {
+      const Index i = number_.at(n.dof[0]);
+      const AdjacentFacet& f = n.facets.front();
+      const int corner = corner_at(f.hat, space.d);
+      if (i < static_cast<Index>(all_.slave.size()) && corner >= 0)
+        shared[space.element(f.element)[corner]] = i;
+    }
+    if (shared.empty()) return;
+    std::map<Index, std::vector<std::array<Index, 4>>> around;
+    for (Index k = 0; k < space.elements(); ++k) {
+      const std::array<Index, 4> element = space.element(k);
+      for (int v = 0; v <= space.d; ++v)
+        if (const auto found = shared.find(element[v]); found != shared.end())
+          around[found->second].push_back(element);
+    }
+    for (const auto& [i, elements] : around)
+      all_.body_count[i] = mortar::facet_connected_groups(space.d, elements);
+  }
+  /// Of the elements behind a master that is moved, or one body with its slave: the faces of a
+  /// crack. What joins the bodies may be in another process's part.
+  void add_vertices_behind(const Space& space, const Boundary& master, Index dof_offset) {
+    if (dof_offset > 0 && !space.is_moved()) return;
+    std::vector<std::set<Index>> of_slave(all_.pairs.size());
+    const std::vector<Index> body = dof_offset > 0 ? std::vector<Index>() : space.body_of_element();
+    for (std::size_t p = 0; p < all_.pairs.size() && !body.empty(); ++p)
+      for (const mortar::Facet& f : all_.pairs[p].slave.facets)
+        of_slave[p].insert(body[all_.slave[f.node[0]].facets.front().element]);
+    std::map<long, std::set<std::size_t>> of_label =
+        pairs_of_labels(all_.pairs, &mortar::Pair::master);
+    std::vector<std::size_t> next(all_.pairs.size(), 0);
+    for (const BoundaryFacet& f : master.facets)
+      for (std::size_t p : of_label[f.label]) {
+        mortar::Facet& facet = all_.pairs[p].master.facets[next[p]++];
+        facet.one_body = !body.empty() && of_slave[p].count(body[f.element]) > 0;
+        if (!labels_.of_part && !space.is_moved() && !facet.one_body) continue;
+        const SharedNode n = space.node_at_vertex(f.element, f.facet);
+        const Index i = node(n, space.d, dof_offset);
+        if (!is_elsewhere(n.x, all_.X[i], f.normal, space.d)) facet.behind = i;  // not over a seam
+      }
+  }
+
+  const PairLabels& labels_;
+  Interface all_;
+  std::map<Index, Index> number_;  ///< first dof of a node -> its number
+};
+
 }  // namespace
 
-InterfaceBuilder::InterfaceBuilder(std::vector<mortar::Pair> pairs, bool of_part)
-    : all_{}, of_part_(of_part) {
-  all_.pairs = std::move(pairs);
-}
-
-void InterfaceBuilder::add_slave(const SpacePtr& space, const Boundary& side,
-                                 const SpaceInWords& words) {
-  all_.slave = side.nodes;
-  add(*space, side, words, 0, &mortar::Pair::slave);
-  std::vector<int> element;
-  for (const SharedNode& n : side.nodes) element.push_back(n.facets.front().element);
-  all_.slave_bodies = [space, element] {
-    const std::vector<Index> of_element = space->body_of_element();
-    std::vector<Index> body;
-    for (int k : element) body.push_back(of_element[k]);
-    return body;
-  };
-}
-
-void InterfaceBuilder::add_master(const Space& space, const Boundary& side,
-                                  const SpaceInWords& words, Index dof_offset) {
-  add(space, side, words, dof_offset, &mortar::Pair::master);
-  if (dof_offset == 0) count_bodies(space, side);
-  add_vertices_behind(space, side, dof_offset);
-}
-
-void InterfaceBuilder::add(const Space& space, const Boundary& side, const SpaceInWords& words,
-                           Index dof_offset, mortar::Surface mortar::Pair::*which) {
-  const int d = space.d;
-  all_.is_moved = space.is_moved();
-  std::map<long, std::set<std::size_t>> of_label = pairs_of_labels(all_.pairs, which);
-  std::vector<Index> number;
-  for (const SharedNode& n : side.nodes) {
-    number.push_back(node(n, d, dof_offset));
-    const Vec3 &x = all_.X[number.back()], other = n.other.value_or(n.x);
-    if (is_elsewhere(other, x, n.facets.front().normal, d))
-      refuse(words.name, " is periodic, and ", mortar::place(d, x), " and ",
-             mortar::place(d, other), " on label ", n.facets.front().label,
-             " are one node, which may not touch another body; end the label before the seam, hold "
-             "its sides by on() in place of the period, or let one of the bodies be an obstacle");
+Interface interface_of(const SpacePtr& V1, const SpacePtr& V2, const PairLabels& labels) {
+  InterfaceBuilder faces(labels);
+  if (V2) {
+    faces.add_slave(V1, {"V1", "the mesh of V1", pair_inside});
+    faces.add_master(*V2, {"V2", "the mesh of V2", pair_inside}, V1->dofs());
+  } else {
+    const SpaceInWords words{"Vh", "the mesh", pair_inside};
+    faces.add_slave(V1, words);
+    faces.add_master(*V1, words, 0);
   }
-  for (const BoundaryFacet& f : side.facets) {
-    mortar::Facet facet;
-    facet.label = f.label;
-    facet.outward = f.normal;
-    for (std::size_t k = 0; k < f.node.size(); ++k) facet.node[k] = number[f.node[k]];
-    for (std::size_t p : of_label[f.label]) {
-      mortar::Surface& surface = all_.pairs[p].*which;
-      surface.quadratic = static_cast<int>(f.node.size()) > d;
-      surface.facets.push_back(facet);
-    }
-  }
-}
-
-Index InterfaceBuilder::node(const SharedNode& n, int d, Index dof_offset) {
-  const std::array<Index, 3> dof = shifted(dof_offset, d, n.dof);
-  const auto [entry, is_new] = number_.emplace(dof[0], static_cast<Index>(all_.X.size()));
-  if (is_new) {
-    all_.X.push_back(n.x);
-    all_.moved.push_back(n.moved);
-    all_.dof.push_back(dof);
-  }
-  return entry->second;
-}
-
-void InterfaceBuilder::count_bodies(const Space& space, const Boundary& master) {
-  std::map<long, Index> shared;  // vertex of the mesh -> node
-  for (const SharedNode& n : master.nodes) {
-    const Index i = number_.at(n.dof[0]);
-    const AdjacentFacet& f = n.facets.front();
-    const int corner = corner_at(f.hat, space.d);
-    if (i < static_cast<Index>(all_.slave.size()) && corner >= 0)
-      shared[space.element(f.element)[corner]] = i;
-  }
-  if (shared.empty()) return;
-  std::map<Index, std::vector<std::array<Index, 4>>> around;
-  for (Index k = 0; k < space.elements(); ++k) {
-    const std::array<Index, 4> element = space.element(k);
-    for (int v = 0; v <= space.d; ++v)
-      if (const auto found = shared.find(element[v]); found != shared.end())
-        around[found->second].push_back(element);
-  }
-  for (const auto& [i, elements] : around)
-    all_.body_count[i] = mortar::facet_connected_groups(space.d, elements);
-}
-
-void InterfaceBuilder::add_vertices_behind(const Space& space, const Boundary& master,
-                                           Index dof_offset) {
-  if (dof_offset > 0 && !space.is_moved()) return;
-  std::vector<std::set<Index>> of_slave(all_.pairs.size());
-  const std::vector<Index> body = dof_offset > 0 ? std::vector<Index>() : space.body_of_element();
-  for (std::size_t p = 0; p < all_.pairs.size() && !body.empty(); ++p)
-    for (const mortar::Facet& f : all_.pairs[p].slave.facets)
-      of_slave[p].insert(body[all_.slave[f.node[0]].facets.front().element]);
-  std::map<long, std::set<std::size_t>> of_label =
-      pairs_of_labels(all_.pairs, &mortar::Pair::master);
-  std::vector<std::size_t> next(all_.pairs.size(), 0);
-  for (const BoundaryFacet& f : master.facets)
-    for (std::size_t p : of_label[f.label]) {
-      mortar::Facet& facet = all_.pairs[p].master.facets[next[p]++];
-      facet.one_body = !body.empty() && of_slave[p].count(body[f.element]) > 0;
-      if (!of_part_ && !space.is_moved() && !facet.one_body) continue;
-      const SharedNode n = space.node_at_vertex(f.element, f.facet);
-      const Index i = node(n, space.d, dof_offset);
-      if (!is_elsewhere(n.x, all_.X[i], f.normal, space.d)) facet.behind = i;  // not over a seam
-    }
+  return faces.take();
 }
 
 Index count_of(const std::vector<Index>& body) {

@@ -18,35 +18,17 @@ struct Interface {
   std::map<Index, Index> body_count;  ///< facet-connected groups of elements at nodes of both sides
 };
 
-/// Fills an Interface from the two sides, which have the labels of all pairs.
-class InterfaceBuilder {
- public:
-  /// of_part: others may know what joins the bodies.
-  InterfaceBuilder(std::vector<mortar::Pair> pairs, bool of_part);
-  /// Throws IllegalInput where a node of the sides has two places: facets are seen from where their
-  /// nodes are.
-  void add_slave(const SpacePtr& space, const Boundary& side, const SpaceInWords& words);
-  /// dof_offset: of the master's dofs among those of the call.
-  void add_master(const Space& space, const Boundary& side, const SpaceInWords& words,
-                  Index dof_offset);
-  Interface take() { return std::move(all_); }
-
- private:
-  /// Each pair takes the facets of its labels.
-  void add(const Space& space, const Boundary& side, const SpaceInWords& words, Index dof_offset,
-           mortar::Surface mortar::Pair::*which);
-  /// The number of a node, a new one if need be.
-  Index node(const SharedNode& n, int d, Index dof_offset);
-  /// How many bodies meet at each vertex that both sides have.
-  void count_bodies(const Space& space, const Boundary& master);
-  /// Of the elements behind a master that is moved, or one body with its slave: the faces of a
-  /// crack.
-  void add_vertices_behind(const Space& space, const Boundary& master, Index dof_offset);
-
-  Interface all_;
-  const bool of_part_;
-  std::map<Index, Index> number_;  ///< first dof of a node -> its number
+/// The labels of two bodies; those that this process's part of the meshes has, and all pairs.
+struct PairLabels {
+  std::vector<long> slave, master;
+  std::vector<mortar::Pair> pairs = mortar::label_pairs(slave, master);
+  bool of_part = false;  ///< of meshes that other processes have parts of
 };
+
+/// The faces of two bodies in spaces of their own, the dofs of V2 after those of V1, or in one: V2
+/// null. Throws IllegalInput where a node of theirs has two places: facets are seen from where
+/// their nodes are.
+Interface interface_of(const SpacePtr& V1, const SpacePtr& V2, const PairLabels& labels);
 
 /// Bodies 0, 1, ...: how many.
 Index count_of(const std::vector<Index>& body);

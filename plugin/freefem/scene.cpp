@@ -62,11 +62,6 @@ std::vector<BoundaryNode> obstacle_points(const Space& Vh, const SpaceInWords& w
   return points;
 }
 
-constexpr const char* pair_inside =
-    "contact of two bodies needs two faces there, and meshes that were merged, as + does with near "
-    "vertices, have none: use one space per mesh, or join them apart and move them back with "
-    "movemesh, in 3D with cleanmesh=false";
-
 /// A facet has one partner: a body, or the obstacle.
 void refuse_second_role(const std::vector<long>& obstacle, const std::vector<long>& side,
                         const char* role) {
@@ -192,19 +187,12 @@ std::shared_ptr<Scene> obstacle_scene(const SpacePtr& Vh, std::vector<BoundaryNo
 std::shared_ptr<Scene> pair_scene(const SpacePtr& V1, const SpacePtr& V2, const PairLabels& labels,
                                   const std::vector<long>& obstacle) {
   auto scene = std::make_shared<Scene>();
-  const Space& of_master = V2 ? *V2 : *V1;
-  const Index offset = V2 ? V1->dofs() : 0;
-  const SpaceInWords one{"Vh", "the mesh", pair_inside}, slave{"V1", "the mesh of V1", pair_inside},
-      master{"V2", "the mesh of V2", pair_inside};
   scene->dofs = dofs_of(*V1, V2.get());
   scene->nodes = obstacle_points(*V1, V2.get(), labels, obstacle);
-  InterfaceBuilder faces(labels.pairs, labels.of_part);
-  const SpaceInWords &of_slaves = V2 ? slave : one, &of_masters = V2 ? master : one;
-  faces.add_slave(V1, V1->boundary(labels.slave, of_slaves), of_slaves);
-  faces.add_master(of_master, of_master.boundary(labels.master, of_masters), of_masters, offset);
-  scene->pairing.emplace(faces.take());
+  scene->pairing.emplace(interface_of(V1, V2, labels));
   observe(V1, *scene);
   if (!V2) return scene;
+  const Index offset = V1->dofs();
   for (Index node : V2->mesh_nodes()) scene->mesh_node.push_back(V1->nodes() + node);
   scene->go_to = [V1, V2](Stack stack, const BoundaryNode& node) {
     return (node.space == 0 ? V1 : V2)->go_to(stack, node);

@@ -141,13 +141,6 @@ DofCount dofs_of(const Space& V1, const Space* V2 = nullptr);
 /// One body and an obstacle, at the contact points.
 std::shared_ptr<Scene> obstacle_scene(const SpacePtr& Vh, std::vector<BoundaryNode> points);
 
-/// The labels of two bodies; those that this process's part of the meshes has, and all pairs.
-struct PairLabels {
-  std::vector<long> slave, master;
-  std::vector<mortar::Pair> pairs = mortar::label_pairs(slave, master);
-  bool of_part = false;  ///< of meshes that other processes have parts of
-};
-
 /// Two bodies in spaces of their own, the dofs of V2 after those of V1; or, where V2 is null, in
 /// one space: two parts of a mesh, or the faces of a crack. obstacle: labels beside them.
 std::shared_ptr<Scene> pair_scene(const SpacePtr& V1, const SpacePtr& V2, const PairLabels& labels,
