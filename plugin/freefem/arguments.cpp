@@ -15,6 +15,12 @@ basicAC_F0::name_and_type parameters[] = {
 #undef FRICTIONCG_ROW
 };
 
+std::vector<long> copy_of(const KN_<long>& v) {
+  std::vector<long> copy;
+  for (long k = 0; k < v.N(); ++k) copy.push_back(v[k]);
+  return copy;
+}
+
 /// How A comes to have as many dofs.
 const char* assemble(const DofCount& dofs) {
   return dofs.first == 0
@@ -69,6 +75,52 @@ Index bound_on_iterations(double nbiter) {
           "the bound on the iterations is a whole number");
   return static_cast<Index>(
       std::min<double>(nbiter, std::numeric_limits<Index>::max() / 2));  // sums of bounds fit
+}
+
+void refuse_force_of_nowhere(const Arguments& args) {
+  if (args.has(p_forceold) && !args.has(p_at))
+    forbid(p_forceold, "is a force that turns with the geometry at X + U; name that, as in at=U");
+}
+
+/// One label: FreeFEM would cast a real or a bool to a label that nobody has meant.
+std::function<long(Stack, const char*)> label_of(const C_F0& given) {
+  const aType type = given.left();
+  const bool real = type == atype<double>() || type == atype<double*>();
+  const bool boolean = type == atype<bool>() || type == atype<bool*>();
+  const Expression e = real ? to<double>(given) : boolean ? to<bool>(given) : to<long>(given);
+  if (!real && !boolean) return [e](Stack stack, const char*) { return GetAny<long>((*e)(stack)); };
+  return [real, e](Stack stack, const char* what) -> long {
+    std::ostringstream value;
+    if (real)
+      value << "the real " << GetAny<double>((*e)(stack));
+    else
+      value << "the bool " << (GetAny<bool>((*e)(stack)) ? "true" : "false");
+    refuse(what, " has ", value.str(),
+           "; a label is a whole number, as in 1, [1, 2] or an int[int], and all that is no label "
+           "is given by name, as in mu=0.3");
+  };
+}
+
+Labels labels_of(const C_F0& argument) {
+  const aType type = argument.left();
+  std::vector<std::function<long(Stack, const char*)>> labels;
+  Expression array = nullptr;  // in place of single ones
+  if (const auto* list = dynamic_cast<const E_Array*>(argument.LeftValue())) {
+    for (int k = 0; k < list->size(); ++k) labels.push_back(label_of((*list)[k]));
+  } else if (type == atype<KN_<long>>() || type == atype<KN<long>*>()) {
+    array = to<KN_<long>>(argument);
+  } else {
+    labels.push_back(label_of(argument));
+  }
+  return [=](Stack stack, const char* what) {
+    std::vector<long> all;
+    evaluated(what, [&] {
+      if (array) all = copy_of(GetAny<KN_<long>>((*array)(stack)));
+      for (const auto& label : labels) all.push_back(label(stack, what));
+    });
+    if (all.empty()) refuse(what, " is empty; name the boundary that may touch");
+    return all;
+  };
 }
 
 /// An option without effect is refused: it would let the user believe in what does not happen. The
@@ -168,53 +220,6 @@ Triplets matrix_of(Stack stack, Expression expression, const DofCount& dofs) {
   });
 }
 
-Labels::Single::Single(const C_F0& given) {
-  const aType type = given.left();
-  real = type == atype<double>() || type == atype<double*>();
-  boolean = type == atype<bool>() || type == atype<bool*>();
-  expression = real ? to<double>(given) : boolean ? to<bool>(given) : to<long>(given);
-}
-
-long Labels::Single::operator()(Stack stack, const char* what) const {
-  if (!real && !boolean) return GetAny<long>((*expression)(stack));
-  std::ostringstream m;
-  m << what << " has ";
-  if (real)
-    m << "the real " << GetAny<double>((*expression)(stack));
-  else
-    m << "the bool " << (GetAny<bool>((*expression)(stack)) ? "true" : "false");
-  m << "; a label is a whole number, as in 1, [1, 2] or an int[int], and all that is no label is "
-       "given by name, as in mu=0.3";
-  throw IllegalInput(m.str());
-}
-
-Labels::Labels(const C_F0& argument) {
-  const aType type = argument.left();
-  if (const auto* list = dynamic_cast<const E_Array*>(argument.LeftValue())) {
-    for (int k = 0; k < list->size(); ++k) labels_.emplace_back((*list)[k]);
-  } else if (type == atype<KN_<long>>() || type == atype<KN<long>*>()) {
-    array_ = to<KN_<long>>(argument);
-  } else {
-    labels_.emplace_back(argument);
-  }
-}
-
-std::vector<long> Labels::operator()(Stack stack, const char* what) const {
-  return evaluated(what, [&] { return read(stack, what); });
-}
-
-std::vector<long> Labels::read(Stack stack, const char* what) const {
-  std::vector<long> all;
-  if (array_) {
-    const KN_<long> list = GetAny<KN_<long>>((*array_)(stack));
-    for (long k = 0; k < list.N(); ++k) all.push_back(list[k]);
-  } else {
-    for (const Single& label : labels_) all.push_back(label(stack, what));
-  }
-  if (all.empty()) refuse(what, " is empty; name the boundary that may touch");
-  return all;
-}
-
 Arguments::Arguments(const basicAC_F0& args, int d, bool two_bodies) : Arguments(args) {
   if (!two_bodies) {
     forbid(*this, {p_maxgap, p_smooth, p_distance},
@@ -230,7 +235,7 @@ Arguments::Arguments(const basicAC_F0& args, int d, bool two_bodies) : Arguments
     forbid(*this, of_moving_obstacle,
            "belongs to one body and an obstacle; of two bodies each moves by its own "
            "displacement");
-  refuse_force_of_nowhere();
+  refuse_force_of_nowhere(*this);
   if (has(p_pivot)) components(p_pivot, d, "[x, y, z]", "[x, y]");
   for (Parameter p : {p_normal, p_obstaclenormal})
     if (has(p)) components(p, d, "[nx, ny, nz]", "[nx, ny]");
@@ -267,7 +272,7 @@ void Arguments::allow_only(std::initializer_list<Parameter> allowed) const {
 }
 
 std::vector<long> Arguments::obstacle(Stack stack) const {
-  return obstacle_ ? (*obstacle_)(stack, name_of(p_obstacle)) : std::vector<long>();
+  return obstacle_ ? obstacle_(stack, name_of(p_obstacle)) : std::vector<long>();
 }
 
 template <class T>
@@ -288,11 +293,7 @@ Vector Arguments::vector(Stack stack, Parameter p) const {
 }
 
 std::vector<long> Arguments::integers(Stack stack, Parameter p) const {
-  std::vector<long> copy;
-  if (!has(p)) return copy;
-  const KN_<long> values = value<KN_<long>>(stack, p);
-  for (long k = 0; k < values.N(); ++k) copy.push_back(values[k]);
-  return copy;
+  return has(p) ? copy_of(value<KN_<long>>(stack, p)) : std::vector<long>();
 }
 
 double Arguments::component(Stack stack, Parameter p, int c) const {
@@ -307,13 +308,8 @@ Arguments Arguments::of_contactproblem(const basicAC_F0& args, bool renewed) {
     forbid(a, {p_at, p_forceold},
            "belongs to the contactproblem; give it there, or with another matrix, as in "
            "frictionalContactCG(C, A, b, at=U)");
-  a.refuse_force_of_nowhere();
+  refuse_force_of_nowhere(a);
   return a;
-}
-
-void Arguments::refuse_force_of_nowhere() const {
-  if (has(p_forceold) && !has(p_at))
-    forbid(p_forceold, "is a force that turns with the geometry at X + U; name that, as in at=U");
 }
 
 Arguments::Arguments(const basicAC_F0& args) {
@@ -333,7 +329,7 @@ void Arguments::read_names(const basicAC_F0& args) {
   if (!given) return;
   args.named_parameter->emplace(name, labels);
   named_[p_obstacle] = labels.LeftValue();
-  obstacle_.emplace(labels);
+  obstacle_ = labels_of(labels);
 }
 
 /// The expressions of a parameter that is a vector.
@@ -371,13 +367,13 @@ long read_verb(Stack stack, const Arguments& args) {
 }
 
 Site::Site(const basicAC_F0& args, int first, int count)
-    : d(args[first].left() == atype<v_fes::pfes*>() ? 2 : 3), slave_(args[first + 1]) {
+    : d(args[first].left() == atype<v_fes::pfes*>() ? 2 : 3), slave_(labels_of(args[first + 1])) {
   const auto space = [&](int k) {
     return d == 2 ? to<v_fes::pfes*>(args[k]) : to<v_fes3::pfes*>(args[k]);
   };
   spaces_.push_back(space(first));
   if (count > 3) spaces_.push_back(space(first + 2));
-  if (count > 2) master_.emplace(args[first + count - 1]);
+  if (count > 2) master_ = labels_of(args[first + count - 1]);
 }
 
 SpacePtr Site::space(Stack stack, std::size_t k) const {
@@ -398,7 +394,7 @@ std::vector<long> Site::labels(Stack stack) const {
 }
 
 std::vector<long> Site::masters(Stack stack) const {
-  return master_ ? (*master_)(stack, "master") : std::vector<long>();
+  return master_ ? master_(stack, "master") : std::vector<long>();
 }
 
 }  // namespace frictioncg

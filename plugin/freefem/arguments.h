@@ -41,26 +41,9 @@ void write(const std::vector<std::array<double, 4>>& rows, KNM<double>* out);
 /// CSR(), CSC() and COO() do in place, would invalidate a factorization that the script holds.
 Triplets matrix_of(Stack stack, Expression A, const DofCount& dofs);
 
-/// The labels of one boundary, as expressions.
-class Labels {
- public:
-  explicit Labels(const C_F0& argument);
-  /// what: the side of the contact, for the message.
-  std::vector<long> operator()(Stack stack, const char* what) const;
-
- private:
-  /// One label: FreeFEM would cast a real or a bool to a label that nobody has meant.
-  struct Single {
-    explicit Single(const C_F0& given);
-    long operator()(Stack stack, const char* what) const;
-    bool real = false, boolean = false;
-    Expression expression = nullptr;
-  };
-  std::vector<long> read(Stack stack, const char* what) const;
-
-  std::vector<Single> labels_;
-  Expression array_ = nullptr;  ///< in place of single ones
-};
+/// The labels of one boundary, once they are evaluated; what: the side of the contact, for
+/// messages.
+using Labels = std::function<std::vector<long>(Stack, const char* what)>;
 
 /// The named parameters of one call, as expressions: what a script wrote, not yet evaluated.
 class Arguments {
@@ -114,13 +97,12 @@ class Arguments {
  private:
   using Components = std::array<Expression, 3>;
   static Arguments of_contactproblem(const basicAC_F0& args, bool renewed = false);
-  void refuse_force_of_nowhere() const;
   explicit Arguments(const basicAC_F0& args);
   void read_names(const basicAC_F0& args);
   void components(Parameter p, int d, const char* in_3d, const char* in_2d);
   Expression named_[parameter_count];
   Components vectors_[parameter_count]{};
-  std::optional<Labels> obstacle_;
+  Labels obstacle_;  ///< empty where there is none
 };
 
 /// The type of domain=, which frictionCG-mpi alone has.
@@ -145,7 +127,7 @@ class Site {
   Site(const basicAC_F0& args, int first, int count);
 
   const int d;  ///< dimension
-  bool two_bodies() const { return master_.has_value(); }
+  bool two_bodies() const { return master_ != nullptr; }
   bool in_two_spaces() const { return spaces_.size() > 1; }
   SpacePtr space(Stack stack, std::size_t k = 0) const;
   /// Under several processes: whether a mesh is the part of one that FreeFEM's macro_ddm.idp has
@@ -156,8 +138,7 @@ class Site {
 
  private:
   std::vector<Expression> spaces_;
-  Labels slave_;
-  std::optional<Labels> master_;
+  Labels slave_, master_;  ///< the latter empty where there is one body
 };
 
 }  // namespace frictioncg

@@ -160,6 +160,13 @@ PointLaws laws_at(const Arguments& args, const Scene& before, const Scene& scene
   return laws;
 }
 
+/// (of the script, of the obstacles)
+Vector joined(const Vector& of_script, const Vector& of_obstacles) {
+  Vector all(of_script.size() + of_obstacles.size());
+  all << of_script, of_obstacles;
+  return all;
+}
+
 /// newton_step of call.h in one process. b, u_old: by all dofs; u0: where the increment of s
 /// starts. A gap that is given stays as it is.
 Solution newton_step(Solution s, const Vector& u0, const Settings& settings, const Scene& scene,

@@ -17,6 +17,15 @@ std::string component_in_words(const MovingObstacles& moving, int d, Index compo
   return what + " of " + name_of(moving, component / each);
 }
 
+/// One value for each component of each obstacle.
+void check_size(Parameter p, std::size_t size, const MovingObstacles& moving, int d) {
+  if (static_cast<Index>(size) == moving.rigid.dofs()) return;
+  const Index each = rigid_components(d), count = moving.rigid.dofs() / each;
+  refuse(name_of(p), " has ", size, " values; ", count,
+         (count == 1 ? " obstacle takes " : " obstacles take "), moving.rigid.dofs(), ", ",
+         (d == 2 ? "2 translations and a rotation" : "3 translations and 3 rotations"), " each");
+}
+
 /// The pivots, which may depend on the label, as expressions at the contact points.
 void find_pivots(Stack stack, const Arguments& args, const Scene& scene, MovingObstacles& moving) {
   PointGuard guard(stack);
@@ -111,7 +120,7 @@ std::optional<MovingObstacles> read_obstacles(Stack stack, const Arguments& args
   refuse_far_pivots(scene, *moving);
   if (!args.has(p_motionfree)) return moving;
   const std::vector<long> free = args.integers(stack, p_motionfree);
-  check_components(p_motionfree, free, *moving, scene.d);
+  check_size(p_motionfree, free.size(), *moving, scene.d);
   for (std::size_t k = 0; k < free.size(); ++k) {
     if (free[k] != 0 && free[k] != 1)
       refuse("motionfree[", k, "] = ", free[k],
@@ -130,18 +139,10 @@ void warn_of_turns(const Scene& scene, const Vector& moved) {
   }
 }
 
-Vector joined(const Vector& of_script, const Vector& of_obstacles) {
-  Vector all(of_script.size() + of_obstacles.size());
-  all << of_script, of_obstacles;
-  return all;
-}
-
 void write_motions(const Scene& scene, const Solution& s, const Vector& moved, const Motions& out) {
-  const auto write = [&](const Vector& all, Real factor, KN<double>* to) {
-    frictioncg::write(factor * all.tail(scene.moving->rigid.dofs()), to);
-  };
-  write(moved, 1, out.motion);
-  if (out.force) write(scene.system->force_to_global(contact_forces(scene, s)), -1, out.force);
+  const Index n = scene.moving->rigid.dofs();
+  write(moved.tail(n), out.motion);
+  if (out.force) write(-scene.system->force_to_global(contact_forces(scene, s)).tail(n), out.force);
 }
 
 void with_components_in_words(const Scene& scene, const std::function<void()>& make) {
@@ -166,11 +167,14 @@ Motions::Motions(Stack stack, const Arguments& args)
 void Motions::complete(const MovingObstacles& moving, int d) {
   const RigidObstacles& rigid = moving.rigid;
   const Index n = rigid.dofs();
+  const auto refuse_value = [&](Parameter p, Index k, Real value, const char* why) {
+    refuse(name_of(p), "[", k, "] = ", value, " is of the ", component_in_words(moving, d, k), why);
+  };
   const auto fill = [&](Parameter p, bool given, Vector& v) {
     if (!given) v = Vector::Zero(n);
-    check_components(p, v, moving, d);
+    check_size(p, v.size(), moving, d);
     for (Index k = 0; k < n; ++k)
-      if (!std::isfinite(v[k])) refuse(p, k, v[k], "; it is a finite number", moving, d);
+      if (!std::isfinite(v[k])) refuse_value(p, k, v[k], "; it is a finite number");
   };
   fill(p_motion, guess.size() > 0, guess);
   fill(p_motionold, before.size() > 0, before);
@@ -183,16 +187,10 @@ void Motions::complete(const MovingObstacles& moving, int d) {
   for (Index k = 0; k < n; ++k) {
     if (rigid.free[k]) continue;
     if (load[k] != 0)
-      refuse(p_motionload, k, load[k],
-             ", but it is given by motion; set motionfree to 1 there, or the load to 0", moving, d);
+      refuse_value(p_motionload, k, load[k],
+                   ", but it is given by motion; set motionfree to 1 there, or the load to 0");
     load[k] = guess[k];
   }
-}
-
-[[noreturn]] void Motions::refuse(Parameter p, Index k, Real value, const char* why,
-                                  const MovingObstacles& moving, int d) {
-  frictioncg::refuse(name_of(p), "[", k, "] = ", value, " is of the ",
-                     component_in_words(moving, d, k), why);
 }
 
 }  // namespace frictioncg

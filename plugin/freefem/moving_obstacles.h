@@ -6,16 +6,6 @@ namespace frictioncg {
 /// "the obstacle on label 4"; the only one is the obstacle.
 std::string name_of(const MovingObstacles& moving, Index obstacle);
 
-/// One value for each component of each obstacle.
-template <class Array>
-void check_components(Parameter p, const Array& values, const MovingObstacles& moving, int d) {
-  if (static_cast<Index>(values.size()) == moving.rigid.dofs()) return;
-  const Index each = rigid_components(d), count = moving.rigid.dofs() / each;
-  refuse(name_of(p), " has ", values.size(), " values; ", count,
-         (count == 1 ? " obstacle takes " : " obstacles take "), moving.rigid.dofs(), ", ",
-         (d == 2 ? "2 translations and a rotation" : "3 translations and 3 rotations"), " each");
-}
-
 /// The obstacle of each contact point, by its label.
 void find_obstacles(const Scene& scene, MovingObstacles& moving);
 
@@ -38,8 +28,6 @@ struct Motions {
   void complete(const MovingObstacles& moving, int d);
 
  private:
-  [[noreturn]] static void refuse(Parameter p, Index k, Real value, const char* why,
-                                  const MovingObstacles& moving, int d);
   const bool has_load_;
 };
 
@@ -48,9 +36,6 @@ void with_components_in_words(const Scene& scene, const std::function<void()>& m
 
 /// Rotations that the linear laws cannot mean.
 void warn_of_turns(const Scene& scene, const Vector& moved);
-
-/// (of the script, of the obstacles)
-Vector joined(const Vector& of_script, const Vector& of_obstacles);
 
 /// moved: the displacements, and the motions after them.
 void write_motions(const Scene& scene, const Solution& s, const Vector& moved, const Motions& out);

@@ -19,22 +19,21 @@ void check_value(Parameter p, double x, const BoundaryNode& node, int d) {
                                   : "a sliding limit is a traction >= 0"));
 }
 
-/// The gap at the contact points of pairs. A given one replaces that of the meshes.
-Vector read_gap_of_pairs(Stack stack, const Arguments& args, const Scene& scene) {
-  if (!args.has(p_gap)) return scene.pairing->gap();
-  return scene.pairing->gap(at_nodes(stack, args, p_gap, scene, scene.pairing->slave_nodes()));
-}
-
-/// The bound on n.w at each contact point: the gap, with what has been moved already. before: that
-/// of the contactproblem, or empty; what the call does not name has it.
+/// The bound on n.w at each contact point: the gap, which replaces that of the meshes where it is
+/// given, with what has been moved already. before: that of the contactproblem, or empty; what the
+/// call does not name has it.
 Vector read_gap(Stack stack, const Arguments& args, const Scene& scene, const Vector& before = {}) {
   const Vector moved = moved_along_normals(scene);
   if (!scene.pairing) return at_nodes(stack, args, p_gap, scene) + moved;
   const Index paired = static_cast<Index>(scene.paired()), beside = moved.size() - paired;
   Vector gap = before;
   gap.conservativeResize(moved.size());
+  const Pairing& pairs = *scene.pairing;
   if (args.has(p_gap) || before.size() == 0)
-    gap.head(paired) = read_gap_of_pairs(stack, args, scene) + moved.head(paired);
+    gap.head(paired) =
+        moved.head(paired) +
+        (!args.has(p_gap) ? pairs.gap()
+                          : pairs.gap(at_nodes(stack, args, p_gap, scene, pairs.slave_nodes())));
   const std::vector<BoundaryNode> on_obstacle(scene.nodes.begin() + paired, scene.nodes.end());
   if (args.has(p_obstaclegap) || before.size() == 0)
     gap.tail(beside) =
@@ -55,42 +54,11 @@ Vec3 unit_vector(Stack stack, const Arguments& args, Parameter p, const Scene& s
   return norm > 0 && std::isfinite(norm) ? Vec3(n / norm) : Vec3(Vec3::Zero());
 }
 
-/// The normals of the mesh, all of which have to have a direction.
-void keep_normals(const Scene& scene) {
-  for (const BoundaryNode& node : scene.nodes)
-    if (length(node.point.normal) == 0)
-      throw IllegalInput("the outward normals at " + place(node, scene.d) +
-                         " cancel; give normal=[...] explicitly");
-}
-
-/// Refuses laws that exclude one another, and a bound on friction that nothing makes.
-void check_laws(const Arguments& args, const PointLaws& given) {
-  for (Parameter p : {p_mu, p_cohesion, p_shearmax})
-    if (args.has(p) && args.has(p_slidinglimit))
-      refuse(name_of(p),
-             " and slidinglimit are both given; friction takes mu, cohesion and "
-             "shearmax, min(cohesion + mu p, shearmax), a limit without a pressure p "
-             "slidinglimit alone");
-  if (args.has(p_shearmax) && !args.has_any(frictions) && given.law != Law::coulomb)
-    throw IllegalInput(
-        "shearmax bounds friction, and there is none; give mu or cohesion with it, or the limit "
-        "itself as slidinglimit");
-}
-
 /// A traction at each contact node, as a force.
 Vector forces_at_nodes(Stack stack, const Arguments& args, Parameter p, const Scene& scene) {
   Vector force = at_nodes(stack, args, p, scene);
   for (std::size_t k = 0; k < scene.nodes.size(); ++k) force[k] *= scene.nodes[k].weight;
   return force;
-}
-
-/// A vertex of a facet as a place where to evaluate expressions.
-BoundaryNode vertex_of(const AdjacentFacet& facet, int v) {
-  BoundaryNode node;
-  node.set_place(facet);
-  node.hat = Vec3(v == 1, v == 2, v == 3);
-  node.point.normal = facet.normal / length(facet.normal);
-  return node;
 }
 
 /// The integral of weight times the shape function of a facet's node, the weight being linear
@@ -102,7 +70,10 @@ double weighted_share(Stack stack, const Arguments& args, const Scene& scene,
   double at_node = 0, mean = 0;
   for (int v = 0; v <= scene.d; ++v) {
     if (v == facet.facet) continue;
-    BoundaryNode vertex = vertex_of(facet, v);
+    BoundaryNode vertex;
+    vertex.set_place(facet);
+    vertex.hat = Vec3(v == 1, v == 2, v == 3);
+    vertex.point.normal = facet.normal / length(facet.normal);
     vertex.x = scene.go_to(stack, vertex);
     const double weight = args.value<double>(stack, p_weight);
     check_value(p_weight, weight, vertex, scene.d);
@@ -143,7 +114,11 @@ bool faces_away(const BoundaryNode& node, const Vec3& n) { return dot(node.mean,
 void set_normals(Stack stack, const Arguments& args, Scene& scene) {
   const Parameter normal = scene.pairing ? p_obstaclenormal : p_normal;
   scene.given_normals = args.has(normal);
-  if (!scene.given_normals) return keep_normals(scene);
+  for (const BoundaryNode& node : scene.nodes)
+    if (!scene.given_normals && length(node.point.normal) == 0)
+      throw IllegalInput("the outward normals at " + place(node, scene.d) +
+                         " cancel; give normal=[...] explicitly");
+  if (!scene.given_normals) return;
   PointGuard guard(stack);
   std::vector<BoundaryNode> facing;
   for (BoundaryNode& node : scene.nodes) {
@@ -207,7 +182,16 @@ void refuse_friction_of_none(const char* name, const Arguments& args, const Scen
 }
 
 PointLaws begun_laws(Stack stack, const Arguments& args, PointLaws given) {
-  check_laws(args, given);
+  for (Parameter p : {p_mu, p_cohesion, p_shearmax})
+    if (args.has(p) && args.has(p_slidinglimit))
+      refuse(name_of(p),
+             " and slidinglimit are both given; friction takes mu, cohesion and "
+             "shearmax, min(cohesion + mu p, shearmax), a limit without a pressure p "
+             "slidinglimit alone");
+  if (args.has(p_shearmax) && !args.has_any(frictions) && given.law != Law::coulomb)
+    throw IllegalInput(
+        "shearmax bounds friction, and there is none; give mu or cohesion with it, or the limit "
+        "itself as slidinglimit");
   given.bilateral = args.value(stack, p_bilateral, given.bilateral);
   if (args.has(p_gap) || args.has(p_obstaclegap)) given.gap.resize(0);
   given.given_gap = given.given_gap || args.has(p_gap);

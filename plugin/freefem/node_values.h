@@ -33,7 +33,8 @@ void set_orthotropy(Stack stack, const Arguments& args, const Vector& mu, Scene&
 /// Refuses friction on a contactproblem, `name`, that has no tangents.
 void refuse_friction_of_none(const char* name, const Arguments& args, const Scene& scene);
 
-/// What the laws of a call are beside their values at nodes, of which `given` has others.
+/// What the laws of a call are beside their values at nodes, of which `given` has others. Refuses
+/// laws that exclude one another, and a bound on friction that nothing makes.
 PointLaws begun_laws(Stack stack, const Arguments& args, PointLaws given = {});
 
 /// The laws of a call: those of `laws` where the call names no other. They hold for this call only.
