@@ -297,15 +297,7 @@ Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws)
   check_one_value(scene, call.b, call.verb);
   check_load_for_data(scene, call.b, call.verb);
   ContactProblem problem{scene.system->system(), now.increment};
-  if (call.verb > 0) {
-    report_plan(call.args, scene, problem, call.settings, call.verb);
-    warn_of_averages(scene);
-    report_averted(scene);
-    warn_of_passed(stack, call.args, scene);
-    report_large_friction(largest_friction(problem));
-    note_weight(scene);
-    note_contrast(*scene.system->system());
-  }
+  if (call.verb > 0) report_plan(stack, call.args, scene, problem, call.settings, call.verb);
   Progress progress(problem, call.verb, out.history);
   const auto answer = [&](const Settings& settings) {
     Vector x0;
@@ -339,8 +331,7 @@ Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws)
   const std::string blamed = turned.empty() ? blamed_motion(scene, solution) : turned;
   if (call.verb > 0) {
     report_memory(scene.solver->memory_needed(), call.settings);
-    report_end(solution);
-    report_blamed(solution.status, blamed);
+    report_end(solution, blamed);
     report_undetermined(scene, solution, call.verb);
   }
   if (call.verb > 2) report_phases(scene, solution);

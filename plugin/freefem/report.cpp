@@ -187,6 +187,66 @@ void report_choice(const Plan& plan) {
   std::cout.precision(digits);
 }
 
+/// A note where the rounding of A is felt, which the certificate does not see: rigid motions of a
+/// stiff part cost the energy that its entries are rounded to, beside what a soft part resists.
+void note_contrast(const System& system) {
+  constexpr Real error = 1e-13;  // of the answer, over the contrast, where parts are the largest
+  const Real times = contrast(system);
+  if (times < felt_contrast) return;
+  std::ostringstream m;
+  m.precision(1);
+  m << "note: A is " << times
+    << " times as stiff at one node as at another; its rounding may change "
+    << "the answer by " << std::min<Real>(1, error * times) << " of it. 1e6 is as good as rigid";
+  line() << m.str() << std::endl;
+}
+
+/// A warning for nodes with more normals than they can obey, such as the tip of a pyramid.
+void warn_of_averages(const Scene& scene) {
+  if (scene.given_normals) return;
+  for (const BoundaryNode& n : scene.nodes) {
+    if (!n.averaged) continue;
+    line() << "warning: the normals at " << place(n, scene.d)
+           << " cannot all be obeyed; their mean stands for them" << std::endl;
+    return;
+  }
+}
+
+/// Nodes that the given normal leaves out.
+void report_averted(const Scene& scene) {
+  const std::size_t count = scene.averted.size();
+  if (count == 0) return;
+  line() << count << (count == 1 ? " node faces" : " nodes face")
+         << " away from the normal given, as at " << place(scene.averted.front(), scene.d)
+         << ", and cannot touch: left out" << std::endl;
+}
+
+/// A warning for nodes that faced away from the obstacle where the increment began, and face it now
+/// from within: nothing has held them back.
+void warn_of_passed(Stack stack, const Arguments& args, const Scene& scene) {
+  std::vector<BoundaryNode> facing;
+  for (const BoundaryNode& node : scene.averted)
+    if (node.begun && !faces_away(node, node.point.normal)) facing.push_back(node);
+  Vector gap;
+  try {
+    gap = at_nodes(stack, args, scene.pairing ? p_obstaclegap : p_gap, scene, facing);
+  } catch (const IllegalInput&) {
+    return;  // no law asks for it
+  }
+  Index worst = 0;
+  if (gap.size() == 0 || gap.minCoeff(&worst) >= 0) return;
+  line() << "warning: " << place(facing[worst], scene.d)
+         << " faced away from the obstacle where the increment began, was left out, and lies "
+         << -gap[worst] << " inside it; take smaller increments" << std::endl;
+}
+
+void note_weight(const Scene& scene) {
+  if (scene.unnamed_radius < 0) return;
+  const char* const r = scene.unnamed_radius == 0 ? "x" : "y";
+  line() << "note: A looks axisymmetric, with the radius " << r << ", and no weight is named; "
+         << "give weight=" << r << std::endl;
+}
+
 }  // namespace
 
 std::ostream& line() { return std::cout << " -- " << operator_name << ": "; }
@@ -212,18 +272,6 @@ void warn_of_large_displacements(const Scene& scene, const Vector& u) {
   }
 }
 
-void note_contrast(const System& system) {
-  constexpr Real error = 1e-13;  // of the answer, over the contrast, where parts are the largest
-  const Real times = contrast(system);
-  if (times < felt_contrast) return;
-  std::ostringstream m;
-  m.precision(1);
-  m << "note: A is " << times
-    << " times as stiff at one node as at another; its rounding may change "
-    << "the answer by " << std::min<Real>(1, error * times) << " of it. 1e6 is as good as rigid";
-  line() << m.str() << std::endl;
-}
-
 void report_leftover(Real most, long verb) {
   if (verb <= 0 || most == 0) return;
   line() << "b has up to " << most
@@ -232,7 +280,7 @@ void report_leftover(Real most, long verb) {
          << std::endl;
 }
 
-void report_end(const Solution& solution) {
+void report_end(const Solution& solution, const std::string& motion) {
   line() << name_of(solution.status) << reason_of(solution) << ", residual "
          << solution.certificate.residual << ", " << counted(solution.iterations, "iteration");
   if (solution.levels.count > 1)
@@ -243,6 +291,11 @@ void report_end(const Solution& solution) {
               << " of the fixed point";
   if (solution.eps > 0) std::cout << ", regeps " << solution.eps;
   std::cout << std::endl;
+  if (motion.empty()) return;
+  const char* of_motion = solution.status == Status::runaway                 ? ""
+                          : solution.status == Status::not_positive_definite ? negative_energy
+                                                                             : "nothing holds ";
+  line() << of_motion << motion << std::endl;
 }
 
 void report_memory(double needed, const Settings& s) {
@@ -279,14 +332,6 @@ void report_phases(const Scene& scene, const Solution& solution) {
   line() << count[1] << " nodes separated, " << count[2] << " in slip, " << count[3]
          << " in stick; residual of equilibrium " << c.equilibrium << ", of contact " << c.normal
          << ", of friction " << c.friction << std::endl;
-}
-
-void report_blamed(Status status, const std::string& motion) {
-  if (motion.empty()) return;
-  const char* of_motion = status == Status::runaway                 ? ""
-                          : status == Status::not_positive_definite ? negative_energy
-                                                                    : "nothing holds ";
-  line() << of_motion << motion << std::endl;
 }
 
 [[noreturn]] void refuse_unconverged(const Solution& solution, const Settings& s,
@@ -347,41 +392,6 @@ std::ostream& Progress::speak() {
   return line();
 }
 
-void warn_of_averages(const Scene& scene) {
-  if (scene.given_normals) return;
-  for (const BoundaryNode& n : scene.nodes) {
-    if (!n.averaged) continue;
-    line() << "warning: the normals at " << place(n, scene.d)
-           << " cannot all be obeyed; their mean stands for them" << std::endl;
-    return;
-  }
-}
-
-void report_averted(const Scene& scene) {
-  const std::size_t count = scene.averted.size();
-  if (count == 0) return;
-  line() << count << (count == 1 ? " node faces" : " nodes face")
-         << " away from the normal given, as at " << place(scene.averted.front(), scene.d)
-         << ", and cannot touch: left out" << std::endl;
-}
-
-void warn_of_passed(Stack stack, const Arguments& args, const Scene& scene) {
-  std::vector<BoundaryNode> facing;
-  for (const BoundaryNode& node : scene.averted)
-    if (node.begun && !faces_away(node, node.point.normal)) facing.push_back(node);
-  Vector gap;
-  try {
-    gap = at_nodes(stack, args, scene.pairing ? p_obstaclegap : p_gap, scene, facing);
-  } catch (const IllegalInput&) {
-    return;  // no law asks for it
-  }
-  Index worst = 0;
-  if (gap.size() == 0 || gap.minCoeff(&worst) >= 0) return;
-  line() << "warning: " << place(facing[worst], scene.d)
-         << " faced away from the obstacle where the increment began, was left out, and lies "
-         << -gap[worst] << " inside it; take smaller increments" << std::endl;
-}
-
 Real largest_friction(const ContactProblem& problem) {
   const Vector& mu = problem.increment.mu;
   return problem.increment.law == Law::coulomb && mu.size() > 0 ? mu.maxCoeff() : 0;
@@ -423,15 +433,8 @@ void report_pairs(const Scene& scene, long verb) {
   std::cout << "; verb=3 has each" << std::endl;
 }
 
-void note_weight(const Scene& scene) {
-  if (scene.unnamed_radius < 0) return;
-  const char* const r = scene.unnamed_radius == 0 ? "x" : "y";
-  line() << "note: A looks axisymmetric, with the radius " << r << ", and no weight is named; "
-         << "give weight=" << r << std::endl;
-}
-
-void report_plan(const Arguments& args, const Scene& scene, const ContactProblem& problem,
-                 const Settings& s, long verb) {
+void report_plan(Stack stack, const Arguments& args, const Scene& scene,
+                 const ContactProblem& problem, const Settings& s, long verb) {
   report_pairs(scene, verb);
   const Plan plan = make_plan(problem, s);
   line() << scene.d << "D, " << plan.dofs << " dofs, " << counted(plan.nodes, "contact node");
@@ -450,6 +453,12 @@ void report_plan(const Arguments& args, const Scene& scene, const ContactProblem
   if (plan.regularization) std::cout << ", " << name_of(s.reg, regularizations);
   report_left_out(args, scene, plan);
   std::cout << "; version " << version << std::endl;
+  warn_of_averages(scene);
+  report_averted(scene);
+  warn_of_passed(stack, args, scene);
+  report_large_friction(largest_friction(problem));
+  note_weight(scene);
+  note_contrast(*problem.system);
 }
 
 }  // namespace frictioncg

@@ -22,15 +22,8 @@ void warn_of_large_displacements(const Scene& scene, const Vector& u);
 /// The contrast of A from which on a thousandth of the answer and more is lost to rounding.
 constexpr Real felt_contrast = 1e10;
 
-/// A note where the rounding of A is felt, which the certificate does not see: rigid motions of a
-/// stiff part cost the energy that its entries are rounded to, beside what a soft part resists.
-void note_contrast(const System& system);
-
 /// What b has beside the data of tgv = 1e30, 0 being nothing.
 void report_leftover(Real most, long verb);
-
-/// How a call ended, and which layer answered: a fallback shows here.
-void report_end(const Solution& solution);
 
 /// Why a call by method auto has no factor: no factor of its scene fits in memory.
 void report_memory(double needed, const Settings& s);
@@ -44,9 +37,10 @@ inline const Vector& motion_to_blame(const Solution& solution) {
                                                           : solution.unheld_motion;
 }
 
-/// The motion, in words, that a call blames which has not converged: what nothing holds, what has
-/// turned too far, or what costs negative energy; or empty.
-void report_blamed(Status status, const std::string& motion);
+/// How a call ended, and which layer answered: a fallback shows here. motion: in words, what a call
+/// blames that has not converged: what nothing holds, what has turned too far, or what costs
+/// negative energy; or empty.
+void report_end(const Solution& solution, const std::string& motion);
 
 /// The error of such a call whose script does not ask for the status.
 [[noreturn]] void refuse_unconverged(const Solution& solution, const Settings& s,
@@ -81,16 +75,6 @@ class Progress final : public Observer {
   std::array<int, works> steps_{};  ///< so far
 };
 
-/// A warning for nodes with more normals than they can obey, such as the tip of a pyramid.
-void warn_of_averages(const Scene& scene);
-
-/// Nodes that the given normal leaves out.
-void report_averted(const Scene& scene);
-
-/// A warning for nodes that faced away from the obstacle where the increment began, and face it now
-/// from within: nothing has held them back.
-void warn_of_passed(Stack stack, const Arguments& args, const Scene& scene);
-
 /// The largest coefficient of Coulomb friction; 0 where there is none.
 Real largest_friction(const ContactProblem& problem);
 
@@ -99,10 +83,9 @@ void report_large_friction(Real mu);
 
 /// All pairs in one line, and from verb 3 on each in one of its own.
 void report_pairs(const Scene& scene, long verb);
-void note_weight(const Scene& scene);
 
-/// What the scene needs, and what it does not.
-void report_plan(const Arguments& args, const Scene& scene, const ContactProblem& problem,
-                 const Settings& s, long verb);
+/// What the scene needs, and what it does not; then all that its script should know of it.
+void report_plan(Stack stack, const Arguments& args, const Scene& scene,
+                 const ContactProblem& problem, const Settings& s, long verb);
 
 }  // namespace frictioncg

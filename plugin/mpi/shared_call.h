@@ -194,9 +194,8 @@ inline Vector solve_together(Stack stack, const Call& call, SharedScene& shared,
   if (shared.scene->at) from_geometry -= with_guests(shared, *shared.scene->at);
   const std::string turned = runaway(shared, solution, from_geometry);
   if (!turned.empty()) solution.status = local.status = Status::runaway;
-  if (verb > 0) report_end(solution);
   const std::string blamed = turned.empty() ? blamed_motion(shared, solution) : turned;
-  if (verb > 0) report_blamed(solution.status, blamed);
+  if (verb > 0) report_end(solution, blamed);
   report_undetermined(shared, solution, verb);
   if (solution.status != Status::converged && !out.status)
     refuse_unconverged(solution, call.settings, blamed);
