@@ -4,11 +4,34 @@
 #include "../freefem/operators.h"
 #include "domain.h"
 #include "petsc.h"
-#include "together.h"
 
 extern KN<String>* pkarg;  // FreeFEM's: the words of the command line
 
 namespace frictioncg {
+
+/// Runs the body of an operator on all processes of the communicator; its rank 0 alone says what
+/// went wrong. What one of them throws where it cannot be agreed upon ends them all.
+template <class Body>
+AnyType together(const char* name, MPI_Comm communicator, Body body) {
+  std::string message;
+  try {
+    try {
+      return body();
+    } catch (const IllegalInput& e) {  // agreed upon
+      int rank;
+      MPI_Comm_rank(communicator, &rank);
+      message = rank == 0 ? name + std::string(": ") + e.what() : name;
+    }
+  } catch (const std::bad_alloc&) {
+    end_all(communicator, name, not_enough_memory);
+  } catch (const std::exception& e) {
+    end_all(communicator, name, e.what());
+  } catch (...) {
+    end_all(communicator, name, "an expression of the script failed");
+  }
+  ExecError(message);
+  return Nothing;
+}
 
 /// What a script's variable of type contactdomain stands for, as ContactProblemVariable.
 class ContactDomainVariable {

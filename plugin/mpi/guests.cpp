@@ -2,26 +2,33 @@
 
 namespace frictioncg {
 
-InterfaceBasis::InterfaceBasis(const WholeInterface& interface, const mortar::Mortar& mortar) {
+InterfaceBasis basis_of(const WholeInterface& interface, const mortar::Mortar& mortar) {
+  InterfaceBasis basis;
   for (Index c = 0; c < interface.d; ++c) {
     std::vector<char> held(interface.held.size());
     for (std::size_t i = 0; i < held.size(); ++i) held[i] = (interface.held[i] >> c) & 1;
-    T.push_back(mortar.change_of_basis(held));
-    W.push_back(mortar.inverse_basis(held));
+    basis.T.push_back(mortar.change_of_basis(held));
+    basis.W.push_back(mortar.inverse_basis(held));
   }
+  return basis;
 }
 
 /// How a part grows.
-class Growth {
- public:
-  Growth(const Domain& part, const WholeInterface& interface, const InterfaceBasis& basis,
-         const std::vector<NumberedEntry>& addend, NodeNumbers& numbers, GrownPart& grown)
-      : part_(part),
-        interface_(interface),
-        basis_(basis),
-        addend_(addend),
-        numbers_(numbers),
-        grown_(grown) {}
+struct Growth {
+  using Number = NodeNumbers::Number;
+  using Entry = NumberedEntry;
+
+  const Domain& part_;
+  const WholeInterface& interface_;
+  const InterfaceBasis& basis_;
+  const std::vector<NumberedEntry>& addend_;
+  NodeNumbers& numbers_;
+  GrownPart& grown_;
+  std::vector<Entry> received_ = {};        ///< of rows of others
+  std::vector<Number> received_rows_ = {};  ///< dofs
+  std::vector<Number> whole_rows_ = {};     ///< of the interface: own, and received ones; sorted
+  std::vector<Number> guests_ = {};         ///< nodes in ascending order: by owners
+
   void exchange_rows(const Triplets& A, const Dirichlet& of_A) {
     std::vector<Index> place(A.n, -1);  // of a row among those that may be sent
     std::vector<std::vector<Entry>> rows;
@@ -149,10 +156,6 @@ class Growth {
     }
     grown_.coupling = mortar::on_all_dofs(coupled, std::move(T), std::move(W));
   }
-
- private:
-  using Number = NodeNumbers::Number;
-  using Entry = NumberedEntry;
   /// Row i for the owners of all p that T_ip or W_ip couple it to: the number, how many entries,
   /// these.
   Domain::Letters packed_rows(const std::vector<Index>& place,
@@ -209,24 +212,13 @@ class Growth {
       entries.emplace_back(i, first[e.col()] + component, e.value());
   }
   bool owns(Number node) const { return numbers_.owner(node) == part_.rank(); }
-
-  const Domain& part_;
-  const WholeInterface& interface_;
-  const InterfaceBasis& basis_;
-  const std::vector<NumberedEntry>& addend_;
-  NodeNumbers& numbers_;
-  GrownPart& grown_;
-  std::vector<Entry> received_;        ///< of rows of others
-  std::vector<Number> received_rows_;  ///< dofs
-  std::vector<Number> whole_rows_;     ///< of the interface: own ones, and those received; sorted
-  std::vector<Number> guests_;         ///< nodes in ascending order: by owners
 };
 
 GrownPart::GrownPart(const Domain& part, const Triplets& A, const Dirichlet& of_A,
                      const WholeInterface& interface, const InterfaceBasis& basis,
                      const std::vector<NumberedEntry>& addend, NodeNumbers& numbers)
     : has_addend(!addend.empty()) {
-  Growth growth(part, interface, basis, addend, numbers, *this);
+  Growth growth{part, interface, basis, addend, numbers, *this};
   growth.exchange_rows(A, of_A);
   growth.find_guests(A);
   growth.invite_guests();

@@ -8,9 +8,8 @@ namespace frictioncg {
 /// A mortar's change of basis, component by component, over the nodes of the whole interface.
 struct InterfaceBasis {
   std::vector<Matrix> T, W;
-
-  InterfaceBasis(const WholeInterface& interface, const mortar::Mortar& mortar);
 };
+InterfaceBasis basis_of(const WholeInterface& interface, const mortar::Mortar& mortar);
 
 /// Of a matrix over the interface, by the numbers of its dofs.
 struct NumberedEntry {
@@ -43,7 +42,7 @@ class GrownPart {
   Coupling coupling;
 
  private:
-  friend class Growth;
+  friend struct Growth;
   void put(Index i, Index j, Real a);
 
   std::vector<Index> i_, j_;

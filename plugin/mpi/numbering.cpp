@@ -30,10 +30,7 @@ Numbering::Numbering(const Domain& domain, const LocalSystem& local,
   for (const auto& [node, dofs] : by_node)
     for (std::size_t k = 0; k < dofs.size(); ++k)
       slot[dofs[k]] = static_cast<PetscInt>(start[basis.origin[dofs[k]]]) + PetscInt(k);
-  find_own(*local.system());
-}
-
-void Numbering::find_own(const System& system) {
+  const System& system = *local.system();
   for (Index p = 0; p < system.interior(); ++p)
     if (is_own(p)) own.push_back(p);
   for (Index i = 0; i < system.nodes(); ++i) {

@@ -33,9 +33,6 @@ struct Numbering {
   std::vector<Index> own_slot;         ///< of each of these, from `first` on
   std::vector<Index> own_nodes;        ///< contact nodes owned, by their place in the local system
   std::vector<Index> own_first;        ///< as in System, among `own`
-
- private:
-  void find_own(const System& local);
 };
 
 }  // namespace frictioncg

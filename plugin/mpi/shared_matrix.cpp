@@ -13,13 +13,11 @@ SharedMatrix::SharedMatrix(std::shared_ptr<const Domain> domain, Numbering numbe
   first = numbering_.own_first;
   assemble(*local_);
   find_contact(*local_);
-  find_bodies(local);
+  const Bodies wholes = join_parts(*domain_, local.basis().origin, bodies_of(local_->entries()));
+  for (Index p : numbering_.own) bodies_.of.push_back(wholes.of[p]);
+  bodies_.count = wholes.count;
   check(MatCreateVecs(A_.get(), x_.fill(), Ax_.fill()));
   check(VecSet(x_.get(), 0));
-  make_scatter();
-}
-
-void SharedMatrix::make_scatter() {
   const PetscInt n = static_cast<PetscInt>(numbering_.slot.size());
   IS slots;
   check(ISCreateGeneral(PETSC_COMM_SELF, n, numbering_.slot.data(), PETSC_USE_POINTER, &slots));
@@ -110,13 +108,6 @@ void SharedMatrix::find_contact(const System& local) {
       rows.end_row();
     }
   B_ = matrix_of(rows);
-}
-
-void SharedMatrix::find_bodies(const LocalSystem& local) {
-  const Bodies parts = bodies_of(local.system()->entries());
-  const Bodies wholes = join_parts(*domain_, local.basis().origin, parts);
-  for (Index p : numbering_.own) bodies_.of.push_back(wholes.of[p]);
-  bodies_.count = wholes.count;
 }
 
 void SharedMatrix::to_slots(const Vector& x, Vec slots) const {

@@ -50,8 +50,6 @@ class SharedMatrix final : public System {
   void assemble(const System& local);
   void find_contact(const System& local);
   MatHandle matrix_of(const Rows& rows) const;
-  void make_scatter();
-  void find_bodies(const LocalSystem& local);
 
   std::shared_ptr<const Domain> domain_;
   Numbering numbering_;

@@ -302,15 +302,15 @@ inline std::unique_ptr<GrownPart> grow(Stack stack, const Arguments& args, const
   refuse_exchanged_faces(part, faces);
   NodeNumbers numbers(part, scene.d, scene.mesh_node);
   shared.interface = std::make_shared<WholeInterface>(part, numbers, scene.d, faces);
-  std::unique_ptr<InterfaceBasis> basis;
+  InterfaceBasis basis;
   std::vector<NumberedEntry> stiffness;
   part.agree([&] {
     const auto contact = face_whole(args, opening, A, scene, part, shared);
-    basis = std::make_unique<InterfaceBasis>(*shared.interface, *shared.mortar);
+    basis = basis_of(*shared.interface, *shared.mortar);
     stiffness = less_stiffness(*shared.interface, *shared.mortar);
     face_part(numbers, part, contact, shared);
   });
-  return std::make_unique<GrownPart>(part, A.triplets(), A.dirichlet(), *shared.interface, *basis,
+  return std::make_unique<GrownPart>(part, A.triplets(), A.dirichlet(), *shared.interface, basis,
                                      stiffness, numbers);
 }
 

@@ -51,17 +51,28 @@ inline Vector field_of(const SharedScene& shared, const Vector& motion) {
 class Sample {
  public:
   /// Collective.
-  explicit Sample(const SharedScene& shared) : domain_(*shared.domain), d_(shared.scene->d) {
-    const std::vector<NodePlace> own = chosen(shared.scene->places());
-    Vector packed(4 * own.size());
-    for (std::size_t k = 0; k < own.size(); ++k)
-      packed.segment<4>(4 * static_cast<Index>(k)) << own[k].x, Real(own[k].body);
-    const Vector all = domain_.gathered(packed);
+  explicit Sample(const SharedScene& shared) : domain_(*shared.domain) {
+    constexpr Index of_all = 3000, least = 4;
+    const int d = shared.scene->d;
+    std::vector<NodePlace> own;
+    for (const NodePlace& p : shared.scene->places())
+      if (domain_.owns(p.dof[0])) own.push_back(p);
+    const auto bodies = by_body(own);
+    const Index count = std::max<Index>(static_cast<Index>(bodies.size()), 1);
+    const std::size_t most = std::max(least, of_all / (domain_.size() * count));
+    std::vector<Real> packed;
+    for (const auto& [number, body] : bodies)
+      for (std::size_t k = 0; k < body.size(); k += 1 + body.size() / most) {
+        packed.insert(packed.end(), {body[k].x[0], body[k].x[1], body[k].x[2], Real(number)});
+        own_dofs_.insert(own_dofs_.end(), body[k].dof.begin(), body[k].dof.begin() + d);
+      }
+    const Vector all = domain_.gathered(
+        Eigen::Map<const Vector>(packed.data(), static_cast<Index>(packed.size())));
     for (Index i = 0; 4 * i < all.size(); ++i) {
       NodePlace n;
       n.x = all.segment<3>(4 * i);
       n.body = static_cast<Index>(all[4 * i + 3]);
-      for (int c = 0; c < d_; ++c) n.dof[c] = i * d_ + c;
+      for (int c = 0; c < d; ++c) n.dof[c] = i * d + c;
       nodes_.push_back(n);
     }
   }
@@ -70,25 +81,7 @@ class Sample {
   Vector of(const Vector& field) const { return domain_.gathered(field(own_dofs_)); }
 
  private:
-  /// Some of the own ones; notes their dofs.
-  std::vector<NodePlace> chosen(const std::vector<NodePlace>& places) {
-    constexpr Index of_all = 3000, least = 4;
-    std::vector<NodePlace> own, some;
-    for (const NodePlace& p : places)
-      if (domain_.owns(p.dof[0])) own.push_back(p);
-    const auto bodies = by_body(own);
-    const Index count = std::max<Index>(static_cast<Index>(bodies.size()), 1);
-    const std::size_t most = std::max(least, of_all / (domain_.size() * count));
-    for (const auto& [number, body] : bodies)
-      for (std::size_t k = 0; k < body.size(); k += 1 + body.size() / most) {
-        some.push_back(body[k]);
-        own_dofs_.insert(own_dofs_.end(), body[k].dof.begin(), body[k].dof.begin() + d_);
-      }
-    return some;
-  }
-
   const Domain& domain_;
-  const int d_;
   std::vector<NodePlace> nodes_;
   std::vector<Index> own_dofs_;
 };

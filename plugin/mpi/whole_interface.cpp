@@ -80,22 +80,22 @@ void WholeInterface::gather_facets(const Domain& domain, const NodeNumbers& numb
       }
     }
   const Vector sent = domain.gathered(as_vector(own));
-  for (const Real* in = sent.data(); in != sent.data() + sent.size();) add_facet(in);
-}
-
-void WholeInterface::add_facet(const Real*& in) {
-  const auto node = [&](Real sent) { return at.at(static_cast<NodeNumbers::Number>(sent)); };
-  mortar::Pair& pair = pairs[static_cast<std::size_t>(in[0])];
-  mortar::Surface& surface = in[1] == 0 ? pair.slave : pair.master;
-  mortar::Facet f;
-  f.label = static_cast<long>(in[2]);
-  f.outward = {in[3], in[4], in[5]};
-  if (in[6] >= 0) f.behind = node(in[6]);
-  const int count = static_cast<int>(in[7]);
-  in += 8;
-  surface.quadratic = count > d;
-  for (int k = 0; k < count; ++k) f.node[k] = node(*in++);
-  surface.facets.push_back(f);
+  const auto node = [&](Real numbered) {
+    return at.at(static_cast<NodeNumbers::Number>(numbered));
+  };
+  for (const Real* in = sent.data(); in != sent.data() + sent.size();) {
+    mortar::Pair& pair = pairs[static_cast<std::size_t>(in[0])];
+    mortar::Surface& surface = in[1] == 0 ? pair.slave : pair.master;
+    mortar::Facet f;
+    f.label = static_cast<long>(in[2]);
+    f.outward = {in[3], in[4], in[5]};
+    if (in[6] >= 0) f.behind = node(in[6]);
+    const int count = static_cast<int>(in[7]);
+    in += 8;
+    surface.quadratic = count > d;
+    for (int k = 0; k < count; ++k) f.node[k] = node(*in++);
+    surface.facets.push_back(f);
+  }
 }
 
 /// A part does not know whether a master is one body with its slave. Where it is not, what lies

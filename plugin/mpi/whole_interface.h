@@ -69,7 +69,6 @@ struct WholeInterface {
  private:
   void gather_nodes(const Domain& domain, const NodeNumbers& numbers, const InterfacePart& part);
   void gather_facets(const Domain& domain, const NodeNumbers& numbers, const InterfacePart& part);
-  void add_facet(const Real*& in);
   void find_one_body(bool is_moved);
   void find_own(const Domain& domain, const NodeNumbers& numbers);
 
