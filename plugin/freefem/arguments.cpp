@@ -52,15 +52,6 @@ void forbid(const Arguments& args, const Parameter (&of)[count], const char* rul
     if (args.has(p)) forbid(p, rule);
 }
 
-/// Before FreeFEM looks for the type of domain, which frictionCG-mpi alone has.
-void refuse_domain(const basicAC_F0& args) {
-  const bool known = *parameters[p_domain].type != typeid(void);
-  if (!known && args.find(name_of(p_domain)).LeftValue())
-    forbid(p_domain,
-           "belongs to a problem that several processes share, which frictionCG has none of; "
-           "load \"frictionCG-mpi\" in its place, or leave domain out");
-}
-
 /// Throws IllegalInput unless the rule holds for x, the value of the option p.
 void require(bool holds, Parameter p, double x, const char* rule) {
   if (holds) return;
@@ -313,23 +304,25 @@ Arguments Arguments::of_contactproblem(const basicAC_F0& args, bool renewed) {
 }
 
 Arguments::Arguments(const basicAC_F0& args) {
-  refuse_domain(args);
-  read_names(args);
-  if (has(p_init) && has(p_start)) forbid(p_start, "is another name of init; give one");
-}
-
-/// A named parameter has one type for FreeFEM, and labels have three forms: while the others are
-/// read, obstacle is not among them.
-void Arguments::read_names(const basicAC_F0& args) {
+  // before FreeFEM looks for the type of domain, which frictionCG-mpi alone has
+  const bool known = *parameters[p_domain].type != typeid(void);
+  if (!known && args.find(name_of(p_domain)).LeftValue())
+    forbid(p_domain,
+           "belongs to a problem that several processes share, which frictionCG has none of; "
+           "load \"frictionCG-mpi\" in its place, or leave domain out");
+  // a named parameter has one type for FreeFEM, and labels have three forms: while the others are
+  // read, obstacle is not among them
   const char* const name = name_of(p_obstacle);
   const C_F0 labels = args.find(name);
   const bool given = labels.LeftValue() != nullptr;
   if (given) args.named_parameter->erase(name);
   args.SetNameParam(parameter_count, parameters, named_);
-  if (!given) return;
-  args.named_parameter->emplace(name, labels);
-  named_[p_obstacle] = labels.LeftValue();
-  obstacle_ = labels_of(labels);
+  if (given) {
+    args.named_parameter->emplace(name, labels);
+    named_[p_obstacle] = labels.LeftValue();
+    obstacle_ = labels_of(labels);
+  }
+  if (has(p_init) && has(p_start)) forbid(p_start, "is another name of init; give one");
 }
 
 /// The expressions of a parameter that is a vector.

@@ -98,7 +98,6 @@ class Arguments {
   using Components = std::array<Expression, 3>;
   static Arguments of_contactproblem(const basicAC_F0& args, bool renewed = false);
   explicit Arguments(const basicAC_F0& args);
-  void read_names(const basicAC_F0& args);
   void components(Parameter p, int d, const char* in_3d, const char* in_2d);
   Expression named_[parameter_count];
   Components vectors_[parameter_count]{};

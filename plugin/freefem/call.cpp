@@ -40,7 +40,12 @@ void face_bodies(Stack stack, const Arguments& args, const Expression A, Scene& 
   const Triplets matrix = matrix_of(stack, A, scene.dofs);  // once no expression may change A
   refuse_exchanged_blocks(scene, matrix);
   constexpr Parameter chosen[] = {p_maxgap, p_smooth, p_normal, p_weight};
-  scene.face(matrix, options, u_old, !args.has_any(chosen));
+  const Stopwatch watch(scene.copy_seconds);
+  const std::vector<BoundaryNode> of_obstacle = std::move(scene.nodes);
+  scene.nodes = scene.pairing->face(matrix, scene.d, options, u_old, of_obstacle, scene.places,
+                                    !args.has_any(chosen));
+  scene.nodes.insert(scene.nodes.end(), of_obstacle.begin(), of_obstacle.end());
+  scene.beside_pairs = of_obstacle.size();
 }
 
 /// The points on an obstacle with the weights and normals of the call.
@@ -75,20 +80,25 @@ std::shared_ptr<Scene> moved(Stack stack, const Arguments& args, const Scene& be
   return scene;
 }
 
-/// The points on an obstacle with the normals and weights of the call, or as they were.
-void place_obstacle(Stack stack, const Arguments& args, Scene& scene) {
-  const Parameter normal = scene.pairing ? p_obstaclenormal : p_normal;
-  if (!args.has(normal) && (!args.has(p_weight) || scene.on_mesh.empty())) {
-    scene.nodes.erase(scene.nodes.begin(), scene.nodes.begin() + static_cast<long>(scene.paired()));
-    return;
+/// The same geometry, with the points on an obstacle with the normals and weights of the call, or
+/// as they were.
+std::shared_ptr<Scene> unmoved(Stack stack, const Arguments& args, const Scene& before) {
+  const auto scene = std::make_shared<Scene>();
+  static_cast<Geometry&>(*scene) = before;
+  const Parameter normal = scene->pairing ? p_obstaclenormal : p_normal;
+  if (!args.has(normal) && (!args.has(p_weight) || scene->on_mesh.empty())) {
+    std::vector<BoundaryNode>& nodes = scene->nodes;
+    nodes.erase(nodes.begin(), nodes.begin() + static_cast<long>(scene->paired()));
+    return scene;
   }
-  if (!args.has(normal) && scene.given_normals)
+  if (!args.has(normal) && scene->given_normals)
     refuse("weight is given with the new matrix, and ", name_of(normal),
            ", which C was made with, is not; give both");
-  scene.nodes = scene.on_mesh;
-  scene.averted.clear();
-  set_weights(stack, args, scene);
-  set_normals(stack, args, scene);
+  scene->nodes = scene->on_mesh;
+  scene->averted.clear();
+  set_weights(stack, args, *scene);
+  set_normals(stack, args, *scene);
+  return scene;
 }
 
 /// The points on curved obstacles leave to bodies the motions that A does.
@@ -387,9 +397,8 @@ PosedProblem renewed(Stack stack, const Arguments& args, const Expression A, con
                      bool alone, PointLaws& laws) {
   Scene& before = *C.scene;
   const bool moves = args.has(p_at);
-  PosedProblem posed{moves ? moved(stack, args, before) : before.posed_anew(), {}};
+  PosedProblem posed{moves ? moved(stack, args, before) : unmoved(stack, args, before), {}};
   Scene& scene = *posed.scene;
-  if (!moves) place_obstacle(stack, args, scene);
   scene.given_weight = scene.given_weight || args.has(p_weight);
   if (scene.nodes.empty() && !scene.averted.empty()) refuse_inward(scene);
   follow_free_motions(stack, A, scene);

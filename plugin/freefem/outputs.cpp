@@ -32,7 +32,8 @@ template <class Visit>
 void for_each_slave_edge(const Scene& scene, const Visit& visit) {
   if (!scene.pairing) return;
   const mortar::NodeDofs& dof = scene.pairing->between().dof;
-  for (const mortar::MidEdge& e : scene.pairing->edges()) visit(dof[e.node], dof[e.a], dof[e.b], e);
+  for (const mortar::MidEdge& e : scene.pairing->faced().edges)
+    visit(dof[e.node], dof[e.a], dof[e.b], e);
 }
 
 /// The state at each dof of a contact node; zero elsewhere (ndof). Mid-edges of a P2 slave have
@@ -84,7 +85,7 @@ Vector distance_at_dofs(const Scene& scene, const PointLaws& laws) {
     const Index point = scene.system->node(k).point;
     for (int c = 0; c < scene.d; ++c)
       distance[scene.contact_point(k).point.dof[c]] =
-          scene.on_obstacle(k) ? gap[point] : scene.pairing->distance(point);
+          scene.on_obstacle(k) ? gap[point] : scene.pairing->faced().distance_at(point);
   }
   for_each_slave_edge(scene, [&](const auto& middle, const auto&, const auto&, const auto& e) {
     for (int c = 0; c < scene.d; ++c) distance[middle[c]] = e.distance;

@@ -261,7 +261,13 @@ std::vector<BoundaryNode> Pairing::face(const Triplets& A, int d, mortar::Option
     faced.add(m);
   }
   add_motions(*mortar_, between_.moved, contact);
-  for (const mortar::MidEdge& e : mortar_->edges()) add_edge(e, faced);
+  const auto taken = [this](Index node) { return !taken_.empty() && taken_[node]; };
+  for (mortar::MidEdge e : mortar_->edges()) {  // of whose ends an obstacle has one at most
+    if (taken(e.node) || (taken(e.a) && taken(e.b))) continue;
+    if (taken(e.a)) e.a = e.b;
+    if (taken(e.b)) e.b = e.a;
+    faced.edges.push_back(e);
+  }
   for (std::size_t p = 0; p < between_.pairs.size(); ++p)
     faced.add(between_.pairs[p], mortar_->statistics(static_cast<Index>(p)), d, between_.X);
   set(std::move(faced));
@@ -308,10 +314,6 @@ Vector Pairing::gap(const Vector& given) const {
   Vector at_nodes = Vector::Zero(static_cast<Index>(between_.X.size()));
   at_nodes.head(given.size()) = given;
   return mortar_->weighted(at_nodes);
-}
-
-Real Pairing::distance(std::size_t point) const {
-  return point < faced_.distance.size() ? faced_.distance[point] : 0;
 }
 
 Matrix Pairing::stiffness(Index n, int d) const {
@@ -377,14 +379,6 @@ mortar::Nodes Pairing::nodes_at(int d, const Vector& u_old,
   if (between_.is_moved) nodes.reference = displaced(between_, d);
   if (u_old.size() > 0) nodes.before = displaced(between_, d, u_old);
   return nodes;
-}
-
-void Pairing::add_edge(mortar::MidEdge e, FacedPart& faced) const {
-  const auto taken = [this](Index node) { return !taken_.empty() && taken_[node]; };
-  if (taken(e.node) || (taken(e.a) && taken(e.b))) return;
-  if (taken(e.a)) e.a = e.b;
-  if (taken(e.b)) e.b = e.a;
-  faced.edges.push_back(e);
 }
 
 BoundaryNode Pairing::slave_node(Index i, long label) const {

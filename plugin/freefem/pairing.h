@@ -73,6 +73,10 @@ struct FacedPart {
   std::vector<Real> gap, distance;     ///< of each contact point [length]
   std::vector<mortar::MidEdge> edges;  ///< by the nodes of the Interface
   std::vector<FacingPair> pairs;
+  /// 0 at the points of other processes and of an obstacle, which follow.
+  Real distance_at(std::size_t point) const {
+    return point < distance.size() ? distance[point] : 0;
+  }
   void add(const mortar::ContactNode& m);
   void add(const mortar::Pair& pair, const mortar::Statistics& found, int d,
            const std::vector<Vec3>& X);
@@ -106,8 +110,6 @@ class Pairing {
   /// The gap of each contact node: between the meshes, or as given at each slave node.
   Vector gap() const;
   Vector gap(const Vector& given) const;
-  /// 0 at the points of other processes and of an obstacle, which follow.
-  Real distance(std::size_t point) const;
   /// The symmetric part of the derivative of mortar::Options::force (n x n), between free dofs: a
   /// step does not change others.
   Matrix stiffness(Index n, int d) const;
@@ -120,8 +122,7 @@ class Pairing {
   std::vector<Index> body_of_nodes(const std::vector<NodePlace>& places, Index n) const;
   /// A force by the dofs of the script, at each node.
   std::vector<Vec3> at_nodes(const Vector& force, int d) const;
-  const std::vector<mortar::MidEdge>& edges() const { return faced_.edges; }
-  const std::vector<FacingPair>& pairs() const { return faced_.pairs; }
+  const FacedPart& faced() const { return faced_; }
 
  private:
   /// What the mortar asks of the bodies; asked: set where it does so of motions that A leaves free.
@@ -129,8 +130,6 @@ class Pairing {
                   mortar::Options& options, bool& asked) const;
   mortar::Nodes nodes_at(int d, const Vector& u_old,
                          const std::vector<ContactPoint>& obstacle) const;
-  /// A mid-edge is the pair's, between ends of which an obstacle has one at most.
-  void add_edge(mortar::MidEdge e, FacedPart& faced) const;
   /// A node of the slave as one of its facets sees it, of the label if there is one.
   BoundaryNode slave_node(Index i, long label) const;
 

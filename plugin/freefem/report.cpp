@@ -406,7 +406,7 @@ void report_large_friction(Real mu) {
 
 void report_pairs(const Scene& scene, long verb) {
   if (!scene.pairing) return;
-  const std::vector<FacingPair>& pairs = scene.pairing->pairs();
+  const std::vector<FacingPair>& pairs = scene.pairing->faced().pairs;
   const std::size_t count = pairs.size();
   if (count == 1 || verb > 2) {
     for (const FacingPair& pair : pairs) report_pair(pair, count == 1);

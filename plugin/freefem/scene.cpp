@@ -120,21 +120,6 @@ std::shared_ptr<Scene> scene_at(const Stage& stage, const Make& make) {
 
 }  // namespace
 
-std::shared_ptr<Scene> Scene::posed_anew() const {
-  auto scene = std::make_shared<Scene>();
-  static_cast<Geometry&>(*scene) = *this;
-  return scene;
-}
-
-void Scene::face(const Triplets& A, const mortar::Options& options, const Vector& u_old,
-                 bool again) {
-  const Stopwatch watch(copy_seconds);
-  const std::vector<BoundaryNode> of_obstacle = std::move(nodes);
-  nodes = pairing->face(A, d, options, u_old, of_obstacle, places, again);
-  nodes.insert(nodes.end(), of_obstacle.begin(), of_obstacle.end());
-  beside_pairs = of_obstacle.size();
-}
-
 void Scene::assemble(const Triplets& A, Scene* before, bool alone) {
   const Stopwatch watch(copy_seconds);
   std::vector<ContactPoint> points = points_of(nodes);

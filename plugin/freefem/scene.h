@@ -95,15 +95,10 @@ struct Scene : Geometry {
   bool starts_node(Index k) const {
     return k == 0 || contact_point(k).point.dof[0] != contact_point(k - 1).point.dof[0];
   }
-  /// Finds the contact nodes of two bodies, beside those on an obstacle.
-  void face(const Triplets& A, const mortar::Options& options, const Vector& u_old,
-            bool again = false);
   /// Copies A into the local frames; the nodes carry their normals and whether they have friction.
   /// before: a scene of which all that still holds is kept, or null. alone: nobody else has that,
   /// and its solver goes over.
   void assemble(const Triplets& A, Scene* before = nullptr, bool alone = false);
-  /// The same geometry, without system and solver.
-  std::shared_ptr<Scene> posed_anew() const;
   /// Where friction counts slip from, in local dofs: uold, or empty.
   Vector slip_from(const Vector& u_old) const;
   /// The load of a call, and its laws, in local dofs.

@@ -16,7 +16,7 @@ struct Level {
 
 enum class Coarsening { aggregation, none };
 
-/// From the finest to the coarsest. modes: as in SharedHierarchy.   Collective.
+/// From the finest to the coarsest. modes: as in shared_hierarchy.   Collective.
 std::vector<Level> make_levels(const SharedMatrix& A, const Eigen::MatrixXd& modes,
                                Coarsening coarsening);
 

@@ -10,30 +10,27 @@
 
 namespace frictioncg {
 
-/// By multigrid; where that does not arrive, and the whole is not too large, by its factorization
-/// in place of the cycle, for this call and those that follow.   Collective.
-inline Solution by_layers(SharedScene& shared, const ContactProblem& problem,
-                          const Settings& settings, const Vector& x0, Observer* observer) {
+/// As Solver::solve has it, by multigrid; where that does not arrive, and the whole is not too
+/// large, by its factorization in place of the cycle, for this call and those that follow.
+/// Collective.
+inline Solution solve_together(SharedScene& shared, const ContactProblem& problem,
+                               const Settings& settings, const Vector& x0, Observer* observer) {
   // Over the usual cost of multigrid: a factorization takes less. Of the bodies of
   // tests/bench/routes.edp that hang over a gap those arrive by the cycle of one process whose
   // first forces violate the laws by less than 9e4 times the load, and those above 1e5 do not.
   constexpr Allowance patience{10, 1e5};
-  const bool last = shared.coarsening == Coarsening::none || !may_be_factorized(*shared.A);
-  const Allowance allowance = last ? Allowance() : patience;
-  const Solution s = shared.solver->solve(problem, settings, x0, observer, allowance);
-  const Settings rest = what_remains(problem, settings, s);
-  if (last || decided(s) || rest.nbiter <= 0) return s;
-  set_solver(shared, Coarsening::none);
-  return after(s, shared.solver->solve(problem, rest, x0, observer));
-}
-
-/// As Solver::solve has it, by these layers alone.
-inline Solution solve_together(SharedScene& shared, const ContactProblem& problem,
-                               const Settings& settings, const Vector& x0, Observer* observer) {
+  const auto by_layers = [&] {
+    const bool last = shared.coarsening == Coarsening::none || !may_be_factorized(*shared.A);
+    const Allowance allowance = last ? Allowance() : patience;
+    const Solution s = shared.solver->solve(problem, settings, x0, observer, allowance);
+    const Settings rest = what_remains(problem, settings, s);
+    if (last || decided(s) || rest.nbiter <= 0) return s;
+    set_solver(shared, Coarsening::none);
+    return after(s, shared.solver->solve(problem, rest, x0, observer));
+  };
   const Timed timed(Phase::solve);
   return answer(
-      problem, settings, [&] { return shared.solver->floating(); },
-      [&] { return by_layers(shared, problem, settings, x0, observer); });
+      problem, settings, [&] { return shared.solver->floating(); }, by_layers);
 }
 
 /// A solution over the own dofs as one over the local ones, ghosts by their owners.   Collective.
@@ -63,16 +60,6 @@ void update(const SharedScene& shared, KN<Number>* values) {
   for (long i = 0; i < values->N(); ++i) (*values)[i] = static_cast<Number>(all[i]);
 }
 
-/// The outputs of a call: of own dofs as in one process, of ghosts as their owners have them.
-inline void write_together(const SharedScene& shared, const Solution& local, const PointLaws& laws,
-                           const Progress& progress, const Outputs& out) {
-  write_outputs(*shared.scene, local, laws, progress, out);
-  update(shared, out.force);
-  update(shared, out.state);
-  update(shared, out.normals);
-  update(shared, out.distance);
-}
-
 /// A vector of the script with the values of guests. Between two bodies all that is shared is its
 /// owner's word: forces on the slave are summed up at masters elsewhere.   Collective.
 inline Vector with_guests(const SharedScene& shared, const Vector& of_script) {
@@ -100,7 +87,8 @@ inline Vector slip_from(const Call& call, const SharedScene& shared) {
   return shared.A->on_local(shared.A->own_part(local));
 }
 
-/// Poses the increment under a load (patched).   Collective.
+/// Poses the increment under a load (patched), over the own dofs and nodes; returns that of the
+/// local system.   Collective.
 inline LocalIncrement pose(const SharedScene& shared, const Vector& b, const Vector& w_old,
                            const PointLaws& laws, ContactProblem& problem) {
   LocalIncrement local;
@@ -109,7 +97,15 @@ inline LocalIncrement pose(const SharedScene& shared, const Vector& b, const Vec
     load = shared.scene->system->load_from(b, w_old);
     local = shared.scene->increment(load, laws);
   });
-  problem.increment = own_increment(shared, local, load);
+  Increment& own = problem.increment = local.increment;
+  for (Vector* v : {&own.gap, &own.mu, &own.g, &own.cohesion, &own.cap})
+    if (v->size() > 0) *v = Vector((*v)(shared.numbering().own_nodes));
+  LocalLoad own_load;
+  own_load.external = shared.A->own_part(load.external);
+  own_load.total = shared.A->own_part(load.total);
+  own_load.F = shared.A->own_part(load.F);
+  own_load.sizes = shared.A->own_part(load.sizes);
+  set_load(own_load, *shared.A, own);
   return local;
 }
 
@@ -199,7 +195,11 @@ inline Vector solve_together(Stack stack, const Call& call, SharedScene& shared,
   report_undetermined(shared, solution, verb);
   if (solution.status != Status::converged && !out.status)
     refuse_unconverged(solution, call.settings, blamed);
-  write_together(shared, local, laws, progress, out);
+  write_outputs(*shared.scene, local, laws, progress, out);  // of ghosts as their owners have them
+  update(shared, out.force);
+  update(shared, out.state);
+  update(shared, out.normals);
+  update(shared, out.distance);
   const long n = shared.scene->ndof();
   if (speaks) warn_of_large_displacements(shared, field, verb);
   Vector u = field.head(n);

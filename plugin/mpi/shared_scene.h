@@ -105,7 +105,7 @@ inline void agree_on_tangents(SharedScene& shared, PointLaws& laws) {
 inline void set_solver(SharedScene& shared, Coarsening coarsening) {
   shared.coarsening = coarsening;
   shared.solver = std::make_unique<MultigridSolver>(
-      shared.A, std::make_unique<SharedHierarchy>(shared.A, shared.A->rigid_modes(), coarsening));
+      shared.A, shared_hierarchy(shared.A, shared.A->rigid_modes(), coarsening));
 }
 
 /// The matrix of all, from the local systems, and the multigrid on it.   Collective.
@@ -186,21 +186,6 @@ inline Real check_data(const SharedScene& shared, const Vector& b, const Vector&
       *shared.scene, b, u0,
       {*shared.A, 2 * shared.extent.radius, [&](Index i) { return domain.owns(i); },
        [&](const auto& body) { domain.agree(body); }, [&] { return leftovers_of_all(shared, b); }});
-}
-
-/// The increment over the own dofs and nodes, from that of the local system.   Collective.
-inline Increment own_increment(const SharedScene& shared, const LocalIncrement& local,
-                               const LocalLoad& load) {
-  Increment own = local.increment;
-  for (Vector* v : {&own.gap, &own.mu, &own.g, &own.cohesion, &own.cap})
-    if (v->size() > 0) *v = Vector((*v)(shared.numbering().own_nodes));
-  LocalLoad own_load;
-  own_load.external = shared.A->own_part(load.external);
-  own_load.total = shared.A->own_part(load.total);
-  own_load.F = shared.A->own_part(load.F);
-  own_load.sizes = shared.A->own_part(load.sizes);
-  set_load(own_load, *shared.A, own);
-  return own;
 }
 
 }  // namespace frictioncg
