@@ -186,24 +186,21 @@ std::vector<ContactPoint> points_of(const std::vector<BoundaryNode>& nodes) {
   return points;
 }
 
-std::vector<BoundaryNode> contact_points(int d, const Boundary& boundary, std::size_t count) {
+std::vector<BoundaryNode> contact_points(int d, Boundary boundary, const Boundary* begun,
+                                         std::size_t count) {
+  for (std::size_t i = 0; begun && i < boundary.nodes.size(); ++i)
+    for (std::size_t f = 0; f < boundary.nodes[i].facets.size(); ++f)
+      boundary.nodes[i].facets[f].deciding = begun->nodes[i].facets[f].normal;
   const SurfaceNormals normal(d, boundary);
   std::vector<BoundaryNode> points;
   for (std::size_t i = 0; i < count; ++i) add_points(boundary.nodes[i], i, d, normal, points);
-  return points;
-}
-
-void decide_by(const Boundary& begun, Boundary& boundary) {
-  for (std::size_t i = 0; i < boundary.nodes.size(); ++i)
-    for (std::size_t f = 0; f < boundary.nodes[i].facets.size(); ++f)
-      boundary.nodes[i].facets[f].deciding = begun.nodes[i].facets[f].normal;
-}
-
-void remember(const std::vector<BoundaryNode>& begun, std::vector<BoundaryNode>& points) {
+  if (!begun) return points;
+  const std::vector<BoundaryNode> before = contact_points(d, *begun, nullptr, count);
   for (std::size_t k = 0; k < points.size(); ++k) {
-    points[k].begun = std::make_shared<BoundaryNode>(begun[k]);
+    points[k].begun = std::make_shared<BoundaryNode>(before[k]);
     points[k].begun->is_begun = true;
   }
+  return points;
 }
 
 bool any_curved(const std::vector<BoundaryNode>& points) {

@@ -100,8 +100,11 @@ std::string place(const BoundaryNode& node, int dimension);
 
 /// The contact points of the first `count` nodes, one per node and normal: that of the smooth
 /// surface which the facets stand for. Where there are more normals than the node can obey (the tip
-/// of a pyramid), one mean normal stands for all.
-std::vector<BoundaryNode> contact_points(int d, const Boundary& boundary, std::size_t count);
+/// of a pyramid), one mean normal stands for all. begun: the same boundary where the increment
+/// began, which tells which facets are one obstacle to a node, and what the points were there; or
+/// null.
+std::vector<BoundaryNode> contact_points(int d, Boundary boundary, const Boundary* begun,
+                                         std::size_t count);
 
 /// The points alone.
 std::vector<ContactPoint> points_of(const std::vector<BoundaryNode>& nodes);
@@ -109,12 +112,6 @@ std::vector<ContactPoint> points_of(const std::vector<BoundaryNode>& nodes);
 /// Given normals may agree where those of the mesh do not: keeps one point for each normal of a
 /// node, as they are where that is decided. The points of a node follow each other.
 void merge_equal_normals(std::vector<BoundaryNode>& points);
-
-/// The same boundary where the increment began tells which facets are one obstacle to a node.
-void decide_by(const Boundary& begun, Boundary& boundary);
-
-/// Points with what they were where the increment began, which is decided by decide_by.
-void remember(const std::vector<BoundaryNode>& begun, std::vector<BoundaryNode>& points);
 
 /// Whether points are on a curved surface, where that is decided.
 bool any_curved(const std::vector<BoundaryNode>& points);

@@ -58,18 +58,9 @@ std::string lacks_data(const std::string& labels, const std::string& component,
          " that A has: " + assemble_both + ", or set to 0 what b has in Dirichlet rows";
 }
 
-/// The nodes of this process by body.
-std::vector<Leftover> leftovers(const Scene& scene, const Vector& b) {
-  std::vector<Leftover> bodies(count_bodies(scene.places()));
-  for (const NodePlace& n : scene.places()) bodies[n.body].add(scene, b, n);
-  return bodies;
-}
-
 /// b = tgv u_D against tgv in A: another tgv makes u_D huge (A with -1, b with 1e30) or next to
 /// nothing (the other way round), less than the rounding of an expression that should be 0.
 constexpr Real tgv_ratio = 1e20;
-
-bool is_huge(Real u, const Scales& s) { return u > tgv_ratio * std::max(s.extent, s.moved); }
 
 [[noreturn]] void refuse_data(const Vector& b, const Vector& u0, long i, const std::string& why) {
   refuse("b[", i, "] = ", b[i], " prescribes a displacement of ", u0[i],
@@ -294,7 +285,8 @@ Real check_data(const Scene& scene, const Vector& b, const Vector& u0, const Tog
   const long i = largest_data(scene, b, u0);
   all.agree([&] {
     refuse_data_without_row(scene, b, s);
-    if (i >= 0 && is_huge(std::abs(u0[i]), s)) refuse_data(b, u0, i, different_tgv);
+    if (i >= 0 && std::abs(u0[i]) > tgv_ratio * std::max(s.extent, s.moved))
+      refuse_data(b, u0, i, different_tgv);
   });
   if (scene.at || !is_tiny(all.system.largest(i < 0 ? 0 : std::abs(u0[i])), s)) return 0;
   Real most = 0;
@@ -309,9 +301,14 @@ Real check_data(const Scene& scene, const Vector& b, const Vector& u0, const Tog
 }
 
 Real check_data(const Scene& scene, const Vector& b, const Vector& u0) {
+  const auto leftovers = [&] {
+    std::vector<Leftover> bodies(count_bodies(scene.places()));
+    for (const NodePlace& n : scene.places()) bodies[n.body].add(scene, b, n);
+    return bodies;
+  };
   return check_data(scene, b, u0,
                     {*scene.system->system(), contact_extent(scene), [](Index) { return true; },
-                     [](const auto& body) { body(); }, [&] { return leftovers(scene, b); }});
+                     [](const auto& body) { body(); }, leftovers});
 }
 
 void check_one_value(const Scene& scene, const Vector& b, long verb) {

@@ -52,12 +52,10 @@ std::vector<BoundaryNode> obstacle_points(const Space& Vh, const SpaceInWords& w
                                           const std::vector<long>& labels) {
   if (labels.empty()) return {};
   Boundary boundary = Vh.boundary(labels, words), begun;
-  if (Vh.begun()) {
-    begun = Vh.begun()->boundary(labels, words);
-    decide_by(begun, boundary);
-  }
-  std::vector<BoundaryNode> points = contact_points(Vh.d, boundary, boundary.nodes.size());
-  if (Vh.begun()) remember(contact_points(Vh.d, begun, begun.nodes.size()), points);
+  if (Vh.begun()) begun = Vh.begun()->boundary(labels, words);
+  const std::size_t count = boundary.nodes.size();
+  std::vector<BoundaryNode> points =
+      contact_points(Vh.d, std::move(boundary), Vh.begun() ? &begun : nullptr, count);
   follow_motions(Vh, points);
   return points;
 }

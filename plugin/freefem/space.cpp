@@ -185,11 +185,9 @@ void check_trace(const FacetNodes& facet) {
   for (const FacetNodes::Node& n : facet.node)
     for (int c = 0; c < D::d; ++c)
       if (n.dof[c] < 0) refuse_space("mixes elements whose components have different nodes");
-  if (D::known_trace(facet.node.size())) return;
-  std::ostringstream m;
-  m << "has " << facet.node.size() << " nodes on each boundary " << D::facet_name
-    << ", where the laws of contact are written for " << D::known_counts;
-  refuse_space(m.str());
+  if (!D::known_trace(facet.node.size()))
+    refuse_space("has " + std::to_string(facet.node.size()) + " nodes on each boundary " +
+                 D::facet_name + ", where the laws of contact are written for " + D::known_counts);
 }
 
 template <class FESpaceType>
@@ -398,13 +396,25 @@ class BoundaryNodes {
                 const std::vector<long>& labels)
       : words_(words), place_(Vh), Vh_(Vh.space()) {
     try {
-      check_components();
+      if (Vh_.N != D::d)
+        refuse_space("has " + std::to_string(Vh_.N) + " component" + (Vh_.N > 1 ? "s" : "") +
+                     " on a " + std::to_string(D::d) + "D mesh");
       std::map<long, std::vector<int>> facets;  // of each label, named once
       for (long label : labels) facets[label];
       for (int ib = 0; ib < D::facets(Vh_.Th); ++ib)
         if (const auto of = facets.find(D::label(Vh_.Th, ib)); of != facets.end())
           of->second.push_back(ib);
-      for (long label : labels) add(label, facets);
+      for (long label : labels) {
+        const auto of = facets.find(label);
+        if (of == facets.end()) continue;
+        if (of->second.empty()) refuse_absent(label);
+        for (int ib : of->second) {
+          int facet;
+          const int k = Vh_.Th.BoundaryElement(ib, facet);
+          add(label, k, facet);
+        }
+        facets.erase(of);
+      }
     } catch (const UnfitSpace& e) {
       refuse(words.name, " ", e.what());
     }
@@ -412,24 +422,6 @@ class BoundaryNodes {
   Boundary take() { return {std::move(nodes_), std::move(facets_), place_.is_moved()}; }
 
  private:
-  void check_components() const {
-    if (Vh_.N == D::d) return;
-    std::ostringstream s;
-    s << "has " << Vh_.N << " component" << (Vh_.N > 1 ? "s" : "") << " on a " << D::d << "D mesh";
-    refuse_space(s.str());
-  }
-  /// Adds the facets of a label, once.
-  void add(long label, std::map<long, std::vector<int>>& facets) {
-    const auto of = facets.find(label);
-    if (of == facets.end()) return;
-    if (of->second.empty()) refuse_absent(label);
-    for (int ib : of->second) {
-      int facet;
-      const int k = Vh_.Th.BoundaryElement(ib, facet);
-      add(label, k, facet);
-    }
-    facets.erase(of);
-  }
   void add(long label, int k, int facet) {
     const Vec3 normal = as_vector(D::normal(place_.vertices_of(k), facet));
     const FacetNodes nodes = place_.facet_nodes(k, facet);

@@ -135,10 +135,20 @@ struct Growth {
     for_each_entry(A, [&](Index i, Index j, Real a) {
       if (!replaced[i] && !(replaced[j] && !fixed[i] && !fixed[j])) grown_.put(i, j, a);
     });
-    add_received(replaced);
+    for (const Entry& e : received_) {
+      const Index i = numbers_.dof(e.i), j = numbers_.dof(e.j);
+      grown_.put(i, j, e.a);
+      if (!replaced[j] && !grown_.held[j]) grown_.put(j, i, e.a);
+    }
     for (Index i = A.n; i < domain.dofs(); ++i)
       if (!replaced[i]) grown_.put(i, i, diagonal[i]);
-    add_addend();
+    grown_.plain_ = grown_.a_.size();
+    for (const Entry& e : addend_) {  // in the rows that are whole, and their mirror images
+      if (!is_whole(e.i)) continue;
+      const Index i = numbers_.dof(e.i), j = numbers_.dof(e.j);
+      grown_.put(i, j, e.a);
+      if (!is_whole(e.j)) grown_.put(j, i, e.a);
+    }
   }
   void fill_coupling() {
     std::vector<Index> first;
@@ -179,23 +189,6 @@ struct Growth {
       }
     }
     return out;
-  }
-  void add_received(const std::vector<char>& replaced) {
-    for (const Entry& e : received_) {
-      const Index i = numbers_.dof(e.i), j = numbers_.dof(e.j);
-      grown_.put(i, j, e.a);
-      if (!replaced[j] && !grown_.held[j]) grown_.put(j, i, e.a);
-    }
-  }
-  /// In the rows that are whole, and their mirror images.
-  void add_addend() {
-    grown_.plain_ = grown_.a_.size();
-    for (const Entry& e : addend_) {
-      if (!is_whole(e.i)) continue;
-      const Index i = numbers_.dof(e.i), j = numbers_.dof(e.j);
-      grown_.put(i, j, e.a);
-      if (!is_whole(e.j)) grown_.put(j, i, e.a);
-    }
   }
   bool is_whole(Number row) const {
     return std::binary_search(whole_rows_.begin(), whole_rows_.end(), row);

@@ -62,14 +62,11 @@ inline std::shared_ptr<Scene> obstacle_part(const SpacePtr& Vh, const std::vecto
   refuse_other_domain(domain, places);
   const std::size_t own = surface.nodes.size();
   add_facets_of_others(domain, place->d, surface);
-  if (place->begun()) {
-    add_facets_of_others(domain, place->d, begun);
-    decide_by(begun, surface);
-  }
+  if (place->begun()) add_facets_of_others(domain, place->d, begun);
   std::shared_ptr<Scene> scene;
   domain.agree([&] {
-    std::vector<BoundaryNode> points = contact_points(place->d, surface, own);
-    if (place->begun()) remember(contact_points(place->d, begun, own), points);
+    std::vector<BoundaryNode> points =
+        contact_points(place->d, std::move(surface), place->begun() ? &begun : nullptr, own);
     const auto is_ghost = [&](const BoundaryNode& n) { return !domain.owns(n.point.dof[0]); };
     points.erase(std::remove_if(points.begin(), points.end(), is_ghost), points.end());
     scene = obstacle_scene(place, std::move(points));

@@ -33,7 +33,10 @@ void WholeInterface::gather_nodes(const Domain& domain, const NodeNumbers& numbe
       const auto number_of_node = numbers.node(numbers.of(part.dof[i][0]));
       own.insert(own.end(), {Real(number_of_node), x[0], x[1], x[2], Real(part.held[i]),
                              Real(part.body[i]), Real(part.groups[i])});
-      if (part.is_moved) part.motion.send(i, own);
+      const Motion& moved = part.motion;
+      if (part.is_moved)
+        for (const auto* of : {&moved.now, &moved.before, &moved.force})
+          own.insert(own.end(), (*of)[i].data(), (*of)[i].data() + 3);
       if (i >= part.slaves) continue;
       own_slaves_.push_back(i);
       own.insert(own.end(), part.options[i].begin(), part.options[i].end());
@@ -51,7 +54,11 @@ void WholeInterface::gather_nodes(const Domain& domain, const NodeNumbers& numbe
       body.push_back(static_cast<Index>(in[4]));
       groups.push_back(static_cast<Index>(in[5]));
       in += 6;
-      if (part.is_moved) in = motion.receive(in);
+      if (part.is_moved)
+        for (auto* of : {&motion.now, &motion.before, &motion.force}) {
+          of->emplace_back(in[0], in[1], in[2]);
+          in += 3;
+        }
       if (extra > 0) options.emplace_back(in, in + extra);
       in += extra;
     }

@@ -9,19 +9,6 @@ struct Motion {
   std::vector<Vec3> now;     ///< the displacement that X has already
   std::vector<Vec3> before;  ///< uold
   std::vector<Vec3> force;   ///< forceold
-
-  void send(Index node, std::vector<Real>& out) const {
-    for (const std::vector<Vec3>* of : {&now, &before, &force})
-      out.insert(out.end(), (*of)[node].data(), (*of)[node].data() + 3);
-  }
-  /// Returns what follows.
-  const Real* receive(const Real* in) {
-    for (std::vector<Vec3>* of : {&now, &before, &force}) {
-      of->emplace_back(in[0], in[1], in[2]);
-      in += 3;
-    }
-    return in;
-  }
 };
 
 /// What a process knows of the faces of two bodies: its own part with overlap.
