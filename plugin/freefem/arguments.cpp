@@ -239,22 +239,6 @@ Arguments::Arguments(const basicAC_F0& args, int d, bool two_bodies) : Arguments
   components(p_direction, d, "[dx, dy, dz]", "");
 }
 
-Arguments Arguments::of_increment(const basicAC_F0& args) {
-  const Arguments a = of_contactproblem(args);
-  forbid(a, of_geometry,
-         "belongs to the contactproblem; give it there, or with a new matrix, as in "
-         "frictionalContactCG(C, A, b, ...)");
-  return a;
-}
-
-Arguments Arguments::of_renewal(const basicAC_F0& args) {
-  Arguments a = of_contactproblem(args, true);
-  for (Parameter p : {p_normal, p_obstaclenormal})
-    if (const auto* list = dynamic_cast<const E_Array*>(a.named_[p]))
-      a.components(p, list->size() == 2 ? 2 : 3, "[nx, ny, nz]", "[nx, ny]");
-  return a;
-}
-
 void Arguments::allow_only(std::initializer_list<Parameter> allowed) const {
   for (int p = 0; p < parameter_count; ++p)
     if (has(Parameter(p)) && std::find(allowed.begin(), allowed.end(), p) == allowed.end())
@@ -292,7 +276,7 @@ double Arguments::component(Stack stack, Parameter p, int c) const {
 }
 
 Arguments Arguments::of_contactproblem(const basicAC_F0& args, bool renewed) {
-  const Arguments a(args);
+  Arguments a(args);
   forbid(a, {p_mu2, p_direction, p_domain, p_obstacle, p_pivot, p_obstacles, p_motionfree},
          "belongs to the contactproblem; give it there");
   if (!renewed)
@@ -300,6 +284,13 @@ Arguments Arguments::of_contactproblem(const basicAC_F0& args, bool renewed) {
            "belongs to the contactproblem; give it there, or with another matrix, as in "
            "frictionalContactCG(C, A, b, at=U)");
   refuse_force_of_nowhere(a);
+  if (!renewed)
+    forbid(a, of_geometry,
+           "belongs to the contactproblem; give it there, or with a new matrix, as in "
+           "frictionalContactCG(C, A, b, ...)");
+  for (Parameter p : {p_normal, p_obstaclenormal})
+    if (const auto* list = dynamic_cast<const E_Array*>(a.named_[p]))
+      a.components(p, list->size() == 2 ? 2 : 3, "[nx, ny, nz]", "[nx, ny]");
   return a;
 }
 

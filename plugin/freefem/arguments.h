@@ -50,10 +50,9 @@ class Arguments {
  public:
   /// Of a call that poses a problem of dimension d, normals and directions included.
   Arguments(const basicAC_F0& args, int d, bool two_bodies);
-  /// Of a call on a contactproblem, whose geometry stands.
-  static Arguments of_increment(const basicAC_F0& args);
-  /// The same with a new matrix, which may bring new normals along.
-  static Arguments of_renewal(const basicAC_F0& args);
+  /// Of a call on a contactproblem, whose geometry stands, or which is renewed: a new matrix may
+  /// bring new normals along.
+  static Arguments of_contactproblem(const basicAC_F0& args, bool renewed);
   /// A parameter of the constructor's that is not among `allowed` is refused.
   void allow_only(std::initializer_list<Parameter> allowed) const;
   bool has(Parameter p) const { return named_[p] != nullptr; }
@@ -96,7 +95,6 @@ class Arguments {
 
  private:
   using Components = std::array<Expression, 3>;
-  static Arguments of_contactproblem(const basicAC_F0& args, bool renewed = false);
   explicit Arguments(const basicAC_F0& args);
   void components(Parameter p, int d, const char* in_3d, const char* in_2d);
   Expression named_[parameter_count];

@@ -9,15 +9,6 @@ namespace frictioncg {
 
 namespace {
 
-/// The bodies that a contact node is of: one before an obstacle or on a crack, else two.
-std::set<Index> bodies_at(const Scene& scene, Index k, const std::vector<Index>& body) {
-  const LocalSystem& system = *scene.system;
-  std::set<Index> joined;
-  for (Matrix::InnerIterator e(system.basis().W, system.system()->first[k]); e; ++e)
-    if (e.value() != 0) joined.insert(body[e.col()]);
-  return joined;
-}
-
 /// The motion q of an obstacle; extent: the largest distance of its contact points from the pivot.
 RigidMotion motion_of_obstacle(const Scene& scene, Index obstacle, const Vector& q) {
   const MovingObstacles& moving = *scene.moving;
@@ -70,7 +61,10 @@ bool held_by_contact(const Scene& scene, const std::vector<Index>& nodes,
     const Index last =
         state[k] == NodeState::stick ? system.first[static_cast<Index>(k) + 1] : first + 1;
     for (Index i = first; i < last; ++i) contact.add(V.row(i).transpose());
-    const std::set<Index> joined = bodies_at(scene, nodes[k], body);
+    std::set<Index> joined;  // bodies: one before an obstacle or on a crack, else two
+    const Index row = scene.system->system()->first[nodes[k]];
+    for (Matrix::InnerIterator e(scene.system->basis().W, row); e; ++e)
+      if (e.value() != 0) joined.insert(body[e.col()]);
     if (joined.count(turn.body) && (joined.size() >= 2 || scene.on_obstacle(nodes[k])))
       contact.add_way(axis.cross(scene.contact_point(nodes[k]).x - turn.motion.c));
   }

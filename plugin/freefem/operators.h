@@ -237,7 +237,7 @@ class SolveIncrement : public E_F0mps {
  public:
   using Result = KN_<double>;
   explicit SolveIncrement(const basicAC_F0& args)
-      : arguments_(Arguments::of_increment(args)),
+      : arguments_(Arguments::of_contactproblem(args, false)),
         C_(to<ContactProblemVariable*>(args[0])),
         b_(to<KN_<double>>(args[1])) {}
   AnyType operator()(Stack stack) const override {
@@ -261,7 +261,7 @@ class Renew : public E_F0mps {
  public:
   using Result = KN_<double>;
   explicit Renew(const basicAC_F0& args)
-      : arguments_(Arguments::of_renewal(args)),
+      : arguments_(Arguments::of_contactproblem(args, true)),
         C_(to<ContactProblemVariable*>(args[0])),
         A_(to<Matrice_Creuse<double>*>(args[1])),
         b_(to<KN_<double>>(args[2])) {}

@@ -115,13 +115,6 @@ Vector on_obstacle(const Scene& scene, Vector r) {
   return r;
 }
 
-void write_times(const Scene& scene, const Times& t, double all, KN<double>* out) {
-  Vector phases(8);
-  phases << scene.copy_seconds, t.order, t.factor, t.condense, t.contact, t.back_substitution,
-      t.certificate, scene.copy_seconds + all;
-  write(phases, out);
-}
-
 void write_outputs(const Scene& scene, const Solution& solution, const PointLaws& laws,
                    const Progress& progress, const Outputs& out) {
   if (out.status) *out.status = static_cast<long>(solution.status);

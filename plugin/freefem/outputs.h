@@ -29,9 +29,6 @@ Vector contact_forces(const Scene& scene, const Solution& s);
 /// The part of r that an obstacle bears, not another body.
 Vector on_obstacle(const Scene& scene, Vector r);
 
-/// CPU seconds of the phases; `all` from the call's beginning.
-void write_times(const Scene& scene, const Times& t, double all, KN<double>* out);
-
 /// Fills all but the times.
 void write_outputs(const Scene& scene, const Solution& solution, const PointLaws& laws,
                    const Progress& progress, const Outputs& out);

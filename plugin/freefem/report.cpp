@@ -31,11 +31,6 @@ std::string counted(std::size_t count, const char* what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
-/// The memory of a matrix in its present format [bytes].
-double storage(const Matrix& A) {
-  return (sizeof(Real) + sizeof(Index)) * double(A.nonZeros()) + sizeof(Index) * (A.rows() + 1.0);
-}
-
 /// What to do about a call that did not converge. Only no_equilibrium and runaway blame the load.
 std::string remedy(const Solution& solution, const Settings& s) {
   const Status status = solution.status;
@@ -92,13 +87,6 @@ Real contact_extent(const Scene& scene) {
   return box.isEmpty() ? 0 : length(box.sizes());
 }
 
-/// What stands behind a status: a proof, the layer that answered, or nothing to move.
-std::string reason_of(const Solution& solution) {
-  if (solution.status == Status::no_equilibrium) return " by a proof of statics";
-  if (solution.layer != Layer::none) return std::string(" by ") + name_of(solution.layer);
-  return solution.status == Status::converged ? " at rest" : "";
-}
-
 constexpr const char* step_names[step_labels] = {"conjugate",   "restart",  "stick frozen",
                                                  "contact hit", "release",  "sweep",
                                                  "Newton",      "expansion"};
@@ -129,21 +117,6 @@ void report_left_out(const Arguments& args, const Scene& scene, const Plan& plan
   left_out(!plan.regularization, "regularization");
   left_out(!args.has(p_uold), "previous state");
   left_out(!args.has(p_history), "history");
-}
-
-/// Mesh nodes with several normals.
-Index nodes_in_corners(const Scene& scene) {
-  Index count = 0;
-  for (Index k = 0; k < scene.system->nodes(); ++k)
-    count += scene.system->node(k).shared && scene.starts_node(k);
-  return count;
-}
-
-/// Contact nodes, each with one normal, on an obstacle.
-Index nodes_on_obstacle(const Scene& scene) {
-  Index count = 0;
-  for (Index k = 0; k < scene.system->nodes(); ++k) count += scene.on_obstacle(k);
-  return count;
 }
 
 /// What faces what, in numbers.
@@ -281,8 +254,11 @@ void report_leftover(Real most, long verb) {
 }
 
 void report_end(const Solution& solution, const std::string& motion) {
-  line() << name_of(solution.status) << reason_of(solution) << ", residual "
-         << solution.certificate.residual << ", " << counted(solution.iterations, "iteration");
+  std::string reason = solution.status == Status::converged ? " at rest" : "";
+  if (solution.layer != Layer::none) reason = std::string(" by ") + name_of(solution.layer);
+  if (solution.status == Status::no_equilibrium) reason = " by a proof of statics";
+  line() << name_of(solution.status) << reason << ", residual " << solution.certificate.residual
+         << ", " << counted(solution.iterations, "iteration");
   if (solution.levels.count > 1)
     std::cout << " on " << solution.levels.count << " levels of complexity "
               << solution.levels.complexity;
@@ -315,10 +291,12 @@ void report_phases(const Scene& scene, const Solution& solution) {
          << t.factor << ", condense " << t.condense << ", contact " << t.contact
          << ", back-substitution " << t.back_substitution << ", certificate " << t.certificate
          << std::endl;
+  const Matrix& A = scene.system->system()->entries();
+  const double of_A =
+      (sizeof(Real) + sizeof(Index)) * double(A.nonZeros()) + sizeof(Index) * (A.rows() + 1.0);
   if (solution.levels.count > 0)
     line() << "multigrid hierarchy: " << solution.levels.bytes / 1e6 << " MB, "
-           << solution.levels.bytes / storage(scene.system->system()->entries())
-           << " times the storage of A" << std::endl;
+           << solution.levels.bytes / of_A << " times the storage of A" << std::endl;
   if (solution.steps.total() > 0) {
     line() << "steps:";
     for (int k = 0; k < step_labels; ++k)
@@ -437,13 +415,17 @@ void report_plan(Stack stack, const Arguments& args, const Scene& scene,
                  const ContactProblem& problem, const Settings& s, long verb) {
   report_pairs(scene, verb);
   const Plan plan = make_plan(problem, s);
+  Index on_obstacle = 0, in_corners = 0;
+  for (Index k = 0; k < scene.system->nodes(); ++k) {
+    on_obstacle += scene.on_obstacle(k);
+    in_corners += scene.system->node(k).shared && scene.starts_node(k);
+  }
   line() << scene.d << "D, " << plan.dofs << " dofs, " << counted(plan.nodes, "contact node");
-  if (scene.beside_pairs > 0) std::cout << ", " << nodes_on_obstacle(scene) << " on the obstacle";
+  if (scene.beside_pairs > 0) std::cout << ", " << on_obstacle << " on the obstacle";
   std::cout << ", " << name_of(plan.law);
   if (problem.increment.bilateral) std::cout << ", bilateral";
   if (scene.system->rotated() && !scene.pairing) std::cout << ", frames rotated";
-  if (const Index corners = nodes_in_corners(scene))
-    std::cout << ", " << counted(corners, "node") << " in a corner";
+  if (in_corners > 0) std::cout << ", " << counted(in_corners, "node") << " in a corner";
   if (plan.nodes == 0)
     std::cout << (scene.nodes.empty() ? "; nothing faces the slave"
                                       : "; Dirichlet conditions hold every normal displacement")

@@ -7,16 +7,6 @@ namespace frictioncg {
 
 namespace {
 
-/// Which dofs Dirichlet conditions hold: their rows of the change of basis have prescribed
-/// displacements alone.
-std::vector<char> held_dofs(const Basis& basis) {
-  std::vector<char> held(basis.T.rows(), 1);
-  for (Index i = 0; i < basis.T.rows(); ++i)
-    for (Matrix::InnerIterator e(basis.T, i); e; ++e)
-      if (e.col() < basis.local_dofs() && e.value() != 0) held[i] = 0;
-  return held;
-}
-
 /// make(), by whichever copy is called first, for all of them.
 template <class Make>
 auto once(Make make) {
@@ -132,7 +122,11 @@ void Scene::assemble(const Triplets& A, Scene* before, bool alone) {
                                            each, last);
     return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, modes, last);
   });
-  held = held_dofs(system->basis());
+  const Basis& basis = system->basis();  // rows of dofs held have prescribed displacements alone
+  held.assign(basis.T.rows(), 1);
+  for (Index i = 0; i < basis.T.rows(); ++i)
+    for (Matrix::InnerIterator e(basis.T, i); e; ++e)
+      if (e.col() < basis.local_dofs() && e.value() != 0) held[i] = 0;
   unit_load_.resize(0);
   if (alone) before->solver->renew(system->system());
   solver = alone ? std::move(before->solver) : std::make_unique<Solver>(system->system());

@@ -23,9 +23,26 @@ class SharedHierarchy final : public Hierarchy {
   void truncate(const std::vector<char>& fixed, const std::vector<TangentialStiffness>& W,
                 const Vector& springs) override {
     const Timed timed(Phase::faces);
-    set_mask(fixed);
+    fixed_ = fixed;
+    Real* mask;
+    check(VecSet(mask_.get(), 1));
+    check(VecGetArray(mask_.get(), &mask));
+    for (std::size_t c = 0; c < fixed.size(); ++c)
+      if (fixed[c]) mask[A_->numbering().contact_slot(c)] = 0;
+    check(VecRestoreArray(mask_.get(), &mask));
     fill_contact_part(W, springs);
-    truncate_levels();
+    Mat change = E_.get();
+    for (Index l = 0; l < levels(); ++l) {
+      Level& level = level_[l];
+      if (l > 0) {
+        const MatReuse reuse = level.change.get() ? MAT_REUSE_MATRIX : MAT_INITIAL_MATRIX;
+        check(MatPtAP(change, level_[l - 1].P.get(), reuse, PETSC_DEFAULT, level.change.fill()));
+        change = level.change.get();
+      }
+      check(MatCopy(level.A.get(), level.truncated.get(), SAME_NONZERO_PATTERN));
+      check(MatAXPY(level.truncated.get(), 1, change, SUBSET_NONZERO_PATTERN));
+      fill_empty_rows(level);
+    }
     if (!settled_) settle(cycle_.get(), level_);
     settled_ = true;
   }
@@ -51,15 +68,6 @@ class SharedHierarchy final : public Hierarchy {
   }
 
  private:
-  void set_mask(const std::vector<char>& fixed) {
-    fixed_ = fixed;
-    Real* mask;
-    check(VecSet(mask_.get(), 1));
-    check(VecGetArray(mask_.get(), &mask));
-    for (std::size_t c = 0; c < fixed.size(); ++c)
-      if (fixed[c]) mask[A_->numbering().contact_slot(c)] = 0;
-    check(VecRestoreArray(mask_.get(), &mask));
-  }
   /// E = M (B + W) M - B.
   void fill_contact_part(const std::vector<TangentialStiffness>& W, const Vector& springs) {
     Mat B = A_->contact(), E = E_.get();
@@ -77,20 +85,6 @@ class SharedHierarchy final : public Hierarchy {
     check(MatAssemblyEnd(E, MAT_FINAL_ASSEMBLY));
     check(MatDiagonalScale(E, mask_.get(), mask_.get()));
     check(MatAXPY(E, -1, B, SAME_NONZERO_PATTERN));
-  }
-  void truncate_levels() {
-    Mat change = E_.get();
-    for (Index l = 0; l < levels(); ++l) {
-      Level& level = level_[l];
-      if (l > 0) {
-        const MatReuse reuse = level.change.get() ? MAT_REUSE_MATRIX : MAT_INITIAL_MATRIX;
-        check(MatPtAP(change, level_[l - 1].P.get(), reuse, PETSC_DEFAULT, level.change.fill()));
-        change = level.change.get();
-      }
-      check(MatCopy(level.A.get(), level.truncated.get(), SAME_NONZERO_PATTERN));
-      check(MatAXPY(level.truncated.get(), 1, change, SUBSET_NONZERO_PATTERN));
-      fill_empty_rows(level);
-    }
   }
   /// Rows of which the faces have left nothing get the diagonal they had, or 1.
   void fill_empty_rows(const Level& level) {

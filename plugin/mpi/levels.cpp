@@ -69,16 +69,6 @@ void set_near_kernel(const SharedMatrix& A, const Eigen::MatrixXd& modes) {
   check(MatNullSpaceDestroy(&space));
 }
 
-/// By default GAMG takes aggregates of two rings of neighbours on the finest level. In 2D they are
-/// cheap but coarse: up to 1.6 times the iterations of aggregates of one ring. In 3D one ring would
-/// fill the coarse matrices, at 2.5 times the time.
-void set_rings(PC gamg, Index dimension) {
-  PetscBool squared = PETSC_FALSE, aggressive = PETSC_FALSE;  // does the user say it?
-  check(PetscOptionsHasName(nullptr, petsc_prefix, "-pc_gamg_square_graph", &squared));
-  check(PetscOptionsHasName(nullptr, petsc_prefix, "-pc_gamg_aggressive_coarsening", &aggressive));
-  if (dimension == 2 && !squared && !aggressive) check(PCGAMGSetAggressiveLevels(gamg, 0));
-}
-
 bool has_at_most(const SharedMatrix& A, PetscInt in_2D, PetscInt in_3D) {
   return rows_of(A.matrix()) <= (A.numbering().dimension == 2 ? in_2D : in_3D);
 }
@@ -116,7 +106,14 @@ PCHandle make_gamg(const SharedMatrix& A) {
   check(PCGAMGSetThreshold(gamg.get(), thresholds.data(), most_levels));
   check(PCSetOptionsPrefix(gamg.get(), petsc_prefix));
   check(PCSetFromOptions(gamg.get()));
-  set_rings(gamg.get(), A.numbering().dimension);    // here: PETSc 3.18 has set its own before
+  // By default GAMG takes aggregates of two rings of neighbours on the finest level. In 2D they are
+  // cheap but coarse: up to 1.6 times the iterations of aggregates of one ring. In 3D one ring
+  // would fill the coarse matrices, at 2.5 times the time. Here: PETSc 3.18 has set its own before.
+  PetscBool squared = PETSC_FALSE, aggressive = PETSC_FALSE;  // does the user say it?
+  check(PetscOptionsHasName(nullptr, petsc_prefix, "-pc_gamg_square_graph", &squared));
+  check(PetscOptionsHasName(nullptr, petsc_prefix, "-pc_gamg_aggressive_coarsening", &aggressive));
+  if (A.numbering().dimension == 2 && !squared && !aggressive)
+    check(PCGAMGSetAggressiveLevels(gamg.get(), 0));
   check(PCSetOptionsPrefix(gamg.get(), discarded));  // its smoothers do not serve
   check(PCSetUp(gamg.get()));
   return gamg;

@@ -7,18 +7,6 @@
 
 namespace frictioncg {
 
-/// How the nodes have moved, where the geometry has.
-inline Motion motion_of_nodes(Stack stack, const Arguments& args, const Scene& scene) {
-  const Pairing& pairing = *scene.pairing;
-  const auto given = [&](Parameter p) {
-    Vector v = args.vector(stack, p);
-    if (args.has(p)) check_vector(v, name_of(p), scene.dofs);
-    if (!args.has(p)) v = Vector::Zero(scene.ndof());
-    return pairing.at_nodes(v, scene.d);
-  };
-  return {pairing.between().moved, given(p_uold), given(p_forceold)};
-}
-
 /// What a process knows of the faces, with normals and weights where the call gives them.
 inline InterfacePart interface_part(Stack stack, const Arguments& args, const Scene& scene,
                                     const Dirichlet& dirichlet) {
@@ -38,7 +26,13 @@ inline InterfacePart interface_part(Stack stack, const Arguments& args, const Sc
     part.groups.push_back(groups == faces.body_count.end() ? 1 : groups->second);
   }
   part.is_moved = scene.at != nullptr;
-  if (part.is_moved) part.motion = motion_of_nodes(stack, args, scene);
+  const auto given = [&](Parameter p) {
+    Vector v = args.vector(stack, p);
+    if (args.has(p)) check_vector(v, name_of(p), scene.dofs);
+    if (!args.has(p)) v = Vector::Zero(scene.ndof());
+    return scene.pairing->at_nodes(v, scene.d);
+  };
+  if (part.is_moved) part.motion = {faces.moved, given(p_uold), given(p_forceold)};
   part.options.resize(faces.slave.size());
   if (args.has(p_normal)) {
     const std::vector<Vec3> normals = slave_normals(stack, args, scene);
@@ -92,16 +86,6 @@ class PartMatrix {
   std::unique_ptr<Dirichlet> dirichlet_;
 };
 
-/// The nodes of the whole faces, and where they have been.
-inline mortar::Nodes nodes_of(const Arguments& args, const WholeInterface& faces) {
-  mortar::Nodes nodes{faces.d, faces.X, faces.held};
-  for (std::size_t i = 0; i < faces.motion.now.size(); ++i) {
-    nodes.reference.push_back(faces.X[i] - faces.motion.now[i]);
-    if (args.has(p_uold)) nodes.before.push_back(nodes.reference[i] + faces.motion.before[i]);
-  }
-  return nodes;
-}
-
 /// The mortar between the whole faces, and how its contact nodes have moved: the same on all
 /// processes.   Collective.
 inline std::vector<BoundaryNode> face_whole(const Arguments& args, const Opening& opening,
@@ -127,7 +111,12 @@ inline std::vector<BoundaryNode> face_whole(const Arguments& args, const Opening
   };
   options.element_groups = [&](Index i) { return faces.groups[i]; };
   if (args.has(p_forceold)) options.force = faces.motion.force;
-  shared.mortar = std::make_shared<mortar::Mortar>(nodes_of(args, faces), faces.pairs, options);
+  mortar::Nodes nodes{faces.d, faces.X, faces.held};
+  for (std::size_t i = 0; i < faces.motion.now.size(); ++i) {
+    nodes.reference.push_back(faces.X[i] - faces.motion.now[i]);
+    if (args.has(p_uold)) nodes.before.push_back(nodes.reference[i] + faces.motion.before[i]);
+  }
+  shared.mortar = std::make_shared<mortar::Mortar>(nodes, faces.pairs, options);
   std::vector<BoundaryNode> contact(shared.mortar->nodes().size());
   Pairing::add_motions(*shared.mortar, faces.motion.now, contact);
   return contact;
@@ -206,17 +195,6 @@ inline void place_guests(const Domain& domain, Scene& scene) {
     places.push_back(p);
   }
   scene.places = [places = std::move(places)] { return places; };
-}
-
-/// The grown part's nodes and contact points.   Collective.
-inline void share_grown(const GrownPart& grown, SharedScene& shared) {
-  Scene& scene = *shared.scene;
-  shared.domain = grown.domain;
-  place_guests(*shared.domain, scene);
-  scene.dofs.count = shared.domain->dofs();
-  scene.held = grown.held;
-  shared.own_points = scene.nodes.size();
-  add_ghost_points(*shared.domain, scene);
 }
 
 /// The local system of the grown part, and of all.   Collective.
@@ -325,7 +303,13 @@ inline void read_pair(Stack stack, const Arguments& args, const Expression A, bo
   laws.gap = gap_of_all(stack, args, shared);
   part->agree([&] { laws = read_point_laws(stack, args, everywhere, *shared.scene, laws); });
   agree_on_tangents(shared, laws);
-  share_grown(*grown, shared);
+  Scene& scene = *shared.scene;
+  shared.domain = grown->domain;
+  place_guests(*shared.domain, scene);
+  scene.dofs.count = shared.domain->dofs();
+  scene.held = grown->held;
+  shared.own_points = scene.nodes.size();
+  add_ghost_points(*shared.domain, scene);
   assemble_grown(grown, part->rank() == 0 ? read_verb(stack, args) : 0, shared);
   check_transformed(matrix.triplets(), *part, shared);
 }

@@ -62,14 +62,6 @@ inline Index count_bodies(const Domain& domain, const std::vector<NodePlace>& pl
   return static_cast<Index>(domain.largest(count_bodies(places)));
 }
 
-/// Those of each body alone, whichever process has nodes of it.   Collective.
-inline Matrix body_motions(const SharedScene& shared, const std::vector<NodePlace>& places) {
-  std::vector<std::vector<NodePlace>> bodies(count_bodies(*shared.domain, places));
-  for (const NodePlace& n : places) bodies[n.body].push_back(n);
-  const std::vector<Extent> extents = extents_of_all(*shared.domain, bodies);
-  return body_modes(bodies, extents, shared.scene->d, static_cast<Index>(shared.scene->ndof()));
-}
-
 /// Gives the own system the motions of the bodies; finds the extent.   Collective.
 inline void set_motions(SharedScene& shared, System& own) {
   const std::vector<NodePlace> places = shared.scene->places();
@@ -82,8 +74,13 @@ inline void set_motions(SharedScene& shared, System& own) {
   own.rigid_modes = [modes] { return modes; };
   if (shared.interface)  // of many bodies they take much memory
     own.body_modes = [&shared] {
+      const Scene& posed = *shared.scene;
+      const std::vector<NodePlace> nodes = posed.places();
+      std::vector<std::vector<NodePlace>> bodies(count_bodies(*shared.domain, nodes));
+      for (const NodePlace& n : nodes) bodies[n.body].push_back(n);
       const Matrix M =
-          shared.scene->system->basis().W * body_motions(shared, shared.scene->places());
+          posed.system->basis().W * body_modes(bodies, extents_of_all(*shared.domain, bodies),
+                                               posed.d, static_cast<Index>(posed.ndof()));
       const std::vector<Index>& rows = shared.numbering().own;
       const Index count = static_cast<Index>(rows.size());
       EntryList chosen;

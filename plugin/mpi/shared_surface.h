@@ -11,16 +11,6 @@ namespace frictioncg {
 // The normals of a process's own nodes are those of one process: they need more of the contact
 // boundary than the facets around, and sums over all processes of one body.
 
-/// A number for each dof that all processes call alike; -1 where none owns it.   Collective.
-inline Vector global_numbers(const Domain& domain) {
-  Vector number = Vector::Constant(domain.dofs(), -1);
-  const Real first = domain.sum_before(domain.dofs());
-  for (Index i = 0; i < domain.dofs(); ++i)
-    if (domain.owns(i)) number[i] = first + i;
-  domain.update(number);
-  return number;
-}
-
 /// A facet as it is sent, in columns: label and normal, then number and place of each of its 2 or 3
 /// vertices.
 struct NumberedFacet {
@@ -85,7 +75,7 @@ class KnownFacets {
 
 /// Adds those of other processes that lie within so many facets of own vertices, around which all
 /// are here. In each round the owner of a vertex sends what it knows around it: one ring more.
-/// number: as global_numbers.   Collective.
+/// number: of each dof, over all processes.   Collective.
 inline void learn_facets(const Domain& domain, int rings, const Vector& number,
                          KnownFacets& known) {
   constexpr std::size_t width = NumberedFacet::Columns::SizeAtCompileTime;
@@ -108,7 +98,11 @@ inline void learn_facets(const Domain& domain, int rings, const Vector& number,
 /// Collective.
 inline void add_facets_of_others(const Domain& domain, int d, Boundary& boundary) {
   constexpr int rings = 4;
-  const Vector number = global_numbers(domain);
+  Vector number = Vector::Constant(domain.dofs(), -1);  // which all call alike; -1: none owns it
+  const Real first = domain.sum_before(domain.dofs());
+  for (Index i = 0; i < domain.dofs(); ++i)
+    if (domain.owns(i)) number[i] = first + i;
+  domain.update(number);
   std::map<Real, std::size_t> node_of;
   std::set<Real> own;
   for (std::size_t i = 0; i < boundary.nodes.size(); ++i) {
