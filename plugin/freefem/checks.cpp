@@ -253,14 +253,6 @@ void refuse_data_without_row(const Scene& scene, const Vector& b, const Scales& 
   }
 }
 
-/// The dof held whose data are largest, or -1 where all are 0.
-long largest_data(const Scene& scene, const Vector& b, const Vector& u0) {
-  long most = -1;
-  for (long i = 0; i < scene.ndof(); ++i)
-    if (scene.held[i] && b[i] != 0 && (most < 0 || std::abs(u0[i]) > std::abs(u0[most]))) most = i;
-  return most;
-}
-
 bool is_tiny(Real u, const Scales& s) { return u > 0 && u * tgv_ratio < s.extent; }
 
 /// Data that are next to nothing are 0 where b = A U + r leaves the rest: what the other entries of
@@ -282,7 +274,9 @@ void refuse_tiny_data(const Scene& scene, const Vector& b, const Vector& u0, lon
 
 Real check_data(const Scene& scene, const Vector& b, const Vector& u0, const Together& all) {
   const Scales s = scales_of(scene, b, all);
-  const long i = largest_data(scene, b, u0);
+  long i = -1;  // the dof held whose data are largest; -1 where all are 0
+  for (long k = 0; k < scene.ndof(); ++k)
+    if (scene.held[k] && b[k] != 0 && (i < 0 || std::abs(u0[k]) > std::abs(u0[i]))) i = k;
   all.agree([&] {
     refuse_data_without_row(scene, b, s);
     if (i >= 0 && std::abs(u0[i]) > tgv_ratio * std::max(s.extent, s.moved))

@@ -27,17 +27,8 @@ void observe(const SpacePtr& Vh, Scene& scene) {
   scene.unit_load_of = [Vh](const std::vector<char>& of) { return Vh->unit_load(of); };
 }
 
-/// Normals that motions of a body leave tangential, as far as the mesh can tell, do so exactly.
-void follow_motions(const Space& Vh, std::vector<BoundaryNode>& points) {
-  if (!any_curved(points)) return;
-  const std::vector<Index> of_element = Vh.body_of_element();
-  std::vector<Index> body;
-  for (const BoundaryNode& p : points) body.push_back(of_element[p.element]);
-  follow_motions(Vh.d, body, *std::max_element(body.begin(), body.end()) + 1, Vh.begun() != nullptr,
-                 points);
-}
-
-/// The contact points of the labels, in one process.
+/// The contact points of the labels, in one process. Normals that motions of a body leave
+/// tangential, as far as the mesh can tell, do so exactly.
 std::vector<BoundaryNode> obstacle_points(const Space& Vh, const SpaceInWords& words,
                                           const std::vector<long>& labels) {
   if (labels.empty()) return {};
@@ -46,7 +37,12 @@ std::vector<BoundaryNode> obstacle_points(const Space& Vh, const SpaceInWords& w
   const std::size_t count = boundary.nodes.size();
   std::vector<BoundaryNode> points =
       contact_points(Vh.d, std::move(boundary), Vh.begun() ? &begun : nullptr, count);
-  follow_motions(Vh, points);
+  if (!any_curved(points)) return points;
+  const std::vector<Index> of_element = Vh.body_of_element();
+  std::vector<Index> body;
+  for (const BoundaryNode& p : points) body.push_back(of_element[p.element]);
+  follow_motions(Vh.d, body, *std::max_element(body.begin(), body.end()) + 1, Vh.begun() != nullptr,
+                 points);
   return points;
 }
 

@@ -244,13 +244,8 @@ class SpaceOn final : public Space {
     const std::vector<Index> body = body_of_element();
     std::vector<NodePlace> places, at_point;
     std::vector<char> seen(dofs(), 0);
-    Interpolation ip;
-    for (int k = 0; k < elements(); ++k) {
-      const typename D::Element K(space()[k]);
-      bool news = false;
-      for (int i = 0; i < K.NbDoF() && !news; ++i) news = !seen[K(i)];
-      if (!news) continue;
-      D::interpolate(K, ip);
+    const auto is_new = [&](int dof) { return !seen[dof]; };
+    for_each_element(is_new, [&](int k, const auto& K, const Interpolation& ip) {
       at_point.assign(ip.hat.size(), NodePlace());
       for (const auto& e : ip.entries)
         if (e.coefficient == 1) at_point[e.point].dof[e.component] = K(e.dof);
@@ -265,7 +260,7 @@ class SpaceOn final : public Space {
         seen[n.dof[0]] = 1;
       }
       for (int i = 0; i < K.NbDoF(); ++i) seen[K(i)] = 1;
-    }
+    });
     return places;
   }
   std::vector<LabelledNode> labelled() const override {
@@ -283,13 +278,8 @@ class SpaceOn final : public Space {
   }
   Vector unit_load(const std::vector<char>& of) const override {
     Vector load = Vector::Zero(dofs());
-    Interpolation ip;
-    for (int k = 0; k < elements(); ++k) {
-      const typename D::Element K(space()[k]);
-      bool wanted = false;
-      for (int i = 0; i < K.NbDoF() && !wanted; ++i) wanted = of[K(i)];
-      if (!wanted) continue;
-      D::interpolate(K, ip);
+    const auto is_wanted = [&](int dof) { return of[dof] != 0; };
+    for_each_element(is_wanted, [&](int k, const auto& K, const Interpolation& ip) {
       const auto at_corner = [&](int p) { return corner_at(as_vector(ip.hat[p]), D::d) >= 0; };
       const bool quadratic = std::any_of(ip.hat.begin(), ip.hat.end(), [](const R3& hat) {
         return hat.x + hat.y + hat.z == 0.5;  // in the middle of an edge, which no bubble is
@@ -297,7 +287,7 @@ class SpaceOn final : public Space {
       const Real content = std::abs(D::content(vertices_of(k)));
       for (const auto& e : ip.entries)
         load[K(e.dof)] += content * D::integral(quadratic, at_corner(e.point));
-    }
+    });
     return load;
   }
   Vec3 go_to(Stack stack, const BoundaryNode& node) const override {
@@ -360,6 +350,19 @@ class SpaceOn final : public Space {
   }
 
  private:
+  /// visit(k, element, interpolation), where a dof of the element is wanted.
+  template <class Wanted, class Visit>
+  void for_each_element(const Wanted& wanted, const Visit& visit) const {
+    Interpolation ip;
+    for (int k = 0; k < elements(); ++k) {
+      const typename D::Element K(space()[k]);
+      bool any = false;
+      for (int i = 0; i < K.NbDoF() && !any; ++i) any = wanted(K(i));
+      if (!any) continue;
+      D::interpolate(K, ip);
+      visit(k, K, ip);
+    }
+  }
   static R3 corner(int v) { return R3(v == 1, v == 2, v == 3); }
   /// Elements with no new vertex are passed over.
   void move_vertices() {

@@ -149,13 +149,6 @@ inline Solution newton_step(Solution s, const Vector& u0, const Call& call, Shar
   return newton_step(std::move(s), faces.at_nodes(domain, *shared.scene->at), trace, pass);
 }
 
-/// Where the iteration starts (own dofs): empty where the call does not say.
-inline Vector start_of(const Call& call, const SharedScene& shared) {
-  if (!call.args.has(call.args.start())) return {};
-  const Vector start = call.u_old.size() == 0 ? call.u_init : Vector(call.u_init - call.u_old);
-  return shared.A->own_part(shared.scene->system->to_local(with_guests(shared, start)));
-}
-
 /// The field of one increment.   Collective.
 inline Vector solve_together(Stack stack, const Call& call, SharedScene& shared, PointLaws laws) {
   const Domain& domain = *shared.domain;
@@ -168,8 +161,13 @@ inline Vector solve_together(Stack stack, const Call& call, SharedScene& shared,
   if (speaks) report_plan(shared, problem, verb);
   Progress progress(problem, verb, out.history);
   const auto answer = [&](const Settings& settings) {
-    Solution s = solve_together(shared, problem, settings, start_of(call, shared),
-                                out.history || speaks ? &progress : nullptr);
+    Vector x0;
+    if (call.args.has(call.args.start())) {
+      x0 = call.u_old.size() == 0 ? call.u_init : Vector(call.u_init - call.u_old);
+      x0 = shared.A->own_part(shared.scene->system->to_local(with_guests(shared, x0)));
+    }
+    Solution s =
+        solve_together(shared, problem, settings, x0, out.history || speaks ? &progress : nullptr);
     if (shared.scene->at && s.status == Status::stagnated)
       accept_rounding(s, domain.largest(contrast(*shared.scene->system->system())));
     return s;
