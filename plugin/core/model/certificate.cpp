@@ -89,8 +89,7 @@ Certificate certify(const ContactProblem& problem, const Vector& x) {
   c.scale = scale_of(problem, x, c.r, violation, rounding);
   c.attainable = rounding / c.scale;
   c.residual = violation / c.scale;
-  for (Real* share : {&c.equilibrium, &c.normal, &c.friction})
-    *share = std::sqrt(*share) / c.scale;
+  for (Real* share : {&c.equilibrium, &c.normal, &c.friction}) *share = std::sqrt(*share) / c.scale;
   return c;
 }
 
