@@ -100,8 +100,8 @@ inline std::string runaway(SharedScene& shared, const Solution& own, const Vecto
   const Real most = shared.domain->largest(largest_displacement(shared.scene->places(), d, field));
   if (!(most > small_turn * *shared.gyration)) return "";
   const Sample sample(shared);
-  return runaway(*shared.scene, sample.nodes(), sample.of(field), shared.numbering().own_nodes,
-                 own.state, *shared.A,
+  return runaway(*shared.scene, field, sample.nodes(), sample.of(field),
+                 shared.numbering().own_nodes, own.state, *shared.A,
                  [&](const Vector& w) { return sample.of(field_of(shared, w)); });
 }
 

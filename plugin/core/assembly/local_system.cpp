@@ -149,7 +149,8 @@ void set_load(const LocalLoad& load, const System& system, Increment& increment)
   increment.load_norm = norm_D(system, load.external);
   increment.rounding = std::numeric_limits<Real>::epsilon() * norm_D(system, load.sizes);
   // what a displacement of before leaves of a body that nothing loads
-  if (std::isfinite(increment.noise()) && norm_D(system, increment.F) <= increment.noise())
+  const Real noise = increment.noise();
+  if (noise > 0 && std::isfinite(noise) && norm_D(system, increment.F) <= noise)
     increment.F.setZero();
   increment.force_scale = std::max(norm_D(system, load.total), driving_norm(system, increment));
   if (increment.force_scale == 0) increment.force_scale = 1;

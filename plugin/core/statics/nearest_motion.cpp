@@ -43,7 +43,10 @@ std::string describe_one(const std::vector<NodePlace>& nodes, int d, const Vecto
   return describe(m, d);
 }
 
-constexpr Real stiff_turn = 30;  ///< rotation over strain: loads that turn a body far strain it
+/// Rotation over strain, from which on a body hardly strains: loads that turn it far strain it. Of
+/// strains that are small in the units of the scene, and of others.
+constexpr Real stiff_turn = 8, stiff_in_any_units = 30;
+constexpr Real small_strain = 0.05;
 
 /// visit(dof, values): a row of the modes for each component of each node.
 template <class Visit>
@@ -188,7 +191,8 @@ std::vector<LargeTurn> large_turns(const std::vector<NodePlace>& nodes, int d, c
     const Real turn = motion.w.norm();
     if (!(turn > small_turn)) continue;
     const Real strain = motion.misfit * largest_displacement(body, d, u) / motion.extent;
-    if (turn > stiff_turn * strain) turns.push_back({number, motion, strain});
+    if (turn > (strain < small_strain ? stiff_turn : stiff_in_any_units) * strain)
+      turns.push_back({number, motion, strain});
   }
   return turns;
 }
@@ -226,8 +230,7 @@ void StandAgainst::add(const Vector& against) {
   sums_.head(product.size()) += product.reshaped();
 }
 
-bool StandAgainst::holds(Real turn) const {
-  constexpr Real clearly = 0.2;
+Real StandAgainst::share() const {
   const Index k = static_cast<Index>(std::lround(std::sqrt(Real(sums_.size() - 1)))), rest = k - 1;
   const DenseMatrix G = sums_.head(k * k).reshaped(k, k);
   Real left = G(0, 0);
@@ -235,8 +238,13 @@ bool StandAgainst::holds(Real turn) const {
     const Vector along = G.col(0).tail(rest);
     left -= along.dot(Vector(least_squares(G.bottomRightCorner(rest, rest), along)));
   }
-  const Real least = std::min(turn / 2, clearly);
-  return left > least * least * sums_.tail(1)[0];
+  const Real way = sums_.tail(1)[0];
+  return way > 0 ? std::sqrt(std::max<Real>(left, 0) / way) : 0;
+}
+
+bool StandAgainst::holds(Real turn) const {
+  constexpr Real clearly = 0.2;
+  return share() > std::min(turn / 2, clearly);
 }
 
 std::string describe(const LargeTurn& turn, int d) {
@@ -246,7 +254,8 @@ std::string describe(const LargeTurn& turn, int d) {
     << " has turned by " << turn.motion.w.norm() << " radians, " << describe(turn.motion, d)
     << ", and is strained by no more than " << turn.strain
     << ": small rotations cannot mean that, and nothing holds it but the error of the normals, the "
-       "couple of friction and a gap, or a contact on which it rolls";
+       "couple of friction and a gap, a contact on which it rolls, or what the turn adds to its "
+       "size";
   return s.str();
 }
 

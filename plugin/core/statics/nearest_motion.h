@@ -80,9 +80,10 @@ Real largest_displacement(const std::vector<NodePlace>& nodes, int d, const Vect
 std::string describe_motion(const std::vector<NodePlace>& nodes, int d, const Vector& u);
 
 /// A rotation [rad] beyond what the linear laws can mean: the next term, its square over 2, is
-/// 5e-3. With the bound on the strain, gross falsehoods are 5 to 1000 times above both, and the
-/// nearest honest body lies 20 times below one of them.
-constexpr Real small_turn = 0.1;
+/// 5e-4, and a round body between flats has grown by so much: it jams where it would spin. With the
+/// bound on the strain the nearest honest body that contact does not hold lies 6 times below one
+/// of them.
+constexpr Real small_turn = 0.03;
 
 /// A body that a field turns by more than small rotations can mean, and hardly strains.
 struct LargeTurn {
@@ -122,6 +123,7 @@ class StandAgainst {
   /// nothing; a round body that sticks stands on the width of its contact, over the arm, and rolls
   /// on where it has come further than that. What stands on a slope is wider, over its height.
   bool holds(Real turn) const;
+  Real share() const;  ///< of the way, that the contact stands against
 
  private:
   Vector sums_;

@@ -281,6 +281,16 @@ TEST(LocalSystem, TheRoundingOfALoadIsThatOfTheTermsItIsSummedOf) {
   EXPECT_GT(local.increment(s.b, far, s.laws()).increment.rounding, 1e3 * at_rest);
 }
 
+TEST(LocalSystem, ALoadWhoseSquaresVanishIsNoRounding) {
+  for (Real size : {1e-100, 1e-200}) {
+    Scene s = block(BlockOptions());
+    s.b *= size;
+    const Posed posed = s.system();
+    EXPECT_FALSE(posed.problem().increment.F.isZero(0)) << size;
+    EXPECT_THROW(solve(posed.problem(), Settings()), IllegalInput) << size;
+  }
+}
+
 TEST(LocalSystem, ALoadThatAlreadyActsKeepsItsScaleInTheNextIncrement) {
   const Scene s = small(true);
   const LocalSystem local(s.triplets(), 2, s.points);
