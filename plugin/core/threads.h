@@ -3,7 +3,10 @@
 // OpenMP's own, where CHOLMOD brings it along, and OpenBLAS's, where that is the BLAS.
 extern "C" {
 int omp_get_max_active_levels() __attribute__((weak));
+int omp_get_max_threads() __attribute__((weak));
+void omp_set_num_threads(int threads) __attribute__((weak));
 void omp_set_max_active_levels(int levels) __attribute__((weak));
+int openblas_get_parallel() __attribute__((weak));  // 2: its threads are OpenMP's
 int openblas_get_num_threads() __attribute__((weak));
 void openblas_set_num_threads(int threads) __attribute__((weak));
 }
@@ -17,30 +20,37 @@ namespace frictioncg {
 /// time.
 class Threads {
  public:
-  /// of_blas: as many as where the outermost of these began
+  /// of_blas: as many as where the outermost of these began. Where they are OpenMP's there is one
+  /// all the same: parts of a product that wait for each other would run on one thread, for ever.
   explicit Threads(bool of_blas = false) {
     if (omp_get_max_active_levels && omp_set_max_active_levels) {
       levels_ = omp_get_max_active_levels();
+      omp_threads_ = omp_get_max_threads();
       omp_set_max_active_levels(0);
+      omp_set_num_threads(1);
     }
     if (openblas_get_num_threads && openblas_set_num_threads) {
-      threads_ = openblas_get_num_threads();
-      if (depth_ == 0) given_ = threads_;
-      openblas_set_num_threads(of_blas ? given_ : 1);
+      blas_threads_ = openblas_get_num_threads();
+      if (depth_ == 0) given_ = blas_threads_;
+      const bool own = !openblas_get_parallel || openblas_get_parallel() != 2;
+      openblas_set_num_threads(of_blas && own ? given_ : 1);
     }
     ++depth_;
   }
   ~Threads() {
     --depth_;
-    if (levels_ >= 0) omp_set_max_active_levels(levels_);
-    if (threads_ >= 0) openblas_set_num_threads(threads_);
+    if (blas_threads_ >= 0) openblas_set_num_threads(blas_threads_);
+    if (levels_ >= 0) {
+      omp_set_num_threads(omp_threads_);
+      omp_set_max_active_levels(levels_);
+    }
   }
   Threads(const Threads&) = delete;
   Threads& operator=(const Threads&) = delete;
 
  private:
   inline static int depth_ = 0, given_ = 1;
-  int levels_ = -1, threads_ = -1;  ///< of before; -1: not changed
+  int levels_ = -1, omp_threads_ = -1, blas_threads_ = -1;  ///< of before; -1: not changed
 };
 
 }  // namespace frictioncg

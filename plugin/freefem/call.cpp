@@ -324,8 +324,10 @@ Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws)
   const Settings rest = what_remains(problem, call.settings, solution);
   if (solution.status != Status::converged && scene.stiffened && rest.nbiter > 0) {
     report_plain(call.verb);
-    const std::unique_ptr<Stiffened> last = std::move(scene.stiffened);
-    scene.assemble(last->plain());
+    {
+      const std::unique_ptr<Stiffened> last = std::move(scene.stiffened);
+      scene.assemble(last->plain());
+    }
     vectors = Vectors(call, scene);
     now = increment(vectors, scene, laws);
     problem = {scene.system->system(), now.increment};

@@ -41,7 +41,7 @@ inline void register_contactproblem() {
                       return new (to) ContactProblemVariable(*from);  // the bytes hold nothing yet
                     }));
   TheOperators->Add("=", new OneOperator2<C, C, C>([](C to, C from) {
-                      *to = *from;
+                      *to = ContactProblemVariable(*from);  // all of it, or nothing
                       return to;
                     }));
 

@@ -1,6 +1,8 @@
 #include "condensed/sparse_factor.h"
 
+#if __has_include(<sys/mman.h>)
 #include <sys/mman.h>
+#endif
 
 #include "threads.h"
 
