@@ -206,10 +206,8 @@ TEST(Ownership, SparedNodesLeaveNoFacetWithoutANode) {
     };
     const std::vector<char> before = lacking();
     const std::vector<Index> first = owner;
-    const std::vector<Side> slaves{slave}, masters{slave};
-    const std::vector<Cover> covers{all};
-    const Ways ways(slaves, masters, covers, s.nodes.X, rank);
-    spare(slaves, covers, rank, ways, [&](std::size_t, Index, Index i) { return !taken[i]; },
+    const Sides of{s.nodes, {slave}, {slave}, {all}};
+    spare(of, rank, Ways(of, rank), [&](std::size_t, Index, Index i) { return !taken[i]; },
           {owner, pair});
     const std::vector<char> after = lacking();
     for (std::size_t f = 0; f < before.size(); ++f) EXPECT_LE(after[f], before[f]) << scene;

@@ -199,10 +199,10 @@ TEST(MortarNormals, WhereSurfacesOfOnePatchMeetAreTheMeanByMeasure) {
     facet.outward = Vec3(i, i - 1, 0);
     corner.facets.push_back(facet);
   }
-  const std::vector<Side> slaves{Side(2, corner, nodes.X)};
+  const Sides of{nodes, {Side(2, corner, nodes.X)}};
   Slipping undecided;
   const std::vector<Vec3> normal = slave_normals(
-      nodes, slaves, {}, [](std::size_t, Index, Index) { return true; }, undecided);
+      of, {}, [](std::size_t, Index, Index) { return true; }, undecided);
   EXPECT_EQ(normal[0], Vec3(0, -1, 0));
   EXPECT_LT((normal[1] - Vec3(1, -3, 0).normalized()).norm(), 1e-15);
 }

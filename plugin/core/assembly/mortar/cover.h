@@ -1,5 +1,6 @@
 #pragma once
 #include "assembly/mortar/clipping.h"
+#include "assembly/mortar/mortar.h"
 #include "assembly/mortar/topology.h"
 
 namespace frictioncg::mortar {
@@ -18,6 +19,13 @@ struct Cover {
   std::vector<Real> fraction;            ///< covered share of each slave facet, 0 .. 1
   std::size_t visited = 0;               ///< nodes of the tree and pairs of facets looked at
   Real nearest = 0;  ///< distance of the nearest facing facet, where nothing is covered [length]
+};
+
+/// The sides of all pairs, and what is before what.
+struct Sides {
+  const Nodes& nodes;
+  std::vector<Side> slaves = {}, masters = {};
+  std::vector<Cover> covers = {};
 };
 
 struct OwnSurface;  // self_contact.h

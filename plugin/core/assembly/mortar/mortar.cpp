@@ -4,7 +4,6 @@
 #include "assembly/mortar/moments.h"
 #include "assembly/mortar/self_contact.h"
 #include "assembly/mortar/slip.h"
-#include "assembly/mortar/validation.h"
 
 namespace frictioncg::mortar {
 

@@ -25,15 +25,16 @@ void add(Index fan, const FanNormal& found, Real measure, Meeting& at) {
   if (at.several) at.point.normal = at.sum.normalized();
 }
 
-Meetings meetings(const Nodes& nodes, const Side& slave, std::size_t p, const Owns& owns) {
-  const SmoothSide smooth(slave, nodes.X);
+Meetings meetings(const Sides& of, std::size_t p, const Owns& owns) {
+  const Side& slave = of.slaves[p];
+  const SmoothSide smooth(slave, of.nodes.X);
   Meetings found;
   for (Index f = 0; f < slave.facets(); ++f)
     for (int v = 0; v < slave.d; ++v) {
       const Index i = slave.facet(f).node[v];
       if (!owns(p, f, i)) continue;
       Meeting& here = found[i];
-      here.point.x = nodes.X[i];
+      here.point.x = of.nodes.X[i];
       add(smooth.fan(f, v), smooth.at(f, v), slave.planes[f].measure, here);
     }
   return found;
@@ -73,18 +74,17 @@ bool can_press(const Nodes& nodes, Index i, const Vec3& normal) {
   return !taken && held_part(nodes, i, normal).norm() <= mostly_free;
 }
 
-std::vector<Vec3> slave_normals(const Nodes& nodes, const std::vector<Side>& slaves,
-                                const Options& options, const Owns& owns, Slipping& slipping) {
+std::vector<Vec3> slave_normals(const Sides& of, const Options& options, const Owns& owns,
+                                Slipping& slipping) {
   std::vector<Meetings> all;
-  for (std::size_t p = 0; p < slaves.size(); ++p)
-    all.push_back(meetings(nodes, slaves[p], p, owns));
+  for (std::size_t p = 0; p < of.slaves.size(); ++p) all.push_back(meetings(of, p, owns));
   std::vector<Index> body;
   if (options.bodies && std::any_of(all.begin(), all.end(), any_curved)) body = options.bodies();
-  std::vector<Vec3> normal(nodes.X.size(), Vec3::Zero());
+  std::vector<Vec3> normal(of.nodes.X.size(), Vec3::Zero());
   for (Index p = 0; p < static_cast<Index>(all.size()); ++p) {
     Meetings& found = all[p];
     if (!found.empty() && !any_curved(found)) slipping.try_emplace({p, -1}, 0);
-    if (slipping.count({p, -1}) == 0) follow_motions(nodes.dimension, p, body, found, slipping);
+    if (slipping.count({p, -1}) == 0) follow_motions(of.nodes.dimension, p, body, found, slipping);
     for (const auto& [i, at] : found) normal[i] = at.point.normal;
   }
   return normal;
@@ -178,22 +178,21 @@ bool is_curved(const Side& side) {
 }
 
 /// The nodes of a pair that are before something, by the bodies of both sides.
-std::map<std::pair<Index, Index>, Group> facing_nodes(const Nodes& nodes, std::size_t p,
-                                                      const Side& slave, const Side& master,
-                                                      const Cover& cover, const Owns& owns,
+std::map<std::pair<Index, Index>, Group> facing_nodes(const Sides& of, std::size_t p,
+                                                      const Owns& owns,
                                                       const std::vector<Index>& body,
                                                       const std::vector<Vec3>& normal,
                                                       PairShapes& shapes) {
-  const Curves own(slave, nodes.X), theirs(master, nodes.X);
+  const Side &slave = of.slaves[p], &master = of.masters[p];
+  const std::vector<Vec3>& X = of.nodes.X;
+  const Curves own(slave, X), theirs(master, X);
   if (shapes.slave.empty()) shapes = {own.shapes(), theirs.shapes()};
   std::map<std::pair<Index, Index>, Group> groups;
   for (Index f = 0; f < slave.facets(); ++f) {
-    if (cover.cells[f].empty()) continue;
     const auto [own_is_flat, bore] = shapes.slave[f];
-    for (const Cell& cell : cover.cells[f]) {
+    for (const Cell& cell : of.covers[p].cells[f]) {
       const Facet& before = master.facet(cell.master);
-      const Vec3 lambda =
-          project(slave.d, slave.planes[f], before, nodes.X).at(centroid(cell.part));
+      const Vec3 lambda = project(slave.d, slave.planes[f], before, X).at(centroid(cell.part));
       const FanNormal n = theirs.at(cell.master, lambda);
       const auto [flat, their_bore] = shapes.master[cell.master];
       const bool differs = own_is_flat != flat || (bore && !their_bore);
@@ -203,7 +202,7 @@ std::map<std::pair<Index, Index>, Group> facing_nodes(const Nodes& nodes, std::s
         if (!owns(p, f, i)) continue;
         Group& group = groups[{body[i], body[before.node[0]]}];
         Facing& here = group.nodes[i];
-        here.x = nodes.X[i];
+        here.x = X[i];
         here.own = normal[i];
         here.own_turn = std::max(here.own_turn, own_is_flat ? 0 : own.vertex(f, v, 0).turn);
         here.other_turn = std::max(here.other_turn, differs && !flat ? n.turn : 0);
@@ -325,23 +324,20 @@ void take_masters(int d, const Freedom& freedom, const Group& group, const Dense
 
 }  // namespace
 
-CommonNormals choose_common_normals(const Nodes& nodes, const std::vector<Side>& slaves,
-                                    const std::vector<Side>& masters,
-                                    const std::vector<Cover>& covers, const Options& options,
-                                    const Owns& owns, const CommonNormals* begun,
-                                    std::vector<Vec3>& normal) {
+CommonNormals choose_common_normals(const Sides& of, const Options& options, const Owns& owns,
+                                    const CommonNormals* begun, std::vector<Vec3>& normal) {
+  const int d = of.nodes.dimension;
   CommonNormals common;
-  common.of_master.assign(nodes.X.size(), 0);
+  common.of_master.assign(of.nodes.X.size(), 0);
   if (!options.freedom) return common;
   std::optional<Freedom> freedom;
-  for (std::size_t p = 0; p < slaves.size(); ++p) {
+  for (std::size_t p = 0; p < of.slaves.size(); ++p) {
     PairShapes& shapes = common.shapes.emplace_back();
     if (begun) shapes = begun->shapes[p];
-    const bool curved = is_curved(slaves[p]) || is_curved(masters[p]);
+    const bool curved = is_curved(of.slaves[p]) || is_curved(of.masters[p]);
     if (begun ? shapes.slave.empty() : !curved) continue;
     if (!freedom) freedom = options.freedom();
-    for (const auto& [bodies, group] : facing_nodes(nodes, p, slaves[p], masters[p], covers[p],
-                                                    owns, freedom->body, normal, shapes)) {
+    for (const auto& [bodies, group] : facing_nodes(of, p, owns, freedom->body, normal, shapes)) {
       const auto [slave, master] = bodies;
       if (slave == master) continue;
       const DenseMatrix &V = freedom->of_body[slave], &W = freedom->of_body[master];
@@ -354,20 +350,20 @@ CommonNormals choose_common_normals(const Nodes& nodes, const std::vector<Side>&
         choice = begun->choice.at(key);
       else
         choice.master =
-            master_counts(*freedom, group, slave, master, relative, !nodes.reference.empty());
-      const auto slip = [&](const DenseMatrix& of, Index& count) {
+            master_counts(*freedom, group, slave, master, relative, !of.nodes.reference.empty());
+      const auto slip = [&](const DenseMatrix& all, Index& count) {
         const DenseMatrix motions =
-            slipping(*freedom, of, choice.master ? group.other : group.own(),
+            slipping(*freedom, all, choice.master ? group.other : group.own(),
                      decided ? DecidedCount(count) : DecidedCount());
         count = static_cast<Index>(motions.cols());
         return motions;
       };
       const DenseMatrix free = slip(relative, choice.free);
       if (choice.master)
-        take_masters(nodes.dimension, *freedom, group, slip(motions_of(*freedom), choice.motions),
-                     free, normal, common.of_master);
+        take_masters(d, *freedom, group, slip(motions_of(*freedom), choice.motions), free, normal,
+                     common.of_master);
       else
-        keep_slaves(nodes.dimension, *freedom, group, free, normal);
+        keep_slaves(d, *freedom, group, free, normal);
     }
   }
   return common;
@@ -436,18 +432,17 @@ bool towards_held(const Vec3& outward, unsigned char held) {
   return false;
 }
 
-std::map<Index, End> ends_of_faces(const Nodes& nodes, std::size_t p, const Side& slave,
-                                   const Cover& cover, const Owns& owns) {
+std::map<Index, End> ends_of_faces(const Sides& of, std::size_t p, const Owns& owns) {
   std::map<Index, End> ends;
-  for_each_end(slave, nodes.X, [&](Index f, int v, const Vec3& outward) {
-    const Index i = slave.facet(f).node[v];
+  for_each_end(of.slaves[p], of.nodes.X, [&](Index f, int v, const Vec3& outward) {
+    const Index i = of.slaves[p].facet(f).node[v];
     if (!owns(p, f, i)) return;
     End& end = ends[i];
-    if (!towards_held(outward, nodes.held.empty() ? 0 : nodes.held[i]))
+    if (!towards_held(outward, of.nodes.held.empty() ? 0 : of.nodes.held[i]))
       end.outward.push_back(outward);
     if (end.cell) return;
     end.facet = f, end.vertex = v;
-    for (const Cell& cell : cover.cells[f])
+    for (const Cell& cell : of.covers[p].cells[f])
       for (const Vec2& xi : cell.part)
         if ((xi - reference_vertex(v)).norm() < on_vertex) end.cell = &cell;
   });
@@ -482,21 +477,20 @@ Real leaning_share(const std::vector<Cell>& cells, Real of_end, const LeanAt& le
 
 }  // namespace
 
-void take_masters_at_ends(const Nodes& nodes, const std::vector<Side>& slaves,
-                          const std::vector<Side>& masters, const std::vector<Cover>& covers,
-                          const Owns& owns, std::vector<Vec3>& normal,
+void take_masters_at_ends(const Sides& of, const Owns& owns, std::vector<Vec3>& normal,
                           std::vector<char>& of_master) {
-  for (std::size_t p = 0; p < slaves.size(); ++p) {
-    const Side &slave = slaves[p], &master = masters[p];
-    if (lies_flat(slave, master, covers[p])) continue;
+  const std::vector<Vec3>& X = of.nodes.X;
+  for (std::size_t p = 0; p < of.slaves.size(); ++p) {
+    const Side &slave = of.slaves[p], &master = of.masters[p];
+    if (lies_flat(slave, master, of.covers[p])) continue;
     std::optional<Curves> own, theirs;
-    for (const auto& [i, end] : ends_of_faces(nodes, p, slave, covers[p], owns)) {
+    for (const auto& [i, end] : ends_of_faces(of, p, owns)) {
       const Vec3 n = normal[i];
       if (!end.cell || of_master[i] || end.outward.empty()) continue;
       if (same_direction(-master.planes[end.cell->master].normal, n)) continue;
-      if (!theirs) theirs.emplace(master, nodes.X);
+      if (!theirs) theirs.emplace(master, X);
       const auto m_at = [&, plane = slave.planes[end.facet]](const Cell& cell, const Vec2& xi) {
-        const Projection chi = project(slave.d, plane, master.facet(cell.master), nodes.X);
+        const Projection chi = project(slave.d, plane, master.facet(cell.master), X);
         return Vec3(-theirs->at(cell.master, chi.at(xi)).normal);
       };
       const auto lean = [&n, &outward = end.outward](const Vec3& m) {
@@ -504,12 +498,12 @@ void take_masters_at_ends(const Nodes& nodes, const std::vector<Side>& slaves,
       };
       const Vec3 m = m_at(*end.cell, reference_vertex(end.vertex)), t = lean(m);
       if (t.norm() <= leans) continue;
-      if (!own) own.emplace(slave, nodes.X);
+      if (!own) own.emplace(slave, X);
       const Real turn = own->vertex(end.facet, end.vertex, 0).turn;
       const Real from = std::max(leans, of_turn * turn), whole = leans_whole / leans * from;
       const auto lean_at = [&](const Cell& cell, const Vec2& xi) { return lean(m_at(cell, xi)); };
       const Real share = std::clamp<Real>((t.norm() - from) / (whole - from), 0, 1) *
-                         leaning_share(covers[p].cells[end.facet], t.norm(), lean_at);
+                         leaning_share(of.covers[p].cells[end.facet], t.norm(), lean_at);
       if (share == 0) continue;
       normal[i] = (m.dot(n) * n + share * t).normalized();
       of_master[i] = 1;

@@ -1,7 +1,5 @@
 #pragma once
 #include "assembly/mortar/cover.h"
-#include "assembly/mortar/mortar.h"
-#include "assembly/mortar/topology.h"
 
 namespace frictioncg::mortar {
 
@@ -24,8 +22,8 @@ using Slipping = std::map<std::array<Index, 2>, Index>;
 /// its surfaces meet their mean; 0 where none owns the node. Motions that keep a body's slave in
 /// contact, as far as the mesh can tell, do so exactly (slippable.h).   slipping: as far as it is
 /// decided; the rest is added.
-std::vector<Vec3> slave_normals(const Nodes& nodes, const std::vector<Side>& slaves,
-                                const Options& options, const Owns& owns, Slipping& slipping);
+std::vector<Vec3> slave_normals(const Sides& of, const Options& options, const Owns& owns,
+                                Slipping& slipping);
 
 struct FacetShape {
   bool flat = false, bore = false;
@@ -66,11 +64,8 @@ struct CommonNormals {
 /// slave_normals; begun: where the increment began, which has decided; null: it is decided here.
 /// Faces of one body keep theirs. What A leaves free, and the normals that count let slip as far as
 /// the mesh can tell, they let slip to rounding (slippable.h).
-CommonNormals choose_common_normals(const Nodes& nodes, const std::vector<Side>& slaves,
-                                    const std::vector<Side>& masters,
-                                    const std::vector<Cover>& covers, const Options& options,
-                                    const Owns& owns, const CommonNormals* begun,
-                                    std::vector<Vec3>& normal);
+CommonNormals choose_common_normals(const Sides& of, const Options& options, const Owns& owns,
+                                    const CommonNormals* begun, std::vector<Vec3>& normal);
 
 /// At the end of a face of the slave, a rim or a ridge that juts out, it is the edge that touches
 /// where the face leans on it: a block on its corner presses along the normal of what is below,
@@ -84,9 +79,7 @@ CommonNormals choose_common_normals(const Nodes& nodes, const std::vector<Side>&
 /// lean is clear and what the facet is before leans as a whole; it fades to 0 where bodies deform
 /// by as much, where smooth faces turn by half as much from facet to facet, and where the facet
 /// lies on what does not lean: at the foot of a wall.
-void take_masters_at_ends(const Nodes& nodes, const std::vector<Side>& slaves,
-                          const std::vector<Side>& masters, const std::vector<Cover>& covers,
-                          const Owns& owns, std::vector<Vec3>& normal,
+void take_masters_at_ends(const Sides& of, const Owns& owns, std::vector<Vec3>& normal,
                           std::vector<char>& of_master);
 
 }  // namespace frictioncg::mortar

@@ -4,15 +4,12 @@
 
 namespace frictioncg::mortar {
 
-Ways::Ways(const std::vector<Side>& slaves, const std::vector<Side>& masters,
-           const std::vector<Cover>& covers, const std::vector<Vec3>& X,
-           const std::vector<std::vector<Index>>& rank)
-    : slaves_(slaves), masters_(masters), covers_(covers), X_(X) {
+Ways::Ways(const Sides& of, const std::vector<std::vector<Index>>& rank) : of_(of) {
   std::map<Index, Index> one;  // patch at a node, the first that was met
-  for_each_covered(slaves, covers, [&](std::size_t p, Index f, Index i) {
+  for_each_covered(of, [&](std::size_t p, Index f, Index i) {
     if (one.emplace(i, rank[p][f]).first->second != rank[p][f]) nearest_[i] = infinity;
   });
-  for_each_covered(slaves, covers, [&](std::size_t p, Index f, Index i) {
+  for_each_covered(of, [&](std::size_t p, Index f, Index i) {
     const auto least = nearest_.find(i);
     if (least != nearest_.end()) least->second = std::min(least->second, way(p, f, i));
   });
@@ -21,50 +18,41 @@ Ways::Ways(const std::vector<Side>& slaves, const std::vector<Side>& masters,
 Real Ways::farther(std::size_t p, Index f, Index i) const {
   const auto least = nearest_.find(i);
   if (least == nearest_.end() || least->second == infinity) return 0;
-  return (way(p, f, i) - least->second) / slaves_[p].planes[f].size;
+  return (way(p, f, i) - least->second) / of_.slaves[p].planes[f].size;
 }
 
 /// With its sign: what overlaps most is nearest. Infinite where nothing faces the vertex itself.
 Real Ways::way(std::size_t p, Index f, Index i) const {
-  const auto& node = slaves_[p].facet(f).node;
-  const int v = static_cast<int>(std::find(node.begin(), node.end(), i) - node.begin());
-  const std::vector<Cell>& cells = covers_[p].cells[f];
+  const int v = position(of_.slaves[p].facet(f), i);
+  const std::vector<Cell>& cells = of_.covers[p].cells[f];
   const auto reaches = [&](const Cell& cell) {
     return std::any_of(cell.part.begin(), cell.part.end(), [&](const Vec2& xi) {
       return (v == 0 ? 1 - xi.sum() : xi[v - 1]) > 1 - equally_near;  // lambda_v
     });
   };
   if (std::none_of(cells.begin(), cells.end(), reaches)) return infinity;
-  return faced_at_vertex(v, slaves_[p], f, masters_[p], X_, cells).distance;
+  return faced_at_vertex(v, of_.slaves[p], f, of_.masters[p], of_.nodes.X, cells).distance;
 }
 
 namespace {
 
 class Sparing {
  public:
-  Sparing(const std::vector<Side>& slaves, const std::vector<Cover>& covers,
-          const std::vector<std::vector<Index>>& rank, const Ways& ways, const Carries& carries,
-          Owners owners)
-      : slaves_(slaves),
-        covers_(covers),
-        rank_(rank),
-        ways_(ways),
-        carries_(carries),
-        owners_(owners) {}
+  Sparing(const Sides& of, const std::vector<std::vector<Index>>& rank, const Ways& ways,
+          const Carries& carries, Owners owners)
+      : of_(of), rank_(rank), ways_(ways), carries_(carries), owners_(owners) {}
   void run() {
-    for (const Side& slave : slaves_) own_.emplace_back(slave.facets());
-    for_each_covered(slaves_, covers_, [&](std::size_t p, Index f, Index i) {
+    for (const Side& slave : of_.slaves) own_.emplace_back(slave.facets());
+    for_each_covered(of_, [&](std::size_t p, Index f, Index i) {
       own_[p][f] += owners_.rank[i] == rank_[p][f] && carries_(p, f, i);
     });
     Places without;
-    for (std::size_t p = 0; p < slaves_.size(); ++p)
-      for (Index f = 0; f < slaves_[p].facets(); ++f)
-        if (!covers_[p].cells[f].empty() && own_[p][f] == 0) without.push_back({p, f});
+    for (std::size_t p = 0; p < of_.slaves.size(); ++p)
+      for (Index f = 0; f < of_.slaves[p].facets(); ++f)
+        if (!of_.covers[p].cells[f].empty() && own_[p][f] == 0) without.push_back({p, f});
     if (without.empty()) return;
     at_.resize(owners_.rank.size());
-    for_each_covered(slaves_, covers_, [&](std::size_t p, Index f, Index i) {
-      at_[i].push_back({p, f});
-    });
+    for_each_covered(of_, [&](std::size_t p, Index f, Index i) { at_[i].push_back({p, f}); });
     for (const Place& place : without)
       if (lacks(place) && provide(place, 0))
         seen_.clear();  // what leads nowhere does so until something moves
@@ -82,8 +70,8 @@ class Sparing {
   /// The facets of its patch that share a vertex with one.
   Places around(const Place& at) const {
     Places all;
-    for (int v = 0; v < slaves_[at.pair].d; ++v)
-      for (const Place& o : at_[slaves_[at.pair].facet(at.facet).node[v]])
+    for (int v = 0; v < of_.nodes.dimension; ++v)
+      for (const Place& o : at_[of_.slaves[at.pair].facet(at.facet).node[v]])
         if (rank(o) == rank(at)) all.push_back(o);
     return all;
   }
@@ -111,8 +99,8 @@ class Sparing {
   bool provide(const Place& to, int depth) {
     if (!lacks(to)) return true;
     if (depth > longest) return false;
-    const auto& node = slaves_[to.pair].facet(to.facet).node;
-    std::vector<Index> nodes(node.begin(), node.begin() + slaves_[to.pair].d);
+    const auto& node = of_.slaves[to.pair].facet(to.facet).node;
+    std::vector<Index> nodes(node.begin(), node.begin() + of_.nodes.dimension);
     std::stable_sort(nodes.begin(), nodes.end(), [&](Index i, Index j) {
       return ways_.farther(to.pair, to.facet, i) < ways_.farther(to.pair, to.facet, j);
     });
@@ -126,8 +114,7 @@ class Sparing {
     return false;
   }
 
-  const std::vector<Side>& slaves_;
-  const std::vector<Cover>& covers_;
+  const Sides& of_;
   const std::vector<std::vector<Index>>& rank_;
   const Ways& ways_;
   const Carries& carries_;
@@ -139,10 +126,9 @@ class Sparing {
 
 }  // namespace
 
-void spare(const std::vector<Side>& slaves, const std::vector<Cover>& covers,
-           const std::vector<std::vector<Index>>& rank, const Ways& ways, const Carries& carries,
-           Owners owners) {
-  Sparing(slaves, covers, rank, ways, carries, owners).run();
+void spare(const Sides& of, const std::vector<std::vector<Index>>& rank, const Ways& ways,
+           const Carries& carries, Owners owners) {
+  Sparing(of, rank, ways, carries, owners).run();
 }
 
 }  // namespace frictioncg::mortar

@@ -13,10 +13,9 @@ void for_each_vertex(const std::vector<Side>& sides, const Visit& visit) {
 
 /// visit(p, f, i): the same of facets that something faces.
 template <class Visit>
-void for_each_covered(const std::vector<Side>& slaves, const std::vector<Cover>& covers,
-                      const Visit& visit) {
-  for_each_vertex(slaves, [&](std::size_t p, Index f, Index i) {
-    if (!covers[p].cells[f].empty()) visit(p, f, i);
+void for_each_covered(const Sides& of, const Visit& visit) {
+  for_each_vertex(of.slaves, [&](std::size_t p, Index f, Index i) {
+    if (!of.covers[p].cells[f].empty()) visit(p, f, i);
   });
 }
 
@@ -29,9 +28,7 @@ constexpr Real equally_near = 0.01;
 class Ways {
  public:
   /// rank: per pair and facet
-  Ways(const std::vector<Side>& slaves, const std::vector<Side>& masters,
-       const std::vector<Cover>& covers, const std::vector<Vec3>& X,
-       const std::vector<std::vector<Index>>& rank);
+  Ways(const Sides& of, const std::vector<std::vector<Index>>& rank);
   /// By how much it is farther along a facet than along the nearest one there [size of the facet];
   /// 0 where facets of one patch alone face something, or none reaches the vertex.
   Real farther(std::size_t p, Index f, Index i) const;
@@ -39,9 +36,7 @@ class Ways {
  private:
   Real way(std::size_t p, Index f, Index i) const;
 
-  const std::vector<Side>&slaves_, &masters_;
-  const std::vector<Cover>& covers_;
-  const std::vector<Vec3>& X_;
+  const Sides& of_;
   std::map<Index, Real> nearest_;  ///< of nodes where facets of several patches face something
 };
 
@@ -58,8 +53,7 @@ using Carries = std::function<bool(std::size_t p, Index f, Index i)>;
 /// other faces, with their normals: a brick in a slot, one facet wide, would fall through the
 /// ground. It takes the vertex where that costs least whose patch does without, there and around,
 /// or gets another one in the same way.   rank: per pair and facet
-void spare(const std::vector<Side>& slaves, const std::vector<Cover>& covers,
-           const std::vector<std::vector<Index>>& rank, const Ways& ways, const Carries& carries,
-           Owners owners);
+void spare(const Sides& of, const std::vector<std::vector<Index>>& rank, const Ways& ways,
+           const Carries& carries, Owners owners);
 
 }  // namespace frictioncg::mortar

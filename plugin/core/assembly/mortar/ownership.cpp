@@ -4,7 +4,6 @@
 
 #include "assembly/mortar/self_contact.h"
 #include "assembly/mortar/sheets.h"
-#include "assembly/mortar/validation.h"
 
 namespace frictioncg::mortar {
 
@@ -22,25 +21,23 @@ Index label_position(const Surface& surface, long label) {
 /// The normals by which it is decided whether Dirichlet conditions hold them: those of the bodies
 /// as they are not deformed. Along a path a node on an axis or on a plane of symmetry keeps its
 /// law, whatever the normal of its facets, which lie on one side of it, does there.
-std::vector<Vec3> undeformed_normals(const Nodes& nodes, const std::vector<Side>& slaves,
-                                     const Options& options, const Owns& owns,
+std::vector<Vec3> undeformed_normals(const Sides& of, const Options& options, const Owns& owns,
                                      const std::vector<Vec3>& now) {
+  const Nodes& nodes = of.nodes;
   bool any = false;  // of those with a normal
   for (std::size_t i = 0; i < now.size(); ++i)
     any = any || (nodes.held[i] != 0 && !now[i].isZero(0));
   if (!any || nodes.reference.empty() || !options.normals.empty()) return now;
   Nodes at_rest = nodes;
   at_rest.X = nodes.reference;
-  std::vector<Side> sides;
-  for (const Side& slave : slaves) sides.emplace_back(slave, nodes.X, at_rest.X);
+  Sides sides{at_rest};
+  for (const Side& slave : of.slaves) sides.slaves.emplace_back(slave, nodes.X, at_rest.X);
   Slipping slipping;
-  return slave_normals(at_rest, sides, options, owns, slipping);
+  return slave_normals(sides, options, owns, slipping);
 }
 
-}  // namespace
-
 /// Sorted, patches come as they are ranked.
-struct Ownership::Patch {
+struct Patch {
   Index pair, label = std::numeric_limits<Index>::max();
   Real uncovered = 0;  ///< minus the covered measure
   Index root = 0;
@@ -49,53 +46,53 @@ struct Ownership::Patch {
   }
 };
 
-Ownership::Ownership(const Nodes& nodes, const std::vector<Side>& slaves,
-                     const std::vector<Side>& masters, std::vector<Cover>& covers,
-                     const Options& options, const Arrangement* begun)
-    : state(nodes.X.size(), State::uncovered),
-      pair(nodes.X.size(), -1),
-      label(nodes.X.size(), 0),
-      common{std::vector<char>(nodes.X.size(), 0), {}, {}},
-      covered(nodes.X.size(), 0),
-      owner_(nodes.X.size(), -1) {
+}  // namespace
+
+Ownership::Ownership(Sides& of, const Options& options, const Arrangement* begun)
+    : state(of.nodes.X.size(), State::uncovered),
+      label(of.nodes.X.size(), 0),
+      common{std::vector<char>(of.nodes.X.size(), 0), {}, {}} {
+  const Nodes& nodes = of.nodes;
   if (begun) {
-    go_on_from(*begun->ownership);
-    own(nodes, slaves, masters, covers, nullptr);
+    static_cast<Ranked&>(*this) = *begun->ownership;
+    own(of, nullptr);
   } else {
-    rank_patches(slaves, masters, covers, nodes.X);
-    const Ways ways(slaves, masters, covers, nodes.X, rank_);
-    find_faced(masters, covers);
-    own(nodes, slaves, masters, covers, &ways);
+    rank_patches(of);
+    const Ways ways(of, rank);
+    own(of, &ways);
   }
-  set_labels(slaves);
-  const Owns owns = [&](std::size_t p, Index f, Index i) { return owner_[i] == rank_[p][f]; };
-  normal = slave_normals(nodes, slaves, options, owns, slipping);
+  set_labels(of.slaves);
+  const Owns owns = [&](std::size_t p, Index f, Index i) { return owner[i] == rank[p][f]; };
+  normal = slave_normals(of, options, owns, slipping);
   if (options.normals.empty()) {
-    common = choose_common_normals(nodes, slaves, masters, covers, options, owns,
-                                   begun ? &begun->ownership->common : nullptr, normal);
-    take_masters_at_ends(nodes, slaves, masters, covers, owns, normal, common.of_master);
+    common = choose_common_normals(of, options, owns, begun ? &begun->ownership->common : nullptr,
+                                   normal);
+    take_masters_at_ends(of, owns, normal, common.of_master);
   } else {
     take_normals(nodes, options.normals);
   }
-  remove_shared();
+  for (const auto& [i, of_master] : on_own_)
+    if (state[i] == State::kept && on_master(i, pair[i])) state[i] = State::shared;
   for (std::size_t i = 0; i < nodes.taken.size(); ++i)
     if (nodes.taken[i] && state[i] == State::kept) state[i] = State::taken;
-  if (!nodes.held.empty())
-    remove_held(nodes, slaves, undeformed_normals(nodes, slaves, options, owns, normal));
-  if (begun) take_off_slaves(masters, covers);
-  for (std::size_t p = 0; p < slaves.size(); ++p)
-    choose_carriers(static_cast<Index>(p), slaves[p], covers[p]);
-  break_rings(slaves, masters, covers);
+  if (!nodes.held.empty()) remove_held(of, undeformed_normals(of, options, owns, normal));
+  if (begun) take_off_slaves(of);
+  for (std::size_t p = 0; p < of.slaves.size(); ++p)
+    choose_carriers(static_cast<Index>(p), of.slaves[p], of.covers[p]);
+  break_rings(of);
 }
 
-void Ownership::rank_patches(const std::vector<Side>& slaves, const std::vector<Side>& masters,
-                             const std::vector<Cover>& covers, const std::vector<Vec3>& X) {
-  std::vector<Patch> patches;
+void Ownership::rank_patches(const Sides& of) {
+  owner.assign(of.nodes.X.size(), -1);
+  pair.assign(of.nodes.X.size(), -1);
+  covered.assign(of.nodes.X.size(), 0);
+  std::vector<Patch> ranked;
   std::vector<Groups> groups;
-  for (std::size_t p = 0; p < slaves.size(); ++p) {
-    const Side& slave = slaves[p];
+  for (std::size_t p = 0; p < of.slaves.size(); ++p) {
+    const Side& slave = of.slaves[p];
     groups.emplace_back(slave.facets());
-    const std::set<Corner> beyond = beyond_steps(slave, masters[p], X, covers[p].cells);
+    const std::set<Corner> beyond =
+        beyond_steps(slave, of.masters[p], of.nodes.X, of.covers[p].cells);
     const auto parted = [&](const Joint& joint) {
       const auto [f, g] = joint.facet;
       return std::any_of(joint.vertex.begin(), joint.vertex.end(), [&](Index i) {
@@ -110,64 +107,53 @@ void Ownership::rank_patches(const std::vector<Side>& slaves, const std::vector<
       patch.pair = static_cast<Index>(p);
       patch.root = groups[p].of(f);
       patch.label = std::min(patch.label, label_position(slave.surface, slave.facet(f).label));
-      patch.uncovered -= covers[p].fraction[f] * slave.planes[f].measure;
+      patch.uncovered -= of.covers[p].fraction[f] * slave.planes[f].measure;
     }
-    for (const auto& entry : of_root) patches.push_back(entry.second);
+    for (const auto& entry : of_root) ranked.push_back(entry.second);
   }
-  std::sort(patches.begin(), patches.end());
-  patches_ = static_cast<Index>(patches.size());
-  std::map<std::pair<Index, Index>, Index> rank;
-  for (std::size_t k = 0; k < patches.size(); ++k)
-    rank[{patches[k].pair, patches[k].root}] = static_cast<Index>(k);
-  for (std::size_t p = 0; p < slaves.size(); ++p) {
-    rank_.emplace_back(slaves[p].facets());
-    for (Index f = 0; f < slaves[p].facets(); ++f)
-      rank_[p][f] = rank[{static_cast<Index>(p), groups[p].of(f)}];
+  std::sort(ranked.begin(), ranked.end());
+  patches = static_cast<Index>(ranked.size());
+  std::map<std::pair<Index, Index>, Index> rank_of;
+  for (Index k = 0; k < patches; ++k) rank_of[{ranked[k].pair, ranked[k].root}] = k;
+  for (std::size_t p = 0; p < of.slaves.size(); ++p) {
+    rank.emplace_back(of.slaves[p].facets());
+    for (Index f = 0; f < of.slaves[p].facets(); ++f)
+      rank[p][f] = rank_of[{static_cast<Index>(p), groups[p].of(f)}];
+    faced.emplace_back(of.masters[p].facets(), 0);
+    for (const std::vector<Cell>& cells : of.covers[p].cells)
+      for (const Cell& cell : cells) faced[p][cell.master] = 1;
   }
 }
 
-void Ownership::go_on_from(const Ownership& begun) {
-  rank_ = begun.rank_;
-  patches_ = begun.patches_;
-  owner_ = begun.owner_;
-  pair = begun.pair;
-  covered = begun.covered;
-  taken_ = begun.taken_;
-  nodes_ = begun.nodes_;
-  slipping = begun.slipping;
-  faced_ = begun.faced_;
-}
-
-void Ownership::own(const Nodes& nodes, const std::vector<Side>& slaves,
-                    const std::vector<Side>& masters, const std::vector<Cover>& covers,
-                    const Ways* ways) {
-  const std::vector<Index> decided = owner_;
-  for_each_covered(slaves, covers, [&](std::size_t p, Index f, Index i) {
+void Ownership::own(const Sides& of, const Ways* ways) {
+  const std::vector<Index> decided = owner;
+  for_each_covered(of, [&](std::size_t p, Index f, Index i) {
     state[i] = State::kept;
-    if (decided[i] >= 0 || (owner_[i] >= 0 && owner_[i] <= rank_[p][f])) return;
+    if (decided[i] >= 0 || (owner[i] >= 0 && owner[i] <= rank[p][f])) return;
     if (ways && ways->farther(p, f, i) > equally_near) return;
-    owner_[i] = rank_[p][f];
+    owner[i] = rank[p][f];
     pair[i] = static_cast<Index>(p);
   });
-  find_on_masters(masters);
+  find_on_masters(of.masters);
   const Carries carries = [&](std::size_t p, Index f, Index i) {
-    return can_press(nodes, i, slaves[p].planes[f].normal) && !on_master(i, static_cast<Index>(p));
+    return can_press(of.nodes, i, of.slaves[p].planes[f].normal) &&
+           !on_master(i, static_cast<Index>(p));
   };
-  if (ways) spare(slaves, covers, rank_, *ways, carries, {owner_, pair});
-  for_each_vertex(slaves, [&](std::size_t p, Index f, Index i) {
-    if (decided[i] < 0 && owner_[i] == rank_[p][f])
-      covered[i] += covers[p].fraction[f] * slaves[p].planes[f].measure;
+  if (ways) spare(of, rank, *ways, carries, {owner, pair});
+  for_each_vertex(of.slaves, [&](std::size_t p, Index f, Index i) {
+    if (decided[i] < 0 && owner[i] == rank[p][f])
+      covered[i] += of.covers[p].fraction[f] * of.slaves[p].planes[f].measure;
   });
 }
 
 void Ownership::set_labels(const std::vector<Side>& slaves) {
-  std::vector<Index> position(owner_.size(), std::numeric_limits<Index>::max());
+  std::vector<Index> first(owner.size(), std::numeric_limits<Index>::max());
   for_each_vertex(slaves, [&](std::size_t p, Index f, Index i) {
-    if (owner_[i] != rank_[p][f]) return;
+    if (owner[i] != rank[p][f]) return;
     const long of_facet = slaves[p].facet(f).label;
     const Index at = label_position(slaves[p].surface, of_facet);
-    if (at >= position[i]) return;
-    position[i] = at;
+    if (at >= first[i]) return;
+    first[i] = at;
     label[i] = of_facet;
   });
 }
@@ -190,20 +176,12 @@ void Ownership::take_normals(const Nodes& nodes, const std::vector<Vec3>& normal
   }
 }
 
-void Ownership::find_faced(const std::vector<Side>& masters, const std::vector<Cover>& covers) {
-  for (std::size_t p = 0; p < masters.size(); ++p) {
-    std::vector<char>& faced = faced_.emplace_back(masters[p].facets(), 0);
-    for (const std::vector<Cell>& cells : covers[p].cells)
-      for (const Cell& cell : cells) faced[cell.master] = 1;
-  }
-}
-
 void Ownership::find_on_masters(const std::vector<Side>& masters) {
   for_each_vertex(masters, [&](std::size_t q, Index f, Index i) {
     const Index of_master = static_cast<Index>(q);
     if (state[i] != State::kept) return;
     on_own_.insert({i, of_master});
-    if (faced_[q][f]) on_faced_.emplace(i, of_master);
+    if (faced[q][f]) on_faced_.emplace(i, of_master);
   });
 }
 
@@ -212,32 +190,27 @@ bool Ownership::on_master(Index i, Index p) const {
   return on_own_.count({i, p}) > 0 || (first != on_faced_.end() && first->second < p);
 }
 
-void Ownership::remove_shared() {
-  for (const auto& [i, of_master] : on_own_)
-    if (state[i] == State::kept && on_master(i, pair[i])) state[i] = State::shared;
-}
-
-void Ownership::take_off_slaves(const std::vector<Side>& masters,
-                                std::vector<Cover>& covers) const {
-  for (std::size_t p = 0; p < masters.size(); ++p)
-    for (Index f = 0; f < static_cast<Index>(covers[p].cells.size()); ++f) {
-      std::vector<Cell>& cells = covers[p].cells[f];
+void Ownership::take_off_slaves(Sides& of) const {
+  const int d = of.nodes.dimension;
+  for (std::size_t p = 0; p < of.masters.size(); ++p)
+    for (Index f = 0; f < of.slaves[p].facets(); ++f) {
+      std::vector<Cell>& cells = of.covers[p].cells[f];
       const auto is_slave = [&](const Cell& cell) {
-        const Facet& facet = masters[p].facet(cell.master);
-        return std::any_of(facet.node.begin(), facet.node.begin() + masters[p].d, [&](Index i) {
+        const Facet& facet = of.masters[p].facet(cell.master);
+        return std::any_of(facet.node.begin(), facet.node.begin() + d, [&](Index i) {
           return state[i] == State::kept && pair[i] > static_cast<Index>(p);
         });
       };
       for (const Cell& cell : cells)
         if (is_slave(cell))
-          covers[p].fraction[f] -= extent(cell.part) / extent(reference_facet(masters[p].d));
+          of.covers[p].fraction[f] -= extent(cell.part) / extent(reference_facet(d));
       cells.erase(std::remove_if(cells.begin(), cells.end(), is_slave), cells.end());
     }
 }
 
-void Ownership::remove_held(const Nodes& nodes, const std::vector<Side>& slaves,
-                            const std::vector<Vec3>& deciding) {
-  for (std::size_t i = 0; i < owner_.size(); ++i) {
+void Ownership::remove_held(const Sides& of, const std::vector<Vec3>& deciding) {
+  const Nodes& nodes = of.nodes;
+  for (std::size_t i = 0; i < owner.size(); ++i) {
     if (state[i] != State::kept || nodes.held[i] == 0) continue;
     const Index node = static_cast<Index>(i);
     const Vec3 free = normal[i] - held_part(nodes, node, normal[i]);
@@ -247,7 +220,7 @@ void Ownership::remove_held(const Nodes& nodes, const std::vector<Side>& slaves,
       normal[i] = free.normalized();
   }
   // A held mid-edge between ends that are free would tie them to itself.
-  for (const Side& slave : slaves)
+  for (const Side& slave : of.slaves)
     for (const Facet& facet : slave.surface.facets)
       for (int k = 0; slave.surface.quadratic && k < edges_of_facet(slave.d); ++k)
         for (int end : edge_ends(slave.d, k)) {
@@ -259,15 +232,15 @@ void Ownership::remove_held(const Nodes& nodes, const std::vector<Side>& slaves,
 
 void Ownership::choose_carriers(Index p, const Side& slave, const Cover& cover) {
   carriers.emplace_back(slave.facets());
-  std::vector<char> has_own(patches_, 0);
+  std::vector<char> has_own(patches, 0);
   for (Index f = 0; f < slave.facets(); ++f) {
     std::array<bool, 3>& kept = carriers[p][f].kept;
     for (int v = 0; v < slave.d && !cover.cells[f].empty(); ++v) {
       const Index i = slave.facet(f).node[v];
-      kept[v] = state[i] == State::kept && owner_[i] == rank_[p][f];
+      kept[v] = state[i] == State::kept && owner[i] == rank[p][f];
     }
     if (!carriers[p][f].any_kept()) continue;
-    has_own[rank_[p][f]] = 1;
+    has_own[rank[p][f]] = 1;
   }
   find_beyond(p, slave, cover);
   for (Index f = 0; f < slave.facets(); ++f)
@@ -275,7 +248,7 @@ void Ownership::choose_carriers(Index p, const Side& slave, const Cover& cover) 
   find_stand_ins(p, slave, true);
   // A patch without nodes of its own leaves its traction to the nodes it shares with others.
   for (Index f = 0; f < slave.facets(); ++f) {
-    if (cover.cells[f].empty() || has_own[rank_[p][f]]) continue;
+    if (cover.cells[f].empty() || has_own[rank[p][f]]) continue;
     for (int v = 0; v < slave.d; ++v)
       carriers[p][f].kept[v] = state[slave.facet(f).node[v]] == State::kept;
     thin_out(slave.facet(f), 1, carriers[p][f]);  // to know the strongest
@@ -292,7 +265,7 @@ void Ownership::find_beyond(Index p, const Side& slave, const Cover& cover) {
     return of_body.first[0] == p && of_body.second > 0;
   });
   if (slips) return;
-  std::vector<Index> faced;  // nodes that something faces
+  std::vector<Index> reached;  // nodes that something faces
   const auto for_each_point = [&](Index f, const auto& visit) {
     for (const Cell& cell : cover.cells[f])
       for (const Vec2& xi : cell.part) visit(slave_coordinates(slave.d, xi));
@@ -301,16 +274,16 @@ void Ownership::find_beyond(Index p, const Side& slave, const Cover& cover) {
     for_each_point(f, [&](const Vec3& lambda) {
       for (int v = 0; v < slave.d; ++v)
         if (carriers[p][f].kept[v] && lambda[v] > at_vertex)
-          faced.push_back(slave.facet(f).node[v]);
+          reached.push_back(slave.facet(f).node[v]);
     });
-  sort_once(faced);
+  sort_once(reached);
   for (Index f = 0; f < slave.facets(); ++f) {
     Carriers& of = carriers[p][f];
     bool any_faces = false;
     for (int v = 0; v < slave.d; ++v) {
       const Index i = slave.facet(f).node[v];
-      of.beyond[v] =
-          of.kept[v] && !common.of_master[i] && !std::binary_search(faced.begin(), faced.end(), i);
+      of.beyond[v] = of.kept[v] && !common.of_master[i] &&
+                     !std::binary_search(reached.begin(), reached.end(), i);
       any_faces = any_faces || (of.kept[v] && !of.beyond[v]);
     }
     if (!any_faces) of.beyond = {};
@@ -343,7 +316,7 @@ void Ownership::find_stand_ins(Index p, const Side& slave, bool within_patch) {
   std::vector<std::vector<Index>> neighbours(slave.facets());
   for (const Joint& joint : slave.joints) {
     const auto [f, g] = joint.facet;
-    if (within_patch && rank_[p][f] != rank_[p][g]) continue;
+    if (within_patch && rank[p][f] != rank[p][g]) continue;
     neighbours[f].push_back(g);
     neighbours[g].push_back(f);
   }
@@ -368,7 +341,7 @@ void Ownership::find_stand_ins(Index p, const Side& slave, bool within_patch) {
 
 Arrangement::Arrangement(const Nodes& nodes_, const std::vector<Pair>& given,
                          std::vector<Pair> parted, const Options& options, const Arrangement* begun)
-    : nodes(nodes_), pairs(std::move(parted)) {
+    : Sides{nodes_}, pairs(std::move(parted)) {
   if (begun) choices = begun->choices;
   if (!begun) validate_pairs(nodes, pairs, options);
   for (std::size_t p = 0; p < pairs.size(); ++p) {
@@ -381,7 +354,7 @@ Arrangement::Arrangement(const Nodes& nodes_, const std::vector<Pair>& given,
     covers.push_back(cover(nodes, given[p], slaves[p], masters[p], options.maxgap,
                            earlier ? &*earlier : nullptr));
   }
-  ownership.emplace(nodes, slaves, masters, covers, options, begun);
+  ownership.emplace(*this, options, begun);
 }
 
 }  // namespace frictioncg::mortar

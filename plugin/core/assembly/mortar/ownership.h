@@ -1,13 +1,24 @@
 #pragma once
-#include "assembly/mortar/cover.h"
 #include "assembly/mortar/dual_basis.h"
 #include "assembly/mortar/integration.h"
 #include "assembly/mortar/moments.h"
-#include "assembly/mortar/mortar.h"
 #include "assembly/mortar/normals.h"
 #include "assembly/mortar/owners.h"
 
 namespace frictioncg::mortar {
+
+/// What an increment goes on with from where it began.
+struct Ranked {
+  std::vector<std::vector<Index>> rank;     ///< per pair and facet, of its patch
+  std::vector<Index> owner;                 ///< per node: rank of its patch, or -1
+  std::vector<Index> pair;                  ///< per node, of the owning patch
+  std::vector<Real> covered;                ///< per node: measure covered around it
+  std::vector<std::vector<char>> faced;     ///< per pair and facet of the master
+  Slipping slipping;                        ///< of slave_normals()
+  std::set<std::pair<Index, Index>> taken;  ///< Ownership::takes()
+  std::vector<Index> nodes_of_patch;        ///< by rank: how many it has
+  Index patches = 0;
+};
 
 /// Which vertices carry the laws on which slave facet.
 ///
@@ -25,27 +36,21 @@ namespace frictioncg::mortar {
 /// Ranks, owners, nodes that lie on a master, how many motions slip and where masters' normals
 /// count are those of where the increment began; of a node that nothing was before there they are
 /// found here, by rank alone.
-struct Ownership {
+struct Ownership : Ranked {
   /// begun: where the increment began; null: here. A cell whose master did not face anything there
   /// is taken off the covers where a node lies on it that would be removed: that is no master in
   /// this increment.
-  Ownership(const Nodes& nodes, const std::vector<Side>& slaves, const std::vector<Side>& masters,
-            std::vector<Cover>& covers, const Options& options,
-            const struct Arrangement* begun = nullptr);
+  Ownership(Sides& of, const Options& options, const struct Arrangement* begun);
 
   enum class State : char { uncovered, kept, shared, taken, held };
   static constexpr int states = 5;
   std::vector<State> state;  ///< per node
-  std::vector<Index> pair;   ///< per node, of the owning patch
   std::vector<long> label;   ///< per node
   std::vector<Vec3> normal;  ///< per node: given, or slave_normals()
-  Slipping slipping;         ///< of slave_normals()
   CommonNormals common;      ///< choose_common_normals()
-  /// Per node: measure covered around it, where it is decided what faces what.
-  std::vector<Real> covered;
   /// Whether the law of node i takes on itself what the removed node r moves by, since r's law
   /// would otherwise depend on that of i in a ring.
-  bool takes(Index i, Index r) const { return taken_.count({i, r}) > 0; }
+  bool takes(Index i, Index r) const { return taken.count({i, r}) > 0; }
 
   struct Carriers {
     std::array<bool, 3> kept{};   ///< vertices of the facet
@@ -96,40 +101,26 @@ struct Ownership {
   std::vector<std::vector<Carriers>> carriers;  ///< per pair and slave facet
 
  private:
-  struct Patch;
-  void go_on_from(const Ownership& begun);
-  void rank_patches(const std::vector<Side>& slaves, const std::vector<Side>& masters,
-                    const std::vector<Cover>& covers, const std::vector<Vec3>& X);
+  void rank_patches(const Sides& of);
   /// ways: where it is decided here; by rank alone without
-  void own(const Nodes& nodes, const std::vector<Side>& slaves, const std::vector<Side>& masters,
-           const std::vector<Cover>& covers, const Ways* ways);
+  void own(const Sides& of, const Ways* ways);
   void set_labels(const std::vector<Side>& slaves);
   void take_normals(const Nodes& nodes, const std::vector<Vec3>& normals);
-  void find_faced(const std::vector<Side>& masters, const std::vector<Cover>& covers);
   void find_on_masters(const std::vector<Side>& masters);
   /// Whether a node of a slave lies on the master of pair p, or of one before it, of which a facet
   /// counts only where something faces it: the rest of its label is no master. Laws of later pairs
   /// alone may depend on a node with a law.
   bool on_master(Index i, Index p) const;
-  void remove_shared();
-  void take_off_slaves(const std::vector<Side>& masters, std::vector<Cover>& covers) const;
-  void remove_held(const Nodes& nodes, const std::vector<Side>& slaves,
-                   const std::vector<Vec3>& deciding);
+  void take_off_slaves(Sides& of) const;
+  void remove_held(const Sides& of, const std::vector<Vec3>& deciding);
   void choose_carriers(Index p, const Side& slave, const Cover& cover);
   void find_beyond(Index p, const Side& slave, const Cover& cover);
   void thin_out(const Facet& facet, Real fraction, Carriers& of_facet) const;
   void find_stand_ins(Index p, const Side& slave, bool within_patch);
-  void break_rings(const std::vector<Side>& slaves, const std::vector<Side>& masters,
-                   const std::vector<Cover>& covers);
+  void break_rings(const Sides& of);
 
-  std::vector<std::vector<Index>> rank_;      ///< per pair and facet, of its patch
-  std::vector<Index> owner_;                  ///< per node: rank of its patch, or -1
-  std::vector<std::vector<char>> faced_;      ///< per pair and facet of the master
   std::set<std::pair<Index, Index>> on_own_;  ///< nodes of slaves on masters, and their pairs
   std::map<Index, Index> on_faced_;  ///< of those on facets that face something: the first pair
-  std::set<std::pair<Index, Index>> taken_;  ///< takes()
-  std::vector<Index> nodes_;                 ///< per rank: how many nodes the patch has
-  Index patches_ = 0;
 };
 
 /// visit(i, psi, kept, d) for each multiplier of a slave facet: of node i, psi by coefficients over
@@ -163,8 +154,8 @@ void for_each_multiplier(const Part& part, const Moments& moments,
     visit(i, Eigen::RowVector3d::Constant(share).eval(), carriers.kept, 0.);
 }
 
-/// The sides of all pairs where their nodes are, what is before what there, and who carries laws.
-struct Arrangement {
+/// The same where their nodes are, and who carries laws.
+struct Arrangement : Sides {
   /// parted: of the pairs given; begun: where the increment began, which has decided; null: it is
   /// decided here.
   Arrangement(const Nodes& nodes, const std::vector<Pair>& given, std::vector<Pair> parted,
@@ -172,12 +163,18 @@ struct Arrangement {
   Arrangement(const Arrangement&) = delete;
   Arrangement& operator=(const Arrangement&) = delete;
 
-  const Nodes& nodes;
   std::vector<Pair> pairs;  ///< parted
-  std::vector<Side> slaves, masters;
-  std::vector<Cover> covers;
   std::optional<Ownership> ownership;
   RowChoices choices;  ///< where the increment began, then of now
 };
+
+/// Refuses a label that is slave and master of one pair, and nodes that the merging of meshes ties
+/// together.
+void validate_pairs(const Nodes& nodes, const std::vector<Pair>& pairs, const Options& options);
+
+/// Refuses pairs where nothing faces, but for bodies that have moved (Nodes::reference), facets
+/// without weight, pairs where no slave node is left to carry a law, and facets that face the
+/// master of one pair while they are faced as the master of another.
+void validate_cover(const Arrangement& of, const Options& options);
 
 }  // namespace frictioncg::mortar

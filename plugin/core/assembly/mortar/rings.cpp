@@ -68,21 +68,20 @@ void for_each_removed(Ownership& ownership, const std::vector<Side>& slaves, con
 
 /// visit(i, l): laws of nodes i, and nodes l with a law on the masters before them.
 template <class Visit>
-void for_each_faced(const Ownership& ownership, const std::vector<Side>& slaves,
-                    const std::vector<Side>& masters, const std::vector<Cover>& covers,
-                    const Visit& visit) {
-  for (std::size_t p = 0; p < slaves.size() && slaves.size() > 1; ++p)
-    for (Index f = 0; f < slaves[p].facets(); ++f)
-      for (const Cell& cell : covers[p].cells[f]) {
-        const Facet& facet = masters[p].facet(cell.master);
-        std::vector<Index> seen(facet.node.begin(), facet.node.begin() + slaves[p].d);
+void for_each_faced(const Ownership& ownership, const Sides& of, const Visit& visit) {
+  const int d = of.nodes.dimension;
+  for (std::size_t p = 0; p < of.slaves.size() && of.slaves.size() > 1; ++p)
+    for (Index f = 0; f < of.slaves[p].facets(); ++f)
+      for (const Cell& cell : of.covers[p].cells[f]) {
+        const Facet& facet = of.masters[p].facet(cell.master);
+        std::vector<Index> seen(facet.node.begin(), facet.node.begin() + d);
         if (facet.behind >= 0) seen.push_back(facet.behind);
-        const Ownership::Carriers& of = ownership.carriers[p][f];
+        const Ownership::Carriers& carriers = ownership.carriers[p][f];
         for (Index l : seen) {
           if (ownership.state[l] != Ownership::State::kept) continue;
-          for (int v = 0; v < slaves[p].d; ++v)
-            if (of.kept[v]) visit(slaves[p].facet(f).node[v], l);
-          for (Index i : of.stand_in) visit(i, l);
+          for (int v = 0; v < d; ++v)
+            if (carriers.kept[v]) visit(of.slaves[p].facet(f).node[v], l);
+          for (Index i : carriers.stand_in) visit(i, l);
         }
       }
 }
@@ -94,39 +93,37 @@ void for_each_faced(const Ownership& ownership, const std::vector<Side>& slaves,
 /// on itself what its removed nodes move by: one node that stands for a face is to spread its force
 /// over all of that. Where masters are in the ring so does each law whose removed node is a later
 /// pair's.
-void Ownership::break_rings(const std::vector<Side>& slaves, const std::vector<Side>& masters,
-                            const std::vector<Cover>& covers) {
-  const auto take = [&](Carriers& of, Index i, int v, int r, Index of_r) {
-    taken_.insert({i, of_r});
-    if (v >= 0) of.takes(v, r) = 1;
+void Ownership::break_rings(const Sides& of) {
+  const auto take = [&](Carriers& there, Index i, int v, int r, Index of_r) {
+    taken.insert({i, of_r});
+    if (v >= 0) there.takes(v, r) = 1;
   };
-  for_each_removed(*this, slaves, [&](Carriers& of, Index i, int v, int r, Index of_r) {
-    if (takes(i, of_r)) take(of, i, v, r, of_r);
+  for_each_removed(*this, of.slaves, [&](Carriers& there, Index i, int v, int r, Index of_r) {
+    if (takes(i, of_r)) take(there, i, v, r, of_r);
   });
-  if (nodes_.empty()) {
-    nodes_.assign(static_cast<std::size_t>(patches_), 0);
-    for (std::size_t i = 0; i < owner_.size(); ++i)
-      if (state[i] == State::kept) ++nodes_[owner_[i]];
+  if (nodes_of_patch.empty()) {
+    nodes_of_patch.assign(static_cast<std::size_t>(patches), 0);
+    for (std::size_t i = 0; i < owner.size(); ++i)
+      if (state[i] == State::kept) ++nodes_of_patch[owner[i]];
   }
   for (const bool with_masters : {false, true}) {
     const auto leads_back = [&](Index i, Index r) {
       const Index first = with_masters ? pair[i] : 0, next = with_masters ? pair[r] : 0;
-      return std::tuple(-next, nodes_[owner_[r]], owner_[r]) <
-             std::tuple(-first, nodes_[owner_[i]], owner_[i]);
+      return std::tuple(-next, nodes_of_patch[owner[r]], owner[r]) <
+             std::tuple(-first, nodes_of_patch[owner[i]], owner[i]);
     };
     for (bool changed = true; changed;) {
       Dependence laws;
-      for_each_removed(*this, slaves, [&](Carriers&, Index i, int, int, Index r) {
+      for_each_removed(*this, of.slaves, [&](Carriers&, Index i, int, int, Index r) {
         if (!takes(i, r)) laws.add(i, r);
       });
       if (laws.empty()) return;
-      if (with_masters)
-        for_each_faced(*this, slaves, masters, covers, [&](Index i, Index l) { laws.add(i, l); });
+      if (with_masters) for_each_faced(*this, of, [&](Index i, Index l) { laws.add(i, l); });
       laws.leave_rings();
       changed = false;
-      for_each_removed(*this, slaves, [&](Carriers& of, Index i, int v, int r, Index of_r) {
+      for_each_removed(*this, of.slaves, [&](Carriers& there, Index i, int v, int r, Index of_r) {
         if (!laws.has(i, of_r) || !leads_back(i, of_r)) return;
-        take(of, i, v, r, of_r);
+        take(there, i, v, r, of_r);
         changed = true;
       });
     }

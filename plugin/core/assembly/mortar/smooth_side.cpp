@@ -4,11 +4,6 @@ namespace frictioncg::mortar {
 
 namespace {
 
-int position(const Side& side, Index f, Index vertex) {
-  const auto& node = side.facet(f).node;
-  return static_cast<int>(std::find(node.begin(), node.end(), vertex) - node.begin());
-}
-
 /// Vertices numbered anew: those of the side alone.
 Faceted faceted(const Side& side, const std::vector<Vec3>& X) {
   Faceted surface;
@@ -40,7 +35,7 @@ SmoothSide::SmoothSide(const Side& side, const std::vector<Vec3>& X,
     const auto [f, g] = side.joints[k].facet;
     for (Index i : side.joints[k].vertex)
       if (is_smooth(side, k, smooth))
-        corners.join(d * f + position(side, f, i), d * g + position(side, g, i));
+        corners.join(d * f + position(side.facet(f), i), d * g + position(side.facet(g), i));
   }
   Faceted surface = faceted(side, X);
   std::map<Index, Index> fan_of_root;

@@ -39,6 +39,11 @@ inline std::array<int, 2> edge_ends(int d, int k) {
 }
 /// A vertex of the reference facet.
 inline Vec2 reference_vertex(int v) { return Vec2(v == 1, v == 2); }
+/// Of a node on a facet, where it is in Facet::node.
+inline int position(const Facet& facet, Index node) {
+  return static_cast<int>(std::find(facet.node.begin(), facet.node.end(), node) -
+                          facet.node.begin());
+}
 Vec3 centre_of(int d, const Facet& facet, const std::vector<Vec3>& X);
 inline int edges_of_facet(int d) { return d == 2 ? 1 : 3; }
 inline int nodes_of_facet(int d, bool quadratic) { return quadratic ? d + edges_of_facet(d) : d; }

@@ -23,7 +23,7 @@ Mat3 slope_of_inverse(const Vec3& e) {
 void TurningNormal::add(const Side& side, Index f) {
   if (side.planes[f].normal.dot(n_) < sharp) return;
   const auto& node = side.facet(f).node;
-  const int v = static_cast<int>(std::find(node.begin(), node.begin() + side.d, i_) - node.begin());
+  const int v = position(side.facet(f), i_);
   const Index j = node[(v + 1) % side.d], k = node[(v + 2) % side.d];
   const Vec3 e = X_[j] - X_[i_];
   ++facets_, facet_ = f, beside_ = j;

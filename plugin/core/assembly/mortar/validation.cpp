@@ -1,5 +1,4 @@
-#include "assembly/mortar/validation.h"
-
+#include "assembly/mortar/ownership.h"
 #include "assembly/mortar/search.h"
 
 namespace frictioncg::mortar {
@@ -33,22 +32,22 @@ void refuse_common_facets(int d, const std::vector<Pair>& pairs) {
 
 /// T expresses slave nodes by master nodes: facets that face something are to be no masters.
 /// (Single nodes may be both: Ownership.)
-void refuse_slaves_as_masters(const Nodes& nodes, const std::vector<Side>& slaves,
-                              const std::vector<Side>& masters, const std::vector<Cover>& covers) {
+void refuse_slaves_as_masters(const Sides& of) {
+  const std::vector<Side>&slaves = of.slaves, &masters = of.masters;
   if (slaves.size() < 2) return;
-  const int d = nodes.dimension;
+  const int d = of.nodes.dimension;
   std::map<Key, std::size_t> facing;  // slave facets, and their pair
   for (std::size_t p = 0; p < slaves.size(); ++p)
     for (Index f = 0; f < slaves[p].facets(); ++f)
-      if (!covers[p].cells[f].empty()) facing.emplace(key(d, slaves[p].facet(f)), p);
+      if (!of.covers[p].cells[f].empty()) facing.emplace(key(d, slaves[p].facet(f)), p);
   for (std::size_t q = 0; q < masters.size(); ++q)
-    for (const std::vector<Cell>& cells : covers[q].cells)
+    for (const std::vector<Cell>& cells : of.covers[q].cells)
       for (const Cell& cell : cells) {
         const Facet& facet = masters[q].facet(cell.master);
         const auto found = facing.find(key(d, facet));
         if (found == facing.end()) continue;
         refuse(
-            "the node at ", place(d, nodes.X[facet.node[0]]), " on label ", facet.label,
+            "the node at ", place(d, of.nodes.X[facet.node[0]]), " on label ", facet.label,
             " is slave of one pair (master: ", labels_of(masters[found->second].surface),
             ") and master of another (slave: ", labels_of(slaves[q].surface),
             "); exchange slave and master of one of the two, or leave out by maxgap what does not "
@@ -132,15 +131,14 @@ void validate_pairs(const Nodes& nodes, const std::vector<Pair>& pairs, const Op
 
 void validate_cover(const Arrangement& of, const Options& options) {
   const Nodes& nodes = of.nodes;
-  const std::vector<Side>&slaves = of.slaves, &masters = of.masters;
-  const std::vector<Cover>& covers = of.covers;
-  refuse_slaves_as_masters(nodes, slaves, masters, covers);
+  const std::vector<Side>& slaves = of.slaves;
+  refuse_slaves_as_masters(of);
   for (std::size_t p = 0; p < slaves.size(); ++p) {
-    const Cover& cover = covers[p];
+    const Cover& cover = of.covers[p];
     const auto is_empty = [](const std::vector<Cell>& cells) { return cells.empty(); };
     if (std::all_of(cover.cells.begin(), cover.cells.end(), is_empty)) {
       if (!nodes.reference.empty()) continue;  // bodies that move may come apart
-      refuse_nothing_faces(nodes, slaves[p], masters[p], cover, options);
+      refuse_nothing_faces(nodes, slaves[p], of.masters[p], cover, options);
     }
     if (!options.weight.empty()) refuse_weightless(nodes, slaves[p], cover, options.weight);
     std::array<Index, Ownership::states> count{};
