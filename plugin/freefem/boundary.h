@@ -67,7 +67,7 @@ struct BoundaryNode {
   Vec3 moved =
       Vec3::Zero();  ///< already, against what it touches: the laws bound it with what follows
   Vec3 aside = Vec3::Zero();  ///< as SharedNode's
-  Vec3 slid = Vec3::Zero();   ///< mortar/slip.h: what its motion since uold lacks of its slip
+  Vec3 slid = Vec3::Zero();   ///< Mortar::slip: what its motion since uold lacks of its slip
   Vec3 mean = Vec3::Zero();  ///< mean outward normal of all facets at the node; 0 where they cancel
   double turn = 0;           ///< angle to its facets, of a curved surface; 0 where that is flat
   bool averaged = false;     ///< it stands for more normals than the node can obey

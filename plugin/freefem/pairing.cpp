@@ -1,6 +1,5 @@
 #include "pairing.h"
 
-#include "../core/assembly/mortar/slip.h"
 #include "../core/assembly/mortar/topology.h"
 #include "../core/linear_algebra.h"
 

@@ -1,7 +1,6 @@
 #pragma once
 #include "../core/assembly/mortar/coupling.h"
 #include "../core/assembly/mortar/geometric_stiffness.h"
-#include "../core/assembly/mortar/label_pairs.h"
 #include "space.h"
 
 namespace frictioncg {

@@ -2,7 +2,6 @@
 #include "../freefem/freefem.h"
 
 #include "../core/answer.h"
-#include "../core/assembly/mortar/slip.h"
 #include "../freefem/motions.h"
 #include "../freefem/outputs.h"
 #include "shared_pair.h"

@@ -3,8 +3,7 @@
 #include <Eigen/SVD>
 #include <random>
 
-#include "core/assembly/mortar/clipping.h"
-#include "core/assembly/mortar/dual_basis.h"
+#include "core/assembly/mortar/integration.h"
 
 using namespace frictioncg;
 using namespace frictioncg::mortar;

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "core/assembly/mortar/label_pairs.h"
+#include "core/assembly/mortar/mortar.h"
 #include "core/types.h"
 
 using namespace frictioncg;

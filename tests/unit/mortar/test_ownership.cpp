@@ -174,7 +174,9 @@ TEST(Ownership, SparedNodesLeaveNoFacetWithoutANode) {
     s.pairs[0].slave = s.sheet(
         n, -1, [](const Vec3& x) { return x; }, 1);
     const Side slave(3, s.pairs[0].slave, s.nodes.X);
-    std::vector<std::vector<Index>> rank(1);
+    Ranked ranked;
+    std::vector<std::vector<Index>>& rank = ranked.rank;
+    rank.resize(1);
     std::vector<std::vector<Index>> facets_at(s.nodes.X.size());
     std::vector<Index> of_cell(static_cast<std::size_t>(n * n));
     std::iota(of_cell.begin(), of_cell.end(), 0);
@@ -187,7 +189,8 @@ TEST(Ownership, SparedNodesLeaveNoFacetWithoutANode) {
       for (int v = 0; v < 3; ++v) facets_at[slave.facet(f).node[v]].push_back(f);
     Cover all;
     all.cells.assign(slave.facets(), {Cell{}});
-    std::vector<Index> owner, pair(s.nodes.X.size(), 0);
+    std::vector<Index>& owner = ranked.owner;
+    ranked.pair.assign(s.nodes.X.size(), 0);
     for (const auto& facets : facets_at) owner.push_back(rank[0][facets[random() % facets.size()]]);
     std::vector<char> taken(s.nodes.X.size());
     for (char& t : taken) t = random() % 8 == 0;
@@ -207,8 +210,8 @@ TEST(Ownership, SparedNodesLeaveNoFacetWithoutANode) {
     const std::vector<char> before = lacking();
     const std::vector<Index> first = owner;
     const Sides of{s.nodes, {slave}, {slave}, {all}};
-    spare(of, rank, Ways(of, rank), [&](std::size_t, Index, Index i) { return !taken[i]; },
-          {owner, pair});
+    spare(
+        of, Ways(of, rank), [&](std::size_t, Index, Index i) { return !taken[i]; }, ranked);
     const std::vector<char> after = lacking();
     for (std::size_t f = 0; f < before.size(); ++f) EXPECT_LE(after[f], before[f]) << scene;
     for (std::size_t i = 0; i < owner.size(); ++i) {

@@ -40,7 +40,7 @@ Real moved_since(const Earlier& earlier, const std::vector<Vec3>& X) {
 class Covering {
  public:
   Covering(const Side& slave, const Side& master, const std::vector<Vec3>& X, Real maxgap,
-           const OwnSurface* own, const Earlier* earlier)
+           const OwnSurface* own, const std::optional<Earlier>& earlier)
       : slave_(slave),
         master_(master),
         X_(X),
@@ -213,7 +213,7 @@ class Covering {
   Real maxgap_;
   int d_;
   const OwnSurface* own_;
-  const Earlier* earlier_;
+  const std::optional<Earlier>& earlier_;
   const Real moved_;
   FacetTree tree_;
   std::vector<Index> found_;
@@ -225,7 +225,7 @@ class Covering {
 }  // namespace
 
 Cover cover(const Side& slave, const Side& master, const std::vector<Vec3>& X, Real maxgap,
-            const OwnSurface* own, const Earlier* earlier) {
+            const OwnSurface* own, const std::optional<Earlier>& earlier) {
   return Covering(slave, master, X, maxgap, own, earlier).run();
 }
 

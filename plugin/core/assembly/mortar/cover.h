@@ -30,17 +30,16 @@ struct Sides {
 
 struct OwnSurface;  // self_contact.h
 
-/// The same sides where it was decided what faces what, and what they covered there.
+/// The same sides where it was decided what faces what.
 struct Earlier {
   const Side &slave, &master;
   const std::vector<Vec3>& X;
-  const Cover& cover;
 };
 
-/// earlier: null where it is decided here. What maxgap leaves out there is left out, so
+/// earlier: none where it is decided here. What maxgap leaves out there is left out, so
 /// that the cells of X move on with X. own: of a surface that touches itself, or null. Throws
 /// IllegalInput where the bodies overlap by more than a facet.
 Cover cover(const Side& slave, const Side& master, const std::vector<Vec3>& X, Real maxgap,
-            const OwnSurface* own = nullptr, const Earlier* earlier = nullptr);
+            const OwnSurface* own = nullptr, const std::optional<Earlier>& earlier = {});
 
 }  // namespace frictioncg::mortar

@@ -40,7 +40,84 @@ Vec3 arc(const Vec3& n_a, const Vec3& n_b, const Vec3& e) {
   return (n_b - n_a).dot(e) / 2 / (1 + cosine) * (n_a + n_b);
 }
 
+Mat3 cross(const Vec3& a) {
+  Mat3 m;
+  m << 0, -a[2], a[1], a[2], 0, -a[0], -a[1], a[0], 0;
+  return m;
+}
+
+/// Of e / |e|^2.
+Mat3 slope_of_inverse(const Vec3& e) {
+  const Real square = e.squaredNorm();
+  return (Mat3::Identity() - 2 / square * e * e.transpose()) / square;
+}
+
+/// The sum, with its derivatives.
+class TurningNormal {
+ public:
+  TurningNormal(Index i, const Vec3& n, const std::vector<Vec3>& X) : i_(i), n_(n), X_(X) {}
+  void add(const Side& side, Index f) {
+    if (side.planes[f].normal.dot(n_) < sharp) return;
+    const auto& node = side.facet(f).node;
+    const int v = position(side.facet(f), i_);
+    const Index j = node[(v + 1) % side.d], k = node[(v + 2) % side.d];
+    const Vec3 e = X_[j] - X_[i_];
+    ++facets_, facet_ = f, beside_ = j;
+    if (side.d == 2) return add(e, Vec3::UnitZ(), j, side.planes[f].normal);
+    add(e, (X_[k] - X_[i_]) / (X_[k] - X_[i_]).squaredNorm(), j, side.planes[f].normal);
+    const Mat3 by = sign_ * cross(e / e.squaredNorm()) * slope_of_inverse(X_[k] - X_[i_]);
+    slope(k) += by;
+    slope(i_) -= by;
+  }
+  /// Once all facets are added
+  void end(const Side& side, const std::vector<char>& smooth) {
+    if (side.d == 3 || facets_ != 1) return;
+    for (std::size_t k = 0; k < side.joints.size(); ++k) {
+      const auto [f, g] = side.joints[k].facet;
+      if (!is_smooth(side, k, smooth) || side.joints[k].vertex[0] != beside_) continue;
+      if (f != facet_ && g != facet_) continue;
+      const auto& node = side.facet(f == facet_ ? g : f).node;
+      const Index farther = node[0] == beside_ ? node[1] : node[0];
+      add(X_[farther] - X_[i_], Vec3::UnitZ(), farther, side.planes[facet_].normal, -1);
+    }
+  }
+  Turns turns() const {
+    Turns turns = slopes_;
+    const Mat3 along = (Mat3::Identity() - n_ * n_.transpose()) / sum_.norm();
+    for (auto& [j, by] : turns) by = along * by;
+    return turns;
+  }
+
+ private:
+  /// factor e/|e|^2 x other, whose sign without the factor is that of n_f
+  void add(const Vec3& e, const Vec3& other, Index j, const Vec3& n_f, Real factor = 1) {
+    const Vec3 term = (e / e.squaredNorm()).cross(other);
+    sign_ = term.dot(n_f) < 0 ? -factor : factor;
+    sum_ += sign_ * term;
+    const Mat3 by = -sign_ * cross(other) * slope_of_inverse(e);
+    slope(j) += by;
+    slope(i_) -= by;
+  }
+  Mat3& slope(Index j) { return slopes_.try_emplace(j, Mat3::Zero()).first->second; }
+
+  Index i_;
+  Vec3 n_;
+  const std::vector<Vec3>& X_;
+  Real sign_ = 1;
+  Index facets_ = 0, facet_ = -1, beside_ = -1;  ///< how many; 2D: the last, and its other vertex
+  Vec3 sum_ = Vec3::Zero();
+  Turns slopes_;
+};
+
 }  // namespace
+
+Turns turns_of_normal(Index i, const Vec3& n, const std::vector<Index>& facets, const Side& side,
+                      const std::vector<Vec3>& X, const std::vector<char>& smooth) {
+  TurningNormal normal(i, n, X);
+  for (Index f : facets) normal.add(side, f);
+  normal.end(side, smooth);
+  return normal.turns();
+}
 
 CurvedOffset::CurvedOffset(const Side& side, const std::vector<Vec3>& X)
     : side_(side),
@@ -101,12 +178,9 @@ void CurvedOffset::add_slopes(const Bends& bends, Sloped& to) const {
 
 const Turns& CurvedOffset::turns(Index fan) const {
   const auto [at, is_new] = turns_.try_emplace(fan);
-  if (is_new) {
-    TurningNormal normal(smooth_.node(fan), smooth_.normal(fan), X_);
-    for (Index f : smooth_.facets(fan)) normal.add(side_, f);
-    normal.end(side_, smooth_joints_);
-    at->second = normal.turns();
-  }
+  if (is_new)
+    at->second = turns_of_normal(smooth_.node(fan), smooth_.normal(fan), smooth_.facets(fan), side_,
+                                 X_, smooth_joints_);
   return at->second;
 }
 

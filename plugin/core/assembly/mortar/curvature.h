@@ -1,9 +1,41 @@
 #pragma once
-#include "assembly/mortar/sloped.h"
 #include "assembly/mortar/smooth_side.h"
-#include "assembly/mortar/turning_normal.h"
 
 namespace frictioncg::mortar {
+
+/// A number with its derivatives with respect to the places of nodes.
+struct Sloped {
+  Real value = 0;
+  std::map<Index, Vec3> slope;  ///< by node; 0 of others
+
+  void add(const Sloped& f, Real factor) {
+    value += factor * f.value;
+    for (const auto& [node, by] : f.slope) at(node) += factor * by;
+  }
+  Vec3& at(Index node) { return slope.try_emplace(node, Vec3::Zero()).first->second; }
+  Vec3 by(Index node) const {
+    const auto found = slope.find(node);
+    return found == slope.end() ? Vec3(Vec3::Zero()) : found->second;
+  }
+};
+
+using Mat3 = Eigen::Matrix3d;
+using Turns = std::map<Index, Mat3>;  ///< dn/dX_j by j
+
+/// Derivatives of the normal n of node i, which is along a sum over those of the facets around it
+/// that are one surface with it,
+///
+///   n ~ sum_f n_f sin(alpha_f) / (|e_f| |e'_f|)
+///
+/// alpha_f the angle of facet f at the node, between the edges e_f and e'_f (2D: n_f / |e_f|):
+/// exact on circles and spheres [Max]. In 2D that is the circle through the node and the two beside
+/// it; at the end of a line of facets the next two vertices have the circle,
+///
+///   n ~ n_f / |e_f| - n' / |e'|
+///
+/// e' to the farther one, n' across it.   smooth: as in is_smooth
+Turns turns_of_normal(Index i, const Vec3& n, const std::vector<Index>& facets, const Side& side,
+                      const std::vector<Vec3>& X, const std::vector<char>& smooth = {});
 
 /// Offset from the facets to the smooth surface through their vertices.   Nagata 2005
 ///

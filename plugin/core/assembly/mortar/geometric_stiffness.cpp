@@ -1,6 +1,5 @@
 #include "assembly/mortar/geometric_stiffness.h"
 
-#include "assembly/mortar/turning_normal.h"
 #include "linear_algebra.h"
 
 namespace frictioncg::mortar {
@@ -175,23 +174,13 @@ class Row {
 
 /// The turns of the normals of contact nodes, by node; none of those that have the master's.
 std::map<Index, Turns> turns_of(const Arrangement& of, const std::vector<ContactNode>& contact) {
-  std::vector<std::map<Index, TurningNormal>> at(of.slaves.size());  // by the pair of the law
+  std::vector<std::map<Index, std::vector<Index>>> around(of.slaves.size());  // facets, by the pair
+  for_each_vertex(of.slaves, [&](std::size_t p, Index f, Index i) { around[p][i].push_back(f); });
+  std::map<Index, Turns> turns;
   for (const ContactNode& c : contact)
     if (!of.ownership->common.of_master[c.node])
-      at[c.pair].emplace(c.node, TurningNormal(c.node, c.normal, of.nodes.X));
-  std::map<Index, Turns> turns;
-  for (std::size_t p = 0; p < at.size(); ++p) {
-    const Side& side = of.slaves[p];
-    for (Index f = 0; f < side.facets(); ++f)
-      for (int v = 0; v < side.d; ++v) {
-        const auto found = at[p].find(side.facet(f).node[v]);
-        if (found != at[p].end()) found->second.add(side, f);
-      }
-    for (auto& [i, normal] : at[p]) {
-      normal.end(side);
-      turns[i] = normal.turns();
-    }
-  }
+      turns[c.node] =
+          turns_of_normal(c.node, c.normal, around[c.pair][c.node], of.slaves[c.pair], of.nodes.X);
   return turns;
 }
 

@@ -5,7 +5,7 @@
 namespace frictioncg::mortar {
 
 /// d(G'y)/dX, where the forces y keep their parts along normals and tangents: both turn with the
-/// slave (turning_normal.h),
+/// slave (turns_of_normal),
 ///
 ///   dy_i = (n_i x dn_i) x y_i
 ///

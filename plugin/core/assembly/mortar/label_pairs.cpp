@@ -1,4 +1,4 @@
-#include "assembly/mortar/label_pairs.h"
+#include "assembly/mortar/mortar.h"
 
 namespace frictioncg::mortar {
 

@@ -1,9 +1,10 @@
 #include "assembly/mortar/mortar.h"
 
+#include <unordered_map>
+
 #include "assembly/mortar/geometric_stiffness.h"
 #include "assembly/mortar/moments.h"
 #include "assembly/mortar/self_contact.h"
-#include "assembly/mortar/slip.h"
 
 namespace frictioncg::mortar {
 
@@ -267,7 +268,65 @@ Options at_the_beginning(Options options) {
   return options;
 }
 
+/// (G x)_k, seen from node i: the entries of a row sum up to 0.
+Vec3 relative(const Matrix& G, Index k, Index i, const std::vector<Vec3>& x) {
+  Vec3 sum = Vec3::Zero();
+  for (Matrix::InnerIterator it(G, k); it; ++it) sum += it.value() * (x[it.col()] - x[i]);
+  return sum;
+}
+
+/// What t.G(u - u_old) lacks of a slip that does not see how the bodies turn. Along smooth surfaces
+/// G x has the offset of the facets, which a rigid turn rotates; the change of G does not.
+/// Puso and Laursen 2004
+///
+///   slip = -(G - G_old) x,    c = slip - G (x - x_old) = G_old x - 2 G x + G x_old
+///
+/// x, x_old: the nodes now, and where the increment began. One vector for each contact node of
+/// `now`, as a motion of its own node; 0 where nothing was before it then.
+std::vector<Vec3> slip_beside(const Mortar& now, const std::vector<Vec3>& x, const Mortar& old,
+                              const std::vector<Vec3>& x_old) {
+  std::unordered_map<Index, Index> row_of;  // of a node in G_old
+  for (const ContactNode& node : old.nodes())
+    row_of.emplace(node.node, static_cast<Index>(row_of.size()));
+  std::vector<Vec3> c;
+  for (const ContactNode& node : now.nodes()) {
+    const Index k = static_cast<Index>(c.size()), i = node.node;
+    c.push_back(Vec3::Zero());
+    const auto before = row_of.find(i);
+    if (before == row_of.end()) continue;
+    const Matrix& G = now.relative();
+    const Vec3 sum = relative(old.relative(), before->second, i, x) - 2 * relative(G, k, i, x) +
+                     relative(G, k, i, x_old);
+    c[k] = sum / G.coeff(k, i);
+  }
+  return c;
+}
+
+/// The pairs of X with their nodes at Y: outside stays outside.
+std::vector<Pair> carried(int d, std::vector<Pair> pairs, const std::vector<Vec3>& X,
+                          const std::vector<Vec3>& Y) {
+  for (Pair& pair : pairs)
+    for (Surface* surface : {&pair.slave, &pair.master}) {
+      std::vector<Plane> planes;
+      for (const Facet& f : surface->facets) planes.push_back(plane_of(d, f, X));
+      planes = planes_at(d, *surface, planes, X, Y);
+      for (std::size_t f = 0; f < planes.size(); ++f) surface->facets[f].outward = planes[f].normal;
+    }
+  return pairs;
+}
+
 }  // namespace
+
+std::vector<Vec3> straightened(int d, const std::vector<Pair>& pairs, std::vector<Vec3> X) {
+  for (const Pair& pair : pairs)
+    for (const Surface* surface : {&pair.slave, &pair.master})
+      for (const Facet& f : surface->facets)
+        for (int k = 0; k < edges_of_facet(d) && surface->quadratic; ++k) {
+          const auto [a, b] = edge_ends(d, k);
+          X[f.node[d + k]] = (X[f.node[a]] + X[f.node[b]]) / 2;
+        }
+  return X;
+}
 
 Mortar::Mortar(const Nodes& nodes, const std::vector<Pair>& given, const Options& options) {
   SlaveFacets slaves;

@@ -10,6 +10,15 @@ struct Pair {
   Surface slave, master;
 };
 
+/// What two lists of labels, not empty, stand for: of equal length, slave[k] faces master[k]; a
+/// single label faces all of the other list. A slave label that is named several times faces the
+/// union of its masters, and slave labels that face the same masters are one surface. Pairs without
+/// facets. Throws IllegalInput for other lengths.
+std::vector<Pair> label_pairs(const std::vector<long>& slave, const std::vector<long>& master);
+
+/// X with the mid-edges of P2 in the middle of their straight edges, as facets have them.
+std::vector<Vec3> straightened(int d, const std::vector<Pair>& pairs, std::vector<Vec3> X);
+
 /// The nodes that facets name.
 struct Nodes {
   int dimension = 2;                ///< 2 or 3
@@ -123,7 +132,7 @@ class Mortar {
   const std::vector<ContactNode>& nodes() const { return nodes_; }  ///< m
   const std::vector<MidEdge>& edges() const { return edges_; }
   const Matrix& relative() const { return G_; }  ///< m x nodes; forces on both bodies are G'y
-  /// What the slip of each contact node lacks of its motion since Nodes::before, slip.h; empty
+  /// What the slip of each contact node lacks of its motion since Nodes::before; empty
   /// where that is, and where normals are given: those of now, which the mortar of before cannot
   /// have.
   const std::vector<Vec3>& slip() const { return slip_; }

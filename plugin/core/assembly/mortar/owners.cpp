@@ -38,20 +38,19 @@ namespace {
 
 class Sparing {
  public:
-  Sparing(const Sides& of, const std::vector<std::vector<Index>>& rank, const Ways& ways,
-          const Carries& carries, Owners owners)
-      : of_(of), rank_(rank), ways_(ways), carries_(carries), owners_(owners) {}
+  Sparing(const Sides& of, const Ways& ways, const Carries& carries, Ranked& ranked)
+      : of_(of), ways_(ways), carries_(carries), ranked_(ranked) {}
   void run() {
     for (const Side& slave : of_.slaves) own_.emplace_back(slave.facets());
     for_each_covered(of_, [&](std::size_t p, Index f, Index i) {
-      own_[p][f] += owners_.rank[i] == rank_[p][f] && carries_(p, f, i);
+      own_[p][f] += ranked_.owner[i] == ranked_.rank[p][f] && carries_(p, f, i);
     });
     Places without;
     for (std::size_t p = 0; p < of_.slaves.size(); ++p)
       for (Index f = 0; f < of_.slaves[p].facets(); ++f)
         if (!of_.covers[p].cells[f].empty() && own_[p][f] == 0) without.push_back({p, f});
     if (without.empty()) return;
-    at_.resize(owners_.rank.size());
+    at_.resize(ranked_.owner.size());
     for_each_covered(of_, [&](std::size_t p, Index f, Index i) { at_[i].push_back({p, f}); });
     for (const Place& place : without)
       if (lacks(place) && provide(place, 0))
@@ -66,7 +65,7 @@ class Sparing {
   using Places = std::vector<Place>;
   static constexpr int longest = 1000;  ///< chain of nodes that move: each is a call of the search
 
-  Index rank(const Place& at) const { return rank_[at.pair][at.facet]; }
+  Index rank(const Place& at) const { return ranked_.rank[at.pair][at.facet]; }
   /// The facets of its patch that share a vertex with one.
   Places around(const Place& at) const {
     Places all;
@@ -84,8 +83,8 @@ class Sparing {
   void give(Index i, Index to, std::size_t pair) {
     for (const Place& o : at_[i])
       if (carries_(o.pair, o.facet, i))
-        own_[o.pair][o.facet] += (rank(o) == to) - (rank(o) == owners_.rank[i]);
-    owners_.rank[i] = to, owners_.pair[i] = static_cast<Index>(pair);
+        own_[o.pair][o.facet] += (rank(o) == to) - (rank(o) == ranked_.owner[i]);
+    ranked_.owner[i] = to, ranked_.pair[i] = static_cast<Index>(pair);
   }
   /// Whether a patch does without a node, at the facets there and around them, or gets others.
   bool spares(Index patch, Index i, int depth) {
@@ -106,7 +105,7 @@ class Sparing {
     });
     for (Index i : nodes) {
       if (!carries_(to.pair, to.facet, i) || !seen_.insert(i).second) continue;
-      const Index from = owners_.rank[i], pair = owners_.pair[i];
+      const Index from = ranked_.owner[i], pair = ranked_.pair[i];
       give(i, rank(to), to.pair);
       if (spares(from, i, depth + 1)) return true;
       give(i, from, static_cast<std::size_t>(pair));
@@ -115,10 +114,9 @@ class Sparing {
   }
 
   const Sides& of_;
-  const std::vector<std::vector<Index>>& rank_;
   const Ways& ways_;
   const Carries& carries_;
-  Owners owners_;
+  Ranked& ranked_;
   std::vector<std::vector<Index>> own_;  ///< how many vertices a facet's own patch has there
   std::vector<Places> at_;               ///< covered facets at each node
   std::set<Index> seen_;
@@ -126,9 +124,8 @@ class Sparing {
 
 }  // namespace
 
-void spare(const Sides& of, const std::vector<std::vector<Index>>& rank, const Ways& ways,
-           const Carries& carries, Owners owners) {
-  Sparing(of, rank, ways, carries, owners).run();
+void spare(const Sides& of, const Ways& ways, const Carries& carries, Ranked& ranked) {
+  Sparing(of, ways, carries, ranked).run();
 }
 
 }  // namespace frictioncg::mortar

@@ -1,7 +1,20 @@
 #pragma once
-#include "assembly/mortar/cover.h"
+#include "assembly/mortar/normals.h"
 
 namespace frictioncg::mortar {
+
+/// What an increment goes on with from where it began.
+struct Ranked {
+  std::vector<std::vector<Index>> rank;     ///< per pair and facet, of its patch
+  std::vector<Index> owner;                 ///< per node: rank of its patch, or -1
+  std::vector<Index> pair;                  ///< per node, of the owning patch
+  std::vector<Real> covered;                ///< per node: measure covered around it
+  std::vector<std::vector<char>> faced;     ///< per pair and facet of the master
+  Slipping slipping;                        ///< of slave_normals()
+  std::set<std::pair<Index, Index>> taken;  ///< Ownership::takes()
+  std::vector<Index> nodes_of_patch;        ///< by rank: how many it has
+  Index patches = 0;
+};
 
 /// visit(p, f, i): each vertex, node i, of each facet f of the side of each pair p.
 template <class Visit>
@@ -27,7 +40,7 @@ constexpr Real equally_near = 0.01;
 /// How far what faces it is from a vertex, facet by facet.
 class Ways {
  public:
-  /// rank: per pair and facet
+  /// rank: as in Ranked
   Ways(const Sides& of, const std::vector<std::vector<Index>>& rank);
   /// By how much it is farther along a facet than along the nearest one there [size of the facet];
   /// 0 where facets of one patch alone face something, or none reaches the vertex.
@@ -40,11 +53,6 @@ class Ways {
   std::map<Index, Real> nearest_;  ///< of nodes where facets of several patches face something
 };
 
-/// Which patch owns a node, by its rank and pair.
-struct Owners {
-  std::vector<Index>&rank, &pair;
-};
-
 /// Whether node i, a vertex of facet f of pair p, can have that one's law: no obstacle takes it, it
 /// is on no master, and no Dirichlet condition holds the facet's normal there.
 using Carries = std::function<bool(std::size_t p, Index f, Index i)>;
@@ -52,8 +60,7 @@ using Carries = std::function<bool(std::size_t p, Index f, Index i)>;
 /// A facet whose patch has no node on it, nor on those around it, would have its law at nodes of
 /// other faces, with their normals: a brick in a slot, one facet wide, would fall through the
 /// ground. It takes the vertex where that costs least whose patch does without, there and around,
-/// or gets another one in the same way.   rank: per pair and facet
-void spare(const Sides& of, const std::vector<std::vector<Index>>& rank, const Ways& ways,
-           const Carries& carries, Owners owners);
+/// or gets another one in the same way.
+void spare(const Sides& of, const Ways& ways, const Carries& carries, Ranked& ranked);
 
 }  // namespace frictioncg::mortar

@@ -134,12 +134,17 @@ void Ownership::own(const Sides& of, const Ways* ways) {
     owner[i] = rank[p][f];
     pair[i] = static_cast<Index>(p);
   });
-  find_on_masters(of.masters);
+  for_each_vertex(of.masters, [&](std::size_t p, Index f, Index i) {
+    const Index of_master = static_cast<Index>(p);
+    if (state[i] != State::kept) return;
+    on_own_.insert({i, of_master});
+    if (faced[p][f]) on_faced_.emplace(i, of_master);
+  });
   const Carries carries = [&](std::size_t p, Index f, Index i) {
     return can_press(of.nodes, i, of.slaves[p].planes[f].normal) &&
            !on_master(i, static_cast<Index>(p));
   };
-  if (ways) spare(of, rank, *ways, carries, {owner, pair});
+  if (ways) spare(of, *ways, carries, *this);
   for_each_vertex(of.slaves, [&](std::size_t p, Index f, Index i) {
     if (decided[i] < 0 && owner[i] == rank[p][f])
       covered[i] += of.covers[p].fraction[f] * of.slaves[p].planes[f].measure;
@@ -174,15 +179,6 @@ void Ownership::take_normals(const Nodes& nodes, const std::vector<Vec3>& normal
                          place(d, outward) + "; give the normal that leaves the slave");
     normal[i] = given;
   }
-}
-
-void Ownership::find_on_masters(const std::vector<Side>& masters) {
-  for_each_vertex(masters, [&](std::size_t q, Index f, Index i) {
-    const Index of_master = static_cast<Index>(q);
-    if (state[i] != State::kept) return;
-    on_own_.insert({i, of_master});
-    if (faced[q][f]) on_faced_.emplace(i, of_master);
-  });
 }
 
 bool Ownership::on_master(Index i, Index p) const {
@@ -348,11 +344,8 @@ Arrangement::Arrangement(const Nodes& nodes_, const std::vector<Pair>& given,
     slaves.emplace_back(nodes.dimension, pairs[p].slave, nodes.X, nodes.reference);
     masters.emplace_back(nodes.dimension, pairs[p].master, nodes.X, nodes.reference);
     std::optional<Earlier> earlier;
-    if (begun)
-      earlier.emplace(
-          Earlier{begun->slaves[p], begun->masters[p], begun->nodes.X, begun->covers[p]});
-    covers.push_back(cover(nodes, given[p], slaves[p], masters[p], options.maxgap,
-                           earlier ? &*earlier : nullptr));
+    if (begun) earlier.emplace(Earlier{begun->slaves[p], begun->masters[p], begun->nodes.X});
+    covers.push_back(cover(nodes, given[p], slaves[p], masters[p], options.maxgap, earlier));
   }
   ownership.emplace(*this, options, begun);
 }

@@ -1,24 +1,9 @@
 #pragma once
-#include "assembly/mortar/dual_basis.h"
 #include "assembly/mortar/integration.h"
 #include "assembly/mortar/moments.h"
-#include "assembly/mortar/normals.h"
 #include "assembly/mortar/owners.h"
 
 namespace frictioncg::mortar {
-
-/// What an increment goes on with from where it began.
-struct Ranked {
-  std::vector<std::vector<Index>> rank;     ///< per pair and facet, of its patch
-  std::vector<Index> owner;                 ///< per node: rank of its patch, or -1
-  std::vector<Index> pair;                  ///< per node, of the owning patch
-  std::vector<Real> covered;                ///< per node: measure covered around it
-  std::vector<std::vector<char>> faced;     ///< per pair and facet of the master
-  Slipping slipping;                        ///< of slave_normals()
-  std::set<std::pair<Index, Index>> taken;  ///< Ownership::takes()
-  std::vector<Index> nodes_of_patch;        ///< by rank: how many it has
-  Index patches = 0;
-};
 
 /// Which vertices carry the laws on which slave facet.
 ///
@@ -106,7 +91,6 @@ struct Ownership : Ranked {
   void own(const Sides& of, const Ways* ways);
   void set_labels(const std::vector<Side>& slaves);
   void take_normals(const Nodes& nodes, const std::vector<Vec3>& normals);
-  void find_on_masters(const std::vector<Side>& masters);
   /// Whether a node of a slave lies on the master of pair p, or of one before it, of which a facet
   /// counts only where something faces it: the rest of its label is no master. Laws of later pairs
   /// alone may depend on a node with a law.

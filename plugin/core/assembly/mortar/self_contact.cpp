@@ -180,7 +180,7 @@ bool OwnSurface::excludes(const Side& side, Index f, const Facet& m, const Vec2&
 }
 
 Cover cover(const Nodes& nodes, const Pair& given, const Side& slave, const Side& master,
-            Real maxgap, const Earlier* earlier) {
+            Real maxgap, const std::optional<Earlier>& earlier) {
   if (!touches_itself(given)) return cover(slave, master, nodes.X, maxgap, nullptr, earlier);
   const OwnSurface own(slave, nodes.X, nodes.reference);
   return cover(slave, master, nodes.X, maxgap, &own, earlier);

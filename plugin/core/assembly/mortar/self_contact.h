@@ -44,6 +44,6 @@ std::vector<Pair> parted(std::vector<Pair> pairs, const SlaveFacets& slaves, boo
 
 /// What the sides of a pair, as it was given, have before each other at the nodes.
 Cover cover(const Nodes& nodes, const Pair& given, const Side& slave, const Side& master,
-            Real maxgap, const Earlier* earlier = nullptr);
+            Real maxgap, const std::optional<Earlier>& earlier = {});
 
 }  // namespace frictioncg::mortar

@@ -34,28 +34,21 @@ Real step_between(const Seen& a, const Seen& b) {
   return std::abs(a.distance(between) - b.distance(between));
 }
 
-/// A slave facet at one of its vertices.
-struct Faced {
-  Index facet;
-  Index master;
-  Real distance;  ///< with its sign: what overlaps most is nearest
-};
-
 /// Whether each facet around a vertex faces a sheet that lies beyond a step. Planes that meet at an
 /// angle also differ in distance, the more the farther their cells are from the vertex: on one
 /// sheet that is no step.
-std::vector<bool> beyond_a_step(const std::vector<Faced>& around, const Side& slave,
+std::vector<bool> beyond_a_step(const std::vector<FacedAtVertex>& around, const Side& slave,
                                 const Side& master) {
-  const auto nearer = [](const Faced& a, const Faced& b) { return a.distance < b.distance; };
+  const auto nearer = [](const auto& a, const auto& b) { return a.distance < b.distance; };
   const auto nearest = std::min_element(around.begin(), around.end(), nearer);
   std::vector<bool> beyond;
-  for (const Faced& f : around)
+  for (const FacedAtVertex& f : around)
     beyond.push_back(
         f.distance - nearest->distance >
         std::max(step * slave.planes[f.facet].size, much_farther * std::abs(f.distance)));
   if (std::find(beyond.begin(), beyond.end(), true) == beyond.end()) return beyond;
   std::vector<Index> masters;
-  for (const Faced& f : around) masters.push_back(f.master);
+  for (const FacedAtVertex& f : around) masters.push_back(f.master);
   Groups sheets = joined_by_vertices(master, masters);
   for (Index p = 0; p < static_cast<Index>(around.size()); ++p)
     beyond[p] =
@@ -72,7 +65,7 @@ FacedAtVertex faced_at_vertex(int v, const Side& slave, Index facet, const Side&
     return (centroid(a.part) - corner).norm() < (centroid(b.part) - corner).norm();
   };
   const Index nearest = std::min_element(cells.begin(), cells.end(), closer)->master;
-  return {nearest,
+  return {facet, nearest,
           project(slave.d, slave.planes[facet], master.facet(nearest), X).distance(corner)};
 }
 
@@ -103,18 +96,15 @@ void keep_nearest_sheet(const Side& master, Real size,
 
 std::set<Corner> beyond_steps(const Side& slave, const Side& master, const std::vector<Vec3>& X,
                               const std::vector<std::vector<Cell>>& cells) {
-  std::map<Index, std::vector<Faced>> at;  // per vertex of the slave
+  std::map<Index, std::vector<FacedAtVertex>> at;  // per vertex of the slave
   for (Index f = 0; f < slave.facets(); ++f)
-    for (int v = 0; v < slave.d && !cells[f].empty(); ++v) {
-      const FacedAtVertex faced = faced_at_vertex(v, slave, f, master, X, cells[f]);
-      at[slave.facet(f).node[v]].push_back({f, faced.master, faced.distance});
-    }
+    for (int v = 0; v < slave.d && !cells[f].empty(); ++v)
+      at[slave.facet(f).node[v]].push_back(faced_at_vertex(v, slave, f, master, X, cells[f]));
   std::set<Corner> beyond;
-  for (const auto& entry : at) {
-    const std::vector<Faced>& around = entry.second;
+  for (const auto& [vertex, around] : at) {
     const std::vector<bool> is_beyond = beyond_a_step(around, slave, master);
     for (std::size_t k = 0; k < around.size(); ++k)
-      if (is_beyond[k]) beyond.emplace(around[k].facet, entry.first);
+      if (is_beyond[k]) beyond.emplace(around[k].facet, vertex);
   }
   return beyond;
 }

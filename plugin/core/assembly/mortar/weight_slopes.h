@@ -1,7 +1,6 @@
 #pragma once
 #include "assembly/mortar/integration.h"
 #include "assembly/mortar/ownership.h"
-#include "assembly/mortar/sloped.h"
 
 namespace frictioncg::mortar {
 
