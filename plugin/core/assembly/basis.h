@@ -21,27 +21,10 @@ struct Basis {
   Index local_dofs() const { return static_cast<Index>(origin.size()); }
 };
 
-/// The rows of T that have one entry: u_i = factor w[image], image beyond the local dofs where
-/// Dirichlet conditions hold u_i.
-struct Images {
-  explicit Images(const Basis& basis);
-  /// n: the image of a free dof with factor 1, as nearly all are; negative otherwise.
-  std::vector<Index> plain;
-  struct Image {
-    Index image = -1;  ///< -1: the row has several entries
-    Real factor = 1;
-    bool single() const { return image >= 0; }
-  };
-  std::vector<Image> all;  ///< n
-};
-
 /// A change u = T v among the dofs of the script, v = W u, both n x n, with rows of the identity at
 /// Dirichlet dofs: v of a contact node is its displacement relative to the other body.
 struct Coupling {
   Matrix T, W;
 };
-
-/// A basis of v as one of u.
-Basis composed(const Coupling& coupling, const Basis& of_v);
 
 }  // namespace frictioncg

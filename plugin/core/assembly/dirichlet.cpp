@@ -16,7 +16,19 @@ struct Rows {
 
   explicit Rows(const Triplets& A)
       : diagonal(A.n, 0), row_max(A.n, 0), column_max(A.n, 0), emptied(A.n, 0) {
-    for (std::size_t k = 0; k < A.size; ++k) add(A.row(k), A.col(k), A.a[k]);
+    for (std::size_t k = 0; k < A.size; ++k) {
+      const Index i = A.row(k), j = A.col(k);
+      const Real a = std::abs(A.a[k]);
+      if (!(a <= std::numeric_limits<Real>::max()))
+        refuse("A(", i, ",", j, ") = ", A.a[k], "; the entries of A must be finite");
+      if (i == j) {
+        diagonal[i] += A.a[k];
+      } else {
+        if (a > row_max[i]) row_max[i] = a;
+        if (a > column_max[j]) column_max[j] = a;
+        if (a == 0) emptied[i] = 1;
+      }
+    }
     for (Index i = 0; i < A.n; ++i)
       if (!(diagonal[i] > 0))
         refuse("A(", i, ",", i, ") = ", diagonal[i],
@@ -26,20 +38,6 @@ struct Rows {
 
   Real others(Index i) const { return std::max(row_max[i], column_max[i]); }
   bool unit(Index i) const { return diagonal[i] == 1; }
-
- private:
-  void add(Index i, Index j, Real entry) {
-    const Real a = std::abs(entry);
-    if (!(a <= std::numeric_limits<Real>::max()))
-      refuse("A(", i, ",", j, ") = ", entry, "; the entries of A must be finite");
-    if (i == j) {
-      diagonal[i] += entry;
-    } else {
-      if (a > row_max[i]) row_max[i] = a;
-      if (a > column_max[j]) column_max[j] = a;
-      if (a == 0) emptied[i] = 1;
-    }
-  }
 };
 
 }  // namespace

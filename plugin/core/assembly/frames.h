@@ -1,7 +1,7 @@
 #pragma once
-#include "assembly/basis.h"
 #include <Eigen/Geometry>
 
+#include "assembly/basis.h"
 #include "assembly/dirichlet.h"
 
 namespace frictioncg {
@@ -49,48 +49,12 @@ struct ConflictingObstacles : IllegalInput {
 /// basis. Where Dirichlet conditions leave two of them parallel (the tip of a groove held along it)
 /// they are rivals for one direction. Throws ConflictingObstacles where they depend on each
 /// other otherwise.
-class Frames {
- public:
-  /// n dofs in all.
-  Frames(int dimension, Index n, const std::vector<ContactPoint>& points,
-         const Dirichlet& dirichlet);
-
-  std::shared_ptr<const Basis> basis() const { return shared_; }
-  const std::vector<ContactNode>& nodes() const { return nodes_; }
-
- private:
-  using Square = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3>;
-  /// The frame of a mesh node: rows of to_local are the directions, w = to_local u over its
-  /// components; the columns of from_local their dual basis, zero on held components.
-  struct Frame {
-    std::array<Index, 3> dof{};
-    Square to_local, from_local;
-    std::vector<ContactNode> nodes;  ///< of its normals, the first directions
-    int free = 0;                    ///< directions in all
-    bool friction = false;           ///< one normal, and a tangential law
-    std::vector<Index> local;        ///< local dof of each direction
-  };
-
-  std::vector<std::vector<Index>> points_by_node(Index n) const;
-  void add_frame(const std::vector<Index>& points);
-  bool add_normal(Frame& frame, Index point) const;
-  bool add_rival(Frame& frame, Index point, const Vec3& free) const;
-  Vec3 free_part(const ContactPoint& point) const;
-  void complete(Frame& frame) const;
-  Square on_free_components(const Frame& frame) const;
-  void orient(Frame& frame) const;
-  void dualize(Frame& frame) const;
-  void number(Index n);
-  void fill(Index n);
-
-  const int d_;
-  const std::vector<ContactPoint>& points_;
-  const Dirichlet& dirichlet_;
-  std::vector<Frame> frames_;
-  std::vector<ContactNode> nodes_;
-  Index unframed_ = 0;  ///< local dofs that are dofs of the script
-  std::shared_ptr<Basis> shared_ = std::make_shared<Basis>();
-  Basis& basis_ = *shared_;
+struct Frames {
+  std::shared_ptr<const Basis> basis;
+  std::vector<ContactNode> nodes;
 };
+/// n dofs in all.
+Frames frames_at(int dimension, Index n, const std::vector<ContactPoint>& points,
+                 const Dirichlet& dirichlet);
 
 }  // namespace frictioncg

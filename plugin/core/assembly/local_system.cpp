@@ -49,15 +49,19 @@ LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPo
                          const LocalSystem* before)
     : points_(std::move(points)), dirichlet_(std::move(dirichlet)) {
   make_basis(A, dimension);
-  basis_ = std::make_shared<const Basis>(composed(coupling, *basis_));
+  const auto of_u = std::make_shared<Basis>(*basis_);
+  of_u->T = coupling.T * basis_->T;
+  of_u->W = basis_->W * coupling.W;
+  of_u->rotated = basis_->rotated || coupling.T.nonZeros() > coupling.T.rows();
+  basis_ = of_u;
   assemble(A, dimension, mesh_node, std::move(modes), std::move(body_modes), before);
 }
 
 /// The frames of the contact points.
 void LocalSystem::make_basis(const Triplets& A, int dimension) {
-  const Frames frames(dimension, A.n, points_, dirichlet_);
-  nodes_ = frames.nodes();
-  basis_ = frames.basis();
+  Frames frames = frames_at(dimension, A.n, points_, dirichlet_);
+  nodes_ = std::move(frames.nodes);
+  basis_ = std::move(frames.basis);
 }
 
 /// W (0, q) for each free component, q_k of its local dof 1.
@@ -85,7 +89,12 @@ void LocalSystem::assemble(const Triplets& A, int dimension, const std::vector<I
     transform(A, *basis_, system->A, K_);
   }
   system->D = system->A.diagonal();
-  check_stiffness(A, *system);
+  for (Index p = 0; p < system->dofs(); ++p) {
+    const Index i = basis_->origin[p];
+    if (has_squares(system->D[p]) || !A.is_whole(i)) continue;
+    refuse("A(", i, ",", i, ") = ", system->D[p], "; a stiffness lies between ", smallest, " and ",
+           largest, " (squares must not overflow): check the coefficients, or choose other units");
+  }
   if (!A.half) check_symmetry(A, system->A, system->D, basis_->origin);
   if (!mesh_node.empty()) {
     system->mesh_node.reserve(basis_->origin.size());
@@ -107,17 +116,6 @@ std::function<Modes()> LocalSystem::in_local_dofs(std::function<Modes()> modes) 
     if (M.rows() == basis->W.cols()) local = basis->W * M;
     return local;
   };
-}
-
-/// By the numbering of A.
-void LocalSystem::check_stiffness(const Triplets& A, const System& system) const {
-  for (Index p = 0; p < system.dofs(); ++p) {
-    const Index i = basis_->origin[p];
-    if (has_squares(system.D[p]) || !A.is_whole(i)) continue;
-    refuse("A(", i, ",", i, ") = ", system.D[p], "; a stiffness lies between ", smallest, " and ",
-           largest, " (squares must not overflow): check the coefficients, or choose ",
-           "other units");
-  }
 }
 
 /// F = T'b - K u_D - A w_old

@@ -108,7 +108,6 @@ class LocalSystem {
   Matrix border(Index n) const;
   template <class Modes>
   std::function<Modes()> in_local_dofs(std::function<Modes()> modes) const;
-  void check_stiffness(const Triplets& A, const System& system) const;
   Real nearest_obstacle(const ContactNode& node, const PointLaws& laws, Real rounding,
                         const Vector& start) const;
 

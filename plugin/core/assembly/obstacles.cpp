@@ -81,13 +81,6 @@ void refuse_useless(const Matrix& C, const Vector& unit, const RigidObstacles& o
     if (obstacles.free[k] && !(most[k] > nothing)) throw UselessComponent(k);
 }
 
-/// Entries of M, columns from `at` on moved by `by`.
-void copy(const Matrix& M, Index at, Index by, EntryList& entries) {
-  for (Index i = 0; i < M.rows(); ++i)
-    for (Matrix::InnerIterator e(M, i); e; ++e)
-      entries.emplace_back(i, e.col() < at ? e.col() : e.col() + by, e.value());
-}
-
 }  // namespace
 
 Basis with_obstacles(const Basis& standing, int d, const std::vector<ContactPoint>& points,
@@ -120,19 +113,22 @@ Basis with_obstacles(const Basis& standing, int d, const std::vector<ContactPoin
 
   // u = T_w (w + C q) + T_D u_D
   EntryList T, W;
-  copy(standing.T, interior, free, T);
+  const auto place = [&](Index p) { return p < interior ? p : p + free; };
   const Matrix TC = standing.T * C;
-  for (Index i = 0; i < n; ++i)
+  for (Index i = 0; i < n; ++i) {
+    for (Matrix::InnerIterator e(standing.T, i); e; ++e)
+      T.emplace_back(i, place(static_cast<Index>(e.col())), e.value());
     for (Matrix::InnerIterator e(TC, i); e; ++e)
       T.emplace_back(i, column[e.col()], e.value() / scale(static_cast<Index>(e.col())));
+  }
   for (Index k = 0; k < n_q; ++k) T.emplace_back(n + k, column[k], 1 / scale(k));
   moving.T = sparse(n + n_q, static_cast<Index>(standing.T.cols()) + n_q, T);
 
   // w = W u - C q
-  const auto row = [&](Index p) { return p < interior ? p : p + free; };
   for (Index p = 0; p < w; ++p) {
-    for (Matrix::InnerIterator e(standing.W, p); e; ++e) W.emplace_back(row(p), e.col(), e.value());
-    for (Matrix::InnerIterator e(C, p); e; ++e) W.emplace_back(row(p), n + e.col(), -e.value());
+    for (Matrix::InnerIterator e(standing.W, p); e; ++e)
+      W.emplace_back(place(p), e.col(), e.value());
+    for (Matrix::InnerIterator e(C, p); e; ++e) W.emplace_back(place(p), n + e.col(), -e.value());
   }
   for (Index k = 0; k < n_q; ++k)
     if (obstacles.free[k]) W.emplace_back(column[k], n + k, unit[k]);

@@ -1,5 +1,4 @@
-#include "assembly/osculating_quadric.h"
-
+#include "assembly/smooth_normals.h"
 #include "linear_algebra.h"
 
 namespace frictioncg {

@@ -1,7 +1,5 @@
 #include "assembly/smooth_normals.h"
 
-#include "assembly/osculating_quadric.h"
-
 namespace frictioncg {
 
 namespace {

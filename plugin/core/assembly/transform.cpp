@@ -10,17 +10,29 @@ constexpr Real asymmetry = 1e-9;
 /// Entries are fetched from memory so many before their turn.
 constexpr Index ahead = 24;
 
+/// A row of T with one entry: u_i = factor w[dof], beyond the local dofs where Dirichlet conditions
+/// hold u_i.
+struct Image {
+  Index dof = -1;  ///< -1: the row has several entries
+  Real factor = 1;
+};
+
 /// What one pass over the triplets tells: those that touch a dof that is held or whose factor is
 /// not 1, in the local dofs, those of A_local and those of K; and how many entries lie in each row
 /// and column of A_local, at [1 ..].
-struct Others {
-  EntryList local, couplings;
+struct Split {
+  std::vector<Index> plain;  ///< the local dof that a dof is, as nearly all are; negative otherwise
+  EntryList local;
   std::vector<Index> rows, columns;
 
-  Others(const Triplets& A, const Basis& basis, const Images& images)
-      : rows(basis.local_dofs() + 1, 0), columns(rows), w_(basis.local_dofs()) {
-    EntryList B;  // what touches a row of T with several entries
-    const Index* plain = images.plain.data();
+  Split(const Triplets& A, const Basis& basis, Matrix& K)
+      : plain(basis.T.rows(), -1),
+        rows(basis.local_dofs() + 1, 0),
+        columns(rows),
+        w_(basis.local_dofs()) {
+    if (w_ == 0) throw IllegalInput("Dirichlet conditions hold every degree of freedom of A");
+    const std::vector<Image> images = find_images(basis.T);
+    EntryList couplings, B;  // B: what touches a row of T with several entries
     for (std::size_t k = 0; k < A.size; ++k) {
       const Index i = A.row(k), j = A.col(k);
       if (A.a[k] == 0) continue;
@@ -29,57 +41,63 @@ struct Others {
         if (A.half && i != j) count(plain[j], plain[i]);
         continue;
       }
-      const Images::Image &P = images.all[i], &Q = images.all[j];
-      const bool single = P.single() && Q.single();
-      const auto add = [&](Index row, Index column, const Images::Image& left,
-                           const Images::Image& right) {
+      const Image &P = images[i], &Q = images[j];
+      const bool single = P.dof >= 0 && Q.dof >= 0;
+      const auto add = [&](Index row, Index column, const Image& left, const Image& right) {
         if (!single)
           B.emplace_back(row, column, A.a[k]);
-        else if (left.image < w_)
-          sort(left.image, right.image, left.factor * right.factor * A.a[k]);
+        else if (left.dof < w_)
+          sort(left.dof, right.dof, left.factor * right.factor * A.a[k], couplings);
       };
       add(i, j, P, Q);
       if (A.half && i != j) add(j, i, Q, P);
     }
-    if (!B.empty()) add_product(B, basis);
+    if (!B.empty()) add_product(B, basis.T, couplings);
     for (const auto& e : local) count(e.row(), e.col());
+    if ((A.half ? 2 : 1) * A.size + local.size() >
+        static_cast<std::size_t>(std::numeric_limits<Index>::max()))
+      throw IllegalInput("A has more than 2^31 - 1 entries; this build indexes them by 32 bits");
+    K = sparse(w_, static_cast<Index>(basis.T.cols()) - w_, couplings);
   }
 
  private:
+  std::vector<Image> find_images(const Matrix& T) {
+    std::vector<Image> images(T.rows());
+    const auto [row, col, a] = arrays_of(T);
+    for (Index i = 0; i < T.rows(); ++i) {
+      if (row[i + 1] != row[i] + 1) continue;
+      images[i] = {col[row[i]], a[row[i]]};
+      if (images[i].factor == 1 && images[i].dof < w_) plain[i] = images[i].dof;
+    }
+    return images;
+  }
   void count(Index p, Index q) {
     ++rows[p + 1];
     ++columns[q + 1];
   }
-  void sort(Index p, Index q, Real a) {
+  void sort(Index p, Index q, Real a, EntryList& couplings) {
     if (q < w_)
       local.emplace_back(p, q, a);
     else
       couplings.emplace_back(p, q - w_, a);
   }
   /// T'BT
-  void add_product(const EntryList& B, const Basis& basis) {
-    const Matrix right = sparse(basis.T.rows(), basis.T.rows(), B) * basis.T;
-    const Matrix product = Matrix(basis.T.transpose()) * right;
+  void add_product(const EntryList& B, const Matrix& T, EntryList& couplings) {
+    const Matrix product = Matrix(T.transpose()) * Matrix(sparse(T.rows(), T.rows(), B) * T);
     for (Index p = 0; p < w_; ++p)
       for (Matrix::InnerIterator e(product, p); e; ++e)
-        sort(p, static_cast<Index>(e.col()), e.value());
+        sort(p, static_cast<Index>(e.col()), e.value(), couplings);
   }
   const Index w_;
 };
 
-void check_size(const Triplets& A, const EntryList& products) {
-  const std::size_t most = (A.half ? 2 : 1) * A.size + products.size();
-  if (most > static_cast<std::size_t>(std::numeric_limits<Index>::max()))
-    throw IllegalInput("A has more than 2^31 - 1 entries; this build indexes them by 32 bits");
-}
-
 /// The entries of A_local by numbers, some of none: the triplets between dofs with factor 1, of
-/// half-stored ones their mirror images, then what Others has made of the others.
+/// half-stored ones their mirror images, then what Split has made of the others.
 class Entries {
  public:
   /// zeros: those of A are entries, too
-  Entries(const Triplets& A, const Images& images, const EntryList& others, bool zeros = false)
-      : A_(A), plain_(images.plain.data()), others_(others), zeros_(zeros) {}
+  Entries(const Triplets& A, const Split& split, bool zeros = false)
+      : A_(A), plain_(split.plain.data()), others_(split.local), zeros_(zeros) {}
 
   /// visit(number, row, column) in the order of the numbers
   template <class Visit>
@@ -122,11 +140,6 @@ class Entries {
   const bool zeros_;
 };
 
-/// Where each bucket starts, and where the last one ends, from their sizes in start[1..].
-void add_up(std::vector<Index>& start) {
-  std::partial_sum(start.begin(), start.end(), start.begin());
-}
-
 /// Rows of M lie from row[p] to end[p]: moves them together.
 void close_up(const std::vector<Index>& row, const std::vector<Index>& end, Matrix& M) {
   Index* col = M.innerIndexPtr();
@@ -150,8 +163,8 @@ void close_up(const std::vector<Index>& row, const std::vector<Index>& end, Matr
 /// lie in each, at [1 ..]. By setFromTriplets the transformation would take half as much again.
 void fill(Matrix& M, const Entries& entries, std::vector<Index> row, std::vector<Index> column) {
   const Index n = static_cast<Index>(row.size()) - 1;
-  add_up(row);
-  add_up(column);
+  for (auto* start : {&row, &column})
+    std::partial_sum(start->begin(), start->end(), start->begin());
   const std::unique_ptr<Index[]> number(new Index[row[n]]);
   std::vector<Index> end(column.begin(), column.end() - 1);
   entries.for_each([&](Index k, Index, Index q) { number[end[q]++] = k; });
@@ -175,16 +188,6 @@ void fill(Matrix& M, const Entries& entries, std::vector<Index> row, std::vector
   close_up(row, end, M);
 }
 
-/// The same, with the zeros that A stores.
-void fill_with_zeros(Matrix& M, Index n, const Entries& entries) {
-  std::vector<Index> row(n + 1, 0), column(row);
-  entries.for_each([&](Index, Index p, Index q) {
-    ++row[p + 1];
-    ++column[q + 1];
-  });
-  fill(M, entries, row, column);
-}
-
 /// The values of M anew. False where an entry lies outside its pattern. Places that do not hold are
 /// found.
 bool refill(Matrix& M, Places& places, const Entries& entries) {
@@ -205,34 +208,26 @@ bool refill(Matrix& M, Places& places, const Entries& entries) {
   return inside;
 }
 
-/// What both forms of the transformation share: make(images, others) makes A_local, n_w x n_w.
-template <class Make>
-void transform(const Triplets& A, const Basis& basis, Matrix& K, const Make& make) {
-  const Index w = basis.local_dofs();
-  if (w == 0) throw IllegalInput("Dirichlet conditions hold every degree of freedom of A");
-  const Images images(basis);
-  const Others others(A, basis, images);
-  check_size(A, others.local);
-  K = sparse(w, static_cast<Index>(basis.T.cols()) - w, others.couplings);
-  make(images, others);
-}
-
 }  // namespace
 
 void transform(const Triplets& A, const Basis& basis, Matrix& A_local, Matrix& K) {
-  transform(A, basis, K, [&](const Images& images, const Others& others) {
-    fill(A_local, Entries(A, images, others.local), others.rows, others.columns);
-  });
+  const Split split(A, basis, K);
+  fill(A_local, Entries(A, split), split.rows, split.columns);
 }
 
 void transform_again(const Triplets& A, const Basis& basis, Places& places, Matrix& A_local,
                      Matrix& K) {
+  const Split split(A, basis, K);
   const Index w = basis.local_dofs();
-  transform(A, basis, K, [&](const Images& images, const Others& others) {
-    if (A_local.rows() == w && refill(A_local, places, Entries(A, images, others.local))) return;
-    fill_with_zeros(A_local, w, Entries(A, images, others.local, true));
-    places.clear();
+  if (A_local.rows() == w && refill(A_local, places, Entries(A, split))) return;
+  const Entries entries(A, split, true);
+  std::vector<Index> row(w + 1, 0), column(row);
+  entries.for_each([&](Index, Index p, Index q) {
+    ++row[p + 1];
+    ++column[q + 1];
   });
+  fill(A_local, entries, row, column);
+  places.clear();
 }
 
 /// A cursor a row meets the mirror image of each lower entry in order.

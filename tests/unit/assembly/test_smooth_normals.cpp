@@ -4,7 +4,6 @@
 #include <functional>
 #include <random>
 
-#include "core/assembly/osculating_quadric.h"
 #include "core/assembly/slippable.h"
 #include "core/assembly/smooth_normals.h"
 
