@@ -101,7 +101,7 @@ class Covering {
       c.distance = c.projection.distance(middle);
       if (std::abs(deciding_distance(f, m, c.projection.distance)(middle)) > maxgap) continue;
       const Real deepest = std::max(base.size, master_.planes[m].size);
-      if (earlier_ && c.distance < -deepest && !faced(f, m)) continue;  // it has come past its end
+      if (earlier_ && c.distance < -deepest && !before(f, m)) continue;  // it has come past its end
       if (own_ && own_->excludes(slave_, f, master_.facet(m), middle, c.distance, deepest))
         continue;
       c.left = infinity, c.right = -infinity;
@@ -110,23 +110,23 @@ class Covering {
       candidates_.push_back(std::move(c));
     }
   }
-  /// Of a master's facet, where it was decided what faces what.
-  Projection projected_before(Index f, Index master) const {
-    return project(d_, earlier_->slave.planes[f], earlier_->master.facet(master), earlier_->X);
-  }
-  /// Whether a part of the slave facet was before the master's, not their planes alone.
-  bool faced(Index f, Index master) const {
-    const Projection p = projected_before(f, master);
-    return p.inverts && !inside(d_, reference_facet(d_), p).empty();
+  /// Of a master's facet, where it was decided what faces what; none where no part of the slave
+  /// facet was before it, but their planes alone.
+  std::optional<Projection> before(Index f, Index master) const {
+    if (!earlier_) return {};
+    const Projection p =
+        project(d_, earlier_->slave.planes[f], earlier_->master.facet(master), earlier_->X);
+    if (!p.inverts || inside(d_, reference_facet(d_), p).empty()) return {};
+    return p;
   }
   /// The distance of a master's plane from a slave facet by which it is decided whether it faces
   /// it. A plane far from its facet tells nothing: where no part was before, the place of now
   /// decides.
   Affine deciding_distance(Index f, Index master, const Affine& now) const {
-    if (!earlier_ || !faced(f, master)) return now;
-    const Projection p = projected_before(f, master);
+    const std::optional<Projection> p = before(f, master);
+    if (!p) return now;
     const Real along = earlier_->master.planes[master].normal.dot(earlier_->slave.planes[f].normal);
-    return along < facing ? p.distance : now;
+    return along < facing ? p->distance : now;
   }
   /// Fills nearer_: pairs whose parts overlap, found by a sweep along xi_1.
   void separate() {

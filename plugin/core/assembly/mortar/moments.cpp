@@ -211,13 +211,6 @@ Matrix along_normals(const Matrix& P, const Matrix& G, const std::vector<Contact
 
 namespace {
 
-/// The vertices of the element behind a facet.
-std::vector<Index> element_of(const Facet& facet, int d) {
-  std::vector<Index> vertices(facet.node.begin(), facet.node.begin() + d);
-  vertices.push_back(facet.behind);
-  return vertices;
-}
-
 /// grad lambda_l of the vertices of a simplex, as rows: their sum is 0, and that of times X_l is 1.
 DenseMatrix gradients_of(const std::vector<Index>& vertices, const std::vector<Vec3>& X) {
   const int d = static_cast<int>(vertices.size()) - 1;
@@ -257,7 +250,8 @@ Crossings crossings(const Matrix& G, const std::vector<ContactNode>& nodes, cons
     Real whole = 0;
     for (const auto& [facet, weight] : summed(faced[i])) {
       if (facet->behind < 0 || !(apart || facet->one_body)) continue;
-      std::vector<Index> vertices = element_of(*facet, all.dimension);
+      std::vector<Index> vertices(facet->node.begin(), facet->node.begin() + all.dimension);
+      vertices.push_back(facet->behind);
       const auto later = [&, of = pair](Index l) { return pair_of[l] >= of; };
       if (std::any_of(vertices.begin(), vertices.end(), later)) continue;
       whole += weight;

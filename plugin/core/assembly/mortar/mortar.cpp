@@ -30,10 +30,10 @@ class Assembly {
   };
 
  public:
-  Assembly(const Arrangement& of, const Options& options)
-      : nodes_(of.nodes),
+  Assembly(Arrangement& of, const Options& options)
+      : of_(of),
+        nodes_(of.nodes),
         options_(options),
-        masters_(of.masters),
         ownership_(*of.ownership),
         slopes_(nodes_.X, options.force, ownership_.normal),
         D_(Vector::Zero(size())),
@@ -42,8 +42,7 @@ class Assembly {
     for (std::size_t p = 0; p < of.pairs.size(); ++p)
       add_pair(static_cast<Index>(p), of.slaves[p], of.masters[p], of.covers[p]);
   }
-  /// choices: as far as it is decided; the rest is added.
-  void finish(RowChoices& choices, Mortar& mortar) {
+  void finish(Mortar& mortar) {
     const Index n = size();
     mortar.size_ = n;
     mortar.edges_ = std::move(edges_);
@@ -65,17 +64,15 @@ class Assembly {
     set_gaps(mortar);  // from the integrals as they are
     set_distances(mortar);
     set_distances_of_edges(mortar);
-    take(balanced(mortar.P_, mortar.G_, mortar.nodes_, nodes_.X, choices));
-    take(along_normals(mortar.P_, mortar.G_, mortar.nodes_, ownership_.common.of_master, masters_,
-                       nodes_.X, choices));
-    crossings_ = crossings(mortar.G_, mortar.nodes_, nodes_, options_.smooth, faced_);
-    take(across_gap(mortar.P_, mortar.G_, mortar.nodes_, nodes_.X, crossings_));
+    take(balanced(mortar.P_, mortar.G_, mortar.nodes_, nodes_.X, of_.choices));
+    take(along_normals(mortar.P_, mortar.G_, mortar.nodes_, ownership_.common.of_master,
+                       of_.masters, nodes_.X, of_.choices));
+    const Crossings crossed = crossings(mortar.G_, mortar.nodes_, nodes_, options_.smooth, faced_);
+    take(across_gap(mortar.P_, mortar.G_, mortar.nodes_, nodes_.X, crossed));
     set_statistics(mortar);
+    const auto sloped = slopes_.rows([this](Index i, Index r) { return takes(i, r); });
+    mortar.stiffness_ = geometric_stiffness(mortar, of_, sloped, crossed, options_);
   }
-  std::map<Index, SlopedRow> sloped_rows() const {
-    return slopes_.rows([this](Index i, Index r) { return takes(i, r); });
-  }
-  const Crossings& crossed() const { return crossings_; }
 
  private:
   Index size() const { return static_cast<Index>(nodes_.X.size()); }
@@ -239,9 +236,9 @@ class Assembly {
     mortar.statistics_ = std::move(statistics_);
   }
 
+  Arrangement& of_;  ///< whose choices are added to
   const Nodes& nodes_;
   const Options& options_;
-  const std::vector<Side>& masters_;
   const Ownership& ownership_;
   WeightSlopes slopes_;
   Vector D_;
@@ -250,23 +247,13 @@ class Assembly {
   std::vector<char> takes_removed_;            ///< per node
   std::vector<Vec3> offset_;                   ///< int psi_i (delta_m(chi) - delta_s)
   FacedFacets faced_;                          ///< per node
-  Crossings crossings_;
-  std::map<Index, Index> number_of_edge_;  ///< in edges_, by node
+  std::map<Index, Index> number_of_edge_;      ///< in edges_, by node
   std::vector<MidEdge> edges_;
   std::vector<EdgeMoments> edge_moments_;  ///< in their order
   std::vector<Statistics> statistics_;     ///< per pair
 };
 
 namespace {
-
-/// What decides where an increment begins knows of no forces, nor of normals that were given for
-/// now.
-Options at_the_beginning(Options options) {
-  options.force.clear();
-  if (!options.normals.empty()) options.freedom = nullptr;
-  options.normals.clear();
-  return options;
-}
 
 /// (G x)_k, seen from node i: the entries of a row sum up to 0.
 Vec3 relative(const Matrix& G, Index k, Index i, const std::vector<Vec3>& x) {
@@ -336,7 +323,7 @@ Mortar::Mortar(const Nodes& nodes, const std::vector<Pair>& given, const Options
   const auto make = [&](const Arrangement* begun) {
     Arrangement now(nodes, given, part(given), options, begun);
     validate_cover(now, options);
-    assemble(now, options);
+    Assembly(now, options).finish(*this);
   };
   if (nodes.before.empty()) {
     find_slaves(nodes, given, options.maxgap, slaves);
@@ -349,18 +336,16 @@ Mortar::Mortar(const Nodes& nodes, const std::vector<Pair>& given, const Options
   const std::vector<Pair> given_then = carried(d, given, nodes.X, then.X);
   find_slaves(then, given_then, options.maxgap, slaves);
   find_slaves(nodes, given, options.maxgap, slaves);  // of what faces itself now alone
-  const Options plain = at_the_beginning(options);
+  // What decides where an increment begins knows of no forces, nor of normals given for now.
+  Options plain = options;
+  plain.force.clear();
+  if (!options.normals.empty()) plain.freedom = nullptr;
+  plain.normals.clear();
   Arrangement begun(then, given, part(given_then), plain);
   Mortar old;
-  if (options.normals.empty()) old.assemble(begun, plain);
+  if (options.normals.empty()) Assembly(begun, plain).finish(old);
   make(&begun);
   if (options.normals.empty()) slip_ = slip_beside(*this, nodes.X, old, nodes.before);
-}
-
-void Mortar::assemble(Arrangement& of, const Options& options) {
-  Assembly assembly(of, options);
-  assembly.finish(of.choices, *this);
-  stiffness_ = geometric_stiffness(*this, of, assembly.sloped_rows(), assembly.crossed(), options);
 }
 
 /// The identity with `half` of each end in the rows of mid-edges, of those held or of the others.

@@ -152,7 +152,6 @@ class Mortar {
 
  private:
   Mortar() = default;
-  void assemble(struct Arrangement& of, const Options& options);
   Matrix halving(const std::vector<char>& held, bool where_held, Real half) const;
 
   Index size_ = 0;

@@ -16,15 +16,6 @@ struct Meeting {
 };
 using Meetings = std::map<Index, Meeting>;
 
-void add(Index fan, const FanNormal& found, Real measure, Meeting& at) {
-  if (at.fan < 0) at.fan = fan, at.point.normal = found.normal;
-  at.several = at.several || at.fan != fan;
-  at.point.weight += measure;
-  at.point.turn = std::max(at.point.turn, found.turn);
-  at.sum += measure * found.normal;
-  if (at.several) at.point.normal = at.sum.normalized();
-}
-
 Meetings meetings(const Sides& of, std::size_t p, const Owns& owns) {
   const Side& slave = of.slaves[p];
   const SmoothSide smooth(slave, of.nodes.X);
@@ -33,9 +24,17 @@ Meetings meetings(const Sides& of, std::size_t p, const Owns& owns) {
     for (int v = 0; v < slave.d; ++v) {
       const Index i = slave.facet(f).node[v];
       if (!owns(p, f, i)) continue;
-      Meeting& here = found[i];
-      here.point.x = of.nodes.X[i];
-      add(smooth.fan(f, v), smooth.at(f, v), slave.planes[f].measure, here);
+      const Index fan = smooth.fan(f, v);
+      const FanNormal& here = smooth.at(f, v);
+      const Real measure = slave.planes[f].measure;
+      Meeting& at = found[i];
+      at.point.x = of.nodes.X[i];
+      if (at.fan < 0) at.fan = fan, at.point.normal = here.normal;
+      at.several = at.several || at.fan != fan;
+      at.point.weight += measure;
+      at.point.turn = std::max(at.point.turn, here.turn);
+      at.sum += measure * here.normal;
+      if (at.several) at.point.normal = at.sum.normalized();
     }
   return found;
 }

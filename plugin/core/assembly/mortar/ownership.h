@@ -138,7 +138,7 @@ void for_each_multiplier(const Part& part, const Moments& moments,
     visit(i, Eigen::RowVector3d::Constant(share).eval(), carriers.kept, 0.);
 }
 
-/// The same where their nodes are, and who carries laws.
+/// The sides of all pairs, what is before what, and who carries laws.
 struct Arrangement : Sides {
   /// parted: of the pairs given; begun: where the increment began, which has decided; null: it is
   /// decided here.

@@ -84,7 +84,8 @@ struct Half {
   }
 };
 
-std::vector<Meeting> meetings(const Side& side, const Cover& cover, const std::vector<Vec3>& X) {
+std::map<Index, Meeting> meetings(const Side& side, const Cover& cover,
+                                  const std::vector<Vec3>& X) {
   Groups groups(side.facets());
   std::map<Index, Index> first;  // facet at a vertex
   for (Index f = 0; f < side.facets(); ++f) {
@@ -106,9 +107,7 @@ std::vector<Meeting> meetings(const Side& side, const Cover& cover, const std::v
                             plane.normal.transpose();
     }
   }
-  std::vector<Meeting> all;
-  for (auto& [root, meeting] : found) all.push_back(std::move(meeting));
-  return all;
+  return found;
 }
 
 /// A facet that faces nothing joins the side from which the fewest facets part it, between two as
@@ -137,7 +136,8 @@ std::vector<char> slaves_of(const Nodes& nodes, const Pair& pair, Real maxgap) {
   const Eigen::Matrix3d axes = own_axes(side, own);
   std::vector<char> is_slave(side.facets(), 0);
   std::vector<Index> decided;
-  for (const Meeting& meeting : meetings(side, cover(side, side, nodes.X, maxgap, &own), nodes.X)) {
+  const Cover faced = cover(side, side, nodes.X, maxgap, &own);
+  for (const auto& [root, meeting] : meetings(side, faced, nodes.X)) {
     const Vec3 a = eigenpairs(meeting.directions).vectors.col(2);
     const Half one(meeting, side, own, a), other(meeting, side, own, -a);
     for (Index f : (one.before(other, axes) ? one : other).facets) is_slave[f] = 1;
@@ -145,17 +145,6 @@ std::vector<char> slaves_of(const Nodes& nodes, const Pair& pair, Real maxgap) {
   }
   spread(side, decided, is_slave);
   return decided.empty() ? std::vector<char>() : is_slave;
-}
-
-void part(const std::vector<char>& is_slave, Pair& pair) {
-  const std::vector<Facet> slave = pair.slave.facets, master = pair.master.facets;
-  pair.slave.facets.clear();
-  pair.master.facets.clear();
-  for (std::size_t f = 0; f < slave.size(); ++f)
-    if (is_slave.empty() || is_slave[f])
-      pair.slave.facets.push_back(slave[f]);
-    else
-      pair.master.facets.push_back(master[f]);
 }
 
 /// Whether the facets of slave and master are the same.
@@ -199,10 +188,17 @@ std::vector<Pair> parted(std::vector<Pair> pairs, const SlaveFacets& slaves, boo
     Pair& pair = pairs[p];
     if (!touches_itself(pair)) continue;
     if (slaves[p].empty() && !moves)
-      throw IllegalInput(labels_of(pair.slave) +
-                         " does not face itself: no facet lies opposite another one, along its "
-                         "normal; name another master, or no contact");
-    part(slaves[p], pair);
+      refuse(labels_of(pair.slave),
+             " does not face itself: no facet lies opposite another one, along its normal; name "
+             "another master, or no contact");
+    std::vector<Facet> slave, master;
+    for (std::size_t f = 0; f < pair.slave.facets.size(); ++f)
+      if (slaves[p].empty() || slaves[p][f])
+        slave.push_back(pair.slave.facets[f]);
+      else
+        master.push_back(pair.master.facets[f]);
+    pair.slave.facets = std::move(slave);
+    pair.master.facets = std::move(master);
   }
   return pairs;
 }

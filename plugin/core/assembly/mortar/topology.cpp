@@ -13,23 +13,6 @@ namespace {
 /// coarsest circle that counts as one.
 constexpr Real arc_step = 0.86;
 
-struct Ridge {
-  std::array<Index, 2> vertex;
-  Index facet;
-  bool operator<(const Ridge& o) const {
-    return vertex != o.vertex ? vertex < o.vertex : facet < o.facet;
-  }
-};
-
-std::vector<Ridge> sorted_ridges(int d, const std::vector<Facet>& facets) {
-  std::vector<Ridge> ridges;
-  for (std::size_t f = 0; f < facets.size(); ++f)
-    for (int k = 0; k < d; ++k)
-      ridges.push_back({ridge_of(d, facets[f], k), static_cast<Index>(f)});
-  std::sort(ridges.begin(), ridges.end());
-  return ridges;
-}
-
 /// Finds the least cosine of the joints at each vertex; edges of the body do not count.
 std::map<Index, Real> bends_of(const Side& side) {
   std::map<Index, Real> bends;
@@ -84,19 +67,19 @@ Side::Side(const Side& side, const std::vector<Vec3>& X, const std::vector<Vec3>
 }
 
 void Side::find_joints(const std::vector<Plane>& at) {
-  const std::vector<Ridge> ridges = sorted_ridges(d, surface.facets);
+  std::vector<std::pair<std::array<Index, 2>, Index>> ridges;  // and a facet of each
+  for (Index f = 0; f < facets(); ++f)
+    for (int k = 0; k < d; ++k) ridges.emplace_back(ridge_of(d, facet(f), k), f);
+  std::sort(ridges.begin(), ridges.end());
   for (std::size_t k = 0, next; k < ridges.size(); k = next) {
-    for (next = k + 1; next < ridges.size() && ridges[next].vertex == ridges[k].vertex;) ++next;
+    const std::array<Index, 2>& vertex = ridges[k].first;
+    for (next = k + 1; next < ridges.size() && ridges[next].first == vertex;) ++next;
     for (std::size_t q = k + 1; q < next; ++q) {
-      const Index f = ridges[q - 1].facet, g = ridges[q].facet;
+      const Index f = ridges[q - 1].second, g = ridges[q].second;
       const Real cosine = next == k + 2 ? at[f].normal.dot(at[g].normal) : -1;
-      joints.push_back({{f, g}, ridges[k].vertex, cosine});
+      joints.push_back({{f, g}, vertex, cosine});
     }
   }
-  find_edges();
-}
-
-void Side::find_edges() {
   std::map<Index, Real> bends;  // once some joint asks for them
   for (Joint& joint : joints) {
     const bool one_label = facet(joint.facet[0]).label == facet(joint.facet[1]).label;

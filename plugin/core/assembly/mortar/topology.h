@@ -43,7 +43,6 @@ struct Side {
 
  private:
   void find_joints(const std::vector<Plane>& at);
-  void find_edges();
 };
 
 /// How many groups of elements around a node hang together by their facets: two where meshes were

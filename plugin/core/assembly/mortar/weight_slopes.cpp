@@ -104,8 +104,11 @@ class FacetSlopes {
     row.D.add(measure_, D);
     for (int v = 0; v < d; ++v)
       if (!kept[v]) row.removed[part_.node(v)].add(measure_, psi.dot(moments_.vertices.col(v)));
-    for (int k = 0; part_.slave.surface.quadratic && k < edges_of_facet(d); ++k)
-      add_edge(k, psi.dot(moments_.edges.col(k)), row);
+    for (int k = 0; part_.slave.surface.quadratic && k < edges_of_facet(d); ++k) {
+      const Real weight = psi.dot(moments_.edges.col(k));  // u~_e = u_e - (u_a + u_b)/2
+      row.own[part_.node(d + k)].add(measure_, weight);
+      for (int end : edge_ends(d, k)) row.own[part_.node(end)].add(measure_, -weight / 2);
+    }
     for (std::size_t c = 0; c < part_.cells.size(); ++c) {
       const Facet& master = part_.master.facet(part_.cells[c].master);
       for (int l = 0; l < nodes_of_facet(d, part_.master.surface.quadratic); ++l) {
@@ -118,12 +121,6 @@ class FacetSlopes {
   }
 
  private:
-  /// u~_e = u_e - (u_a + u_b)/2
-  void add_edge(int k, Real weight, SlopedRow& row) const {
-    row.own[part_.node(part_.slave.d + k)].add(measure_, weight);
-    for (int end : edge_ends(part_.slave.d, k)) row.own[part_.node(end)].add(measure_, -weight / 2);
-  }
-
   void add_offset(const Eigen::RowVector3d& psi, const Vec3& n, SlopedRow& row) const {
     const CurvedOffset &slave = *integration_.of_slave(), &master = *integration_.of_master();
     CurvedOffset::Bends of_slave, of_master;
