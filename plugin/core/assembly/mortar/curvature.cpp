@@ -52,71 +52,52 @@ Mat3 slope_of_inverse(const Vec3& e) {
   return (Mat3::Identity() - 2 / square * e * e.transpose()) / square;
 }
 
-/// The sum, with its derivatives.
-class TurningNormal {
- public:
-  TurningNormal(Index i, const Vec3& n, const std::vector<Vec3>& X) : i_(i), n_(n), X_(X) {}
-  void add(const Side& side, Index f) {
-    if (side.planes[f].normal.dot(n_) < sharp) return;
-    const auto& node = side.facet(f).node;
-    const int v = position(side.facet(f), i_);
-    const Index j = node[(v + 1) % side.d], k = node[(v + 2) % side.d];
-    const Vec3 e = X_[j] - X_[i_];
-    ++facets_, facet_ = f, beside_ = j;
-    if (side.d == 2) return add(e, Vec3::UnitZ(), j, side.planes[f].normal);
-    add(e, (X_[k] - X_[i_]) / (X_[k] - X_[i_]).squaredNorm(), j, side.planes[f].normal);
-    const Mat3 by = sign_ * cross(e / e.squaredNorm()) * slope_of_inverse(X_[k] - X_[i_]);
-    slope(k) += by;
-    slope(i_) -= by;
-  }
-  /// Once all facets are added
-  void end(const Side& side, const std::vector<char>& smooth) {
-    if (side.d == 3 || facets_ != 1) return;
-    for (std::size_t k = 0; k < side.joints.size(); ++k) {
-      const auto [f, g] = side.joints[k].facet;
-      if (!is_smooth(side, k, smooth) || side.joints[k].vertex[0] != beside_) continue;
-      if (f != facet_ && g != facet_) continue;
-      const auto& node = side.facet(f == facet_ ? g : f).node;
-      const Index farther = node[0] == beside_ ? node[1] : node[0];
-      add(X_[farther] - X_[i_], Vec3::UnitZ(), farther, side.planes[facet_].normal, -1);
-    }
-  }
-  Turns turns() const {
-    Turns turns = slopes_;
-    const Mat3 along = (Mat3::Identity() - n_ * n_.transpose()) / sum_.norm();
-    for (auto& [j, by] : turns) by = along * by;
-    return turns;
-  }
-
- private:
-  /// factor e/|e|^2 x other, whose sign without the factor is that of n_f
-  void add(const Vec3& e, const Vec3& other, Index j, const Vec3& n_f, Real factor = 1) {
-    const Vec3 term = (e / e.squaredNorm()).cross(other);
-    sign_ = term.dot(n_f) < 0 ? -factor : factor;
-    sum_ += sign_ * term;
-    const Mat3 by = -sign_ * cross(other) * slope_of_inverse(e);
-    slope(j) += by;
-    slope(i_) -= by;
-  }
-  Mat3& slope(Index j) { return slopes_.try_emplace(j, Mat3::Zero()).first->second; }
-
-  Index i_;
-  Vec3 n_;
-  const std::vector<Vec3>& X_;
-  Real sign_ = 1;
-  Index facets_ = 0, facet_ = -1, beside_ = -1;  ///< how many; 2D: the last, and its other vertex
-  Vec3 sum_ = Vec3::Zero();
-  Turns slopes_;
-};
-
 }  // namespace
 
 Turns turns_of_normal(Index i, const Vec3& n, const std::vector<Index>& facets, const Side& side,
                       const std::vector<Vec3>& X, const std::vector<char>& smooth) {
-  TurningNormal normal(i, n, X);
-  for (Index f : facets) normal.add(side, f);
-  normal.end(side, smooth);
-  return normal.turns();
+  Vec3 sum = Vec3::Zero();
+  Turns turns;  // first the derivatives of the sum
+  const auto slope = [&](Index j) -> Mat3& {
+    return turns.try_emplace(j, Mat3::Zero()).first->second;
+  };
+  // factor e/|e|^2 x other, whose sign without the factor is that of n_f
+  const auto add = [&](const Vec3& e, const Vec3& other, Index j, const Vec3& n_f, Real factor) {
+    const Vec3 term = (e / e.squaredNorm()).cross(other);
+    const Real sign = term.dot(n_f) < 0 ? -factor : factor;
+    sum += sign * term;
+    const Mat3 by = -sign * cross(other) * slope_of_inverse(e);
+    slope(j) += by;
+    slope(i) -= by;
+    return sign;
+  };
+  Index count = 0, last = -1, beside = -1;  // 2D: the last facet, and its other vertex
+  for (Index f : facets) {
+    const Vec3& n_f = side.planes[f].normal;
+    if (n_f.dot(n) < sharp) continue;
+    const auto& node = side.facet(f).node;
+    const int v = position(side.facet(f), i);
+    const Index j = node[(v + 1) % side.d], k = node[(v + 2) % side.d];
+    const Vec3 e = X[j] - X[i], other = X[k] - X[i];
+    ++count, last = f, beside = j;
+    const Real sign =
+        add(e, side.d == 2 ? Vec3(Vec3::UnitZ()) : Vec3(other / other.squaredNorm()), j, n_f, 1);
+    if (side.d == 2) continue;
+    const Mat3 by = sign * cross(e / e.squaredNorm()) * slope_of_inverse(other);
+    slope(k) += by;
+    slope(i) -= by;
+  }
+  for (std::size_t k = 0; k < side.joints.size() && side.d == 2 && count == 1; ++k) {
+    const auto [f, g] = side.joints[k].facet;
+    if (!is_smooth(side, k, smooth) || side.joints[k].vertex[0] != beside) continue;
+    if (f != last && g != last) continue;
+    const auto& node = side.facet(f == last ? g : f).node;
+    const Index farther = node[0] == beside ? node[1] : node[0];
+    add(X[farther] - X[i], Vec3::UnitZ(), farther, side.planes[last].normal, -1);
+  }
+  const Mat3 along = (Mat3::Identity() - n * n.transpose()) / sum.norm();
+  for (auto& [j, by] : turns) by = along * by;
+  return turns;
 }
 
 CurvedOffset::CurvedOffset(const Side& side, const std::vector<Vec3>& X)
