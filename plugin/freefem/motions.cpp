@@ -44,15 +44,15 @@ std::string describe(const Scene& scene, const Vector& motion) {
   return text;
 }
 
-/// Whether contact holds a body against its turn, by the normals of nodes that touch and by those
-/// that stick. Between the faces of one body, such as a crack, it holds nothing of its motion.
-/// V: the turn and the motions that go along, in dofs of the system.
 /// What holds a body where it has turned to, over what held it where it was. The middle of a round
 /// body's contact stands against the turn by what the turn has moved it: 0.3 to 0.45 lasts of discs
 /// that are nipped and driven at twice what friction holds and more, 0.73 of coarse balls, and 1 of
 /// what stands, rolls or is turned by what sticks.
 constexpr Real lasting = 0.9;
 
+/// Whether contact holds a body against its turn, by the normals of nodes that touch and by those
+/// that stick. Between the faces of one body, such as a crack, it holds nothing of its motion.
+/// field: in dofs of the scene; V: the turn and the motions that go along, in dofs of the system.
 bool held_by_contact(const Scene& scene, const std::vector<Index>& nodes,
                      const std::vector<NodeState>& state, const System& system, const Vector& field,
                      const LargeTurn& turn, const DenseMatrix& V) {
