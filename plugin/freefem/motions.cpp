@@ -51,7 +51,8 @@ std::string describe(const Scene& scene, const Vector& motion) {
 constexpr Real lasting = 0.9;
 
 /// Whether contact holds a body against its turn, by the normals of nodes that touch and by those
-/// that stick. Between the faces of one body, such as a crack, it holds nothing of its motion.
+/// that stick; or the turn is small, and the body did not jam. Between the faces of one body, such
+/// as a crack, contact holds nothing of its motion.
 /// field: in dofs of the scene; V: the turn and the motions that go along, in dofs of the system.
 bool held_by_contact(const Scene& scene, const std::vector<Index>& nodes,
                      const std::vector<NodeState>& state, const System& system, const Vector& field,
@@ -90,7 +91,9 @@ bool held_by_contact(const Scene& scene, const std::vector<Index>& nodes,
   }
   as_given.sum(system);
   as_turned.sum(system);
-  return as_given.holds(turn.motion.w.norm()) && as_turned.share() > lasting * as_given.share();
+  const Real angle = turn.motion.w.norm();
+  return as_given.holds(angle) ? as_turned.share() > lasting * as_given.share()
+                               : angle <= small_turn;
 }
 
 }  // namespace
@@ -100,7 +103,7 @@ std::string runaway(const Scene& scene, const Vector& field, const std::vector<N
                     const std::vector<NodeState>& state, const System& system,
                     const std::function<Vector(const Vector&)>& field_of) {
   const int d = scene.d;
-  const std::vector<LargeTurn> turns = large_turns(nodes, d, u);
+  const std::vector<LargeTurn> turns = large_turns(nodes, d, u, jamming_turn);
   if (turns.empty()) return "";
   const DenseMatrix W = floating_motions(system);
   std::vector<Vector> motions;
@@ -118,7 +121,7 @@ std::string runaway(const Scene& scene, const Solution& s, const Vector& u) {
   if (s.status != Status::converged || u.size() == 0) return "";
   const Vector field = scene.at ? Vector(u - *scene.at) : u;
   const Real most = std::sqrt(scene.d) * field.lpNorm<Eigen::Infinity>();
-  if (!(most > small_turn * scene.least_gyration())) return "";
+  if (!(most > jamming_turn * scene.least_gyration())) return "";
   std::vector<Index> nodes(scene.system->nodes());
   std::iota(nodes.begin(), nodes.end(), 0);
   return runaway(scene, field, scene.places(), field, nodes, s.state, *scene.system->system(),

@@ -98,7 +98,7 @@ inline std::string runaway(SharedScene& shared, const Solution& own, const Vecto
   const int d = shared.scene->d;
   if (!shared.gyration) shared.gyration = least_gyration(Sample(shared).nodes(), d);
   const Real most = shared.domain->largest(largest_displacement(shared.scene->places(), d, field));
-  if (!(most > small_turn * *shared.gyration)) return "";
+  if (!(most > jamming_turn * *shared.gyration)) return "";
   const Sample sample(shared);
   return runaway(*shared.scene, field, sample.nodes(), sample.of(field),
                  shared.numbering().own_nodes, own.state, *shared.A,

@@ -184,12 +184,13 @@ std::string describe_motion(const std::vector<NodePlace>& nodes, int d, const Ve
   return text;
 }
 
-std::vector<LargeTurn> large_turns(const std::vector<NodePlace>& nodes, int d, const Vector& u) {
+std::vector<LargeTurn> large_turns(const std::vector<NodePlace>& nodes, int d, const Vector& u,
+                                   Real least) {
   std::vector<LargeTurn> turns;
   for (const auto& [number, body] : by_body(nodes)) {
     const RigidMotion motion = nearest_rigid_motion(body, d, u);
     const Real turn = motion.w.norm();
-    if (!(turn > small_turn)) continue;
+    if (!(turn > least)) continue;
     const Real strain = motion.misfit * largest_displacement(body, d, u) / motion.extent;
     if (turn > (strain < small_strain ? stiff_turn : stiff_in_any_units) * strain)
       turns.push_back({number, motion, strain});

@@ -85,6 +85,11 @@ std::string describe_motion(const std::vector<NodePlace>& nodes, int d, const Ve
 /// of them.
 constexpr Real small_turn = 0.03;
 
+/// A rotation [rad] from which on a jam counts: a body that contact holds where it was, and no
+/// longer where it has turned to. A round body that is pressed flat by delta R has twice its force
+/// at sqrt(2 delta): of steel that is 0.01.
+constexpr Real jamming_turn = 0.003;
+
 /// A body that a field turns by more than small rotations can mean, and hardly strains.
 struct LargeTurn {
   Index body = 0;
@@ -92,9 +97,10 @@ struct LargeTurn {
   Real strain = 0;  ///< what is left beside the rigid motion, over the extent
 };
 
-/// Such bodies among all nodes. Translations, and rotations of bodies that are strained as much, do
-/// not count: the linear laws allow them, in any units.
-std::vector<LargeTurn> large_turns(const std::vector<NodePlace>& nodes, int d, const Vector& u);
+/// Such bodies among all nodes, turned by more than least. Translations, and rotations of bodies
+/// that are strained as much, do not count: the linear laws allow them, in any units.
+std::vector<LargeTurn> large_turns(const std::vector<NodePlace>& nodes, int d, const Vector& u,
+                                   Real least = small_turn);
 
 /// The least radius of gyration of a body, over bodies and axes: a field that turns one by w has
 /// displacements of at least w times as much.
