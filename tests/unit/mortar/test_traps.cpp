@@ -112,6 +112,23 @@ TEST(MortarRefuses, ASlaveOfWhichOnlyHeldNodesFaceSomethingUnlessBodiesMove) {
   EXPECT_TRUE(names(refusal(s), "that faces the master; swap")) << refusal(s);
 }
 
+TEST(MortarRefuses, ASlaveThatIsHeldBeforeItsMasterAndEndsInANodeOfAnotherPair) {
+  Surfaces s = above(2, 0);  // pair 0 has the left half of the slave, pair 1 the right one
+  s.pairs.emplace_back();
+  std::vector<Facet>&left = s.pairs[0].slave.facets, &right = s.pairs[1].slave.facets;
+  right.assign(left.begin() + 2, left.end());
+  left.resize(2);
+  for (Facet& f : right) f.label = 4;
+  s.pairs[1].slave.labels = {4};
+  s.pairs[1].master = s.sheet(
+      2, 1, [](const Vec3& x) { return Vec3(0.8 + x[0] / 5, 0, 0); }, 3);
+  EXPECT_EQ(refusal(s), "");
+  s.nodes.held.assign(s.nodes.X.size(), 0);
+  for (int v : {0, 1}) s.nodes.held[right[1].node[v]] = 2;
+  EXPECT_TRUE(names(refusal(s), "hold the normal of every slave node (label 4) that faces the"))
+      << refusal(s);
+}
+
 TEST(MortarRefuses, AnOverlapDeeperThanAFacet) {
   for (int d : {2, 3}) {
     EXPECT_EQ(refusal(above(d, -0.3)), "");
