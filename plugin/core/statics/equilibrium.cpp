@@ -71,28 +71,24 @@ class NearestInCone {
   auto Q() const { return Q_.leftCols(count()); }
 
   bool add(const Vector& column) {
-    const Real before = rest_.norm();
-    const DenseMatrix columns = G();
-    const std::vector<Real> weight = weight_;
-    if (!append(column.normalized(), 0)) return false;
+    NearestInCone before = *this;
+    if (!append(column.normalized())) return false;
     while (count() > 0 && !step()) {
     }
     const Vector rest = orthogonal_rest();
-    if (rest.norm() <= (1 + as_near) * before) {
+    if (rest.norm() <= (1 + as_near) * rest_.norm()) {
       const bool kept =
           count() > 0 && G_.col(count() - 1) == column.normalized();  // it is the last
-      const bool nearer = kept || rest.norm() < before;
+      const bool nearer = kept || rest.norm() < rest_.norm();
       rest_ = rest;
       return nearer;
     }
-    weight_.clear();  // rounding
-    for (std::size_t k = 0; k < weight.size(); ++k)
-      append(columns.col(static_cast<Index>(k)), weight[k]);
+    *this = std::move(before);  // rounding
     return false;
   }
 
   /// False where the columns that are there make it up. Gram and Schmidt, twice.
-  bool append(Vector unit, Real weight) {
+  bool append(Vector unit) {
     const Index k = count();
     if (k == target_.size()) return false;
     G_.col(k) = unit;
@@ -107,7 +103,7 @@ class NearestInCone {
     Q_.col(k) = unit / left;
     R_.col(k).head(k) = along;
     R_(k, k) = left;
-    weight_.push_back(weight);
+    weight_.push_back(0);
     return true;
   }
 
@@ -156,8 +152,7 @@ class NearestInCone {
     return rest - Q() * (Q().transpose() * rest);
   }
 
-  const Vector target_;
-  Vector rest_;
+  Vector target_, rest_;
   DenseMatrix G_, Q_, R_;     ///< the unit columns of positive weight, G = QR
   std::vector<Real> weight_;  ///< of the unit columns
 };

@@ -106,6 +106,23 @@ TEST(Equilibrium, ABalancedOrAbsentLoadIsHeldByNothing) {
   EXPECT_FALSE(unheld(p, DenseMatrix(p.dofs(), 0)));
 }
 
+TEST(Equilibrium, WhatRoundingLeavesOfABalancedLoadMovesNothing) {
+  ContactProblem p;
+  const auto system = std::make_shared<AssembledSystem>();
+  system->first = {0, 2, 4};
+  system->A.resize(4, 4);  // 0: every motion is rigid
+  system->weight = Vector::Ones(4);
+  p.system = system;
+  p.increment.law = Law::frictionless;
+  p.increment.gap = Vector::Zero(2);
+  const DenseMatrix along = Eigen::Vector4d(0, 1, 0, 1);  // it slides freely
+  p.increment.F = Eigen::Vector4d(0, 0.1 + 0.2, 0, -0.3);
+  ASSERT_NE(p.increment.F.sum(), 0);
+  EXPECT_FALSE(unheld_motion(along, p));
+  p.increment.F[1] = 0.31;
+  EXPECT_TRUE(unheld_motion(along, p));
+}
+
 TEST(Equilibrium, AMotionThatIsNotQuiteRigidIsNoProofOfWhatTheBodyCarries) {
   for (int d : {2, 3}) {
     BlockOptions o;
