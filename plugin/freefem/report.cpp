@@ -80,13 +80,6 @@ std::string remedy(const Solution& solution, const Settings& s) {
 
 constexpr const char* negative_energy = "A has negative energy, p'Ap < 0, for p = ";
 
-/// Diagonal of the box around the contact nodes.
-Real contact_extent(const Scene& scene) {
-  Eigen::AlignedBox3d box;
-  for (const BoundaryNode& n : scene.nodes) box.extend(n.x);
-  return box.isEmpty() ? 0 : length(box.sizes());
-}
-
 constexpr const char* step_names[step_labels] = {"conjugate",   "restart",  "stick frozen",
                                                  "contact hit", "release",  "sweep",
                                                  "Newton",      "expansion"};
@@ -235,9 +228,8 @@ void warn_of_displacements(Real most, const char* of_what, Real size) {
 }
 
 void warn_of_large_displacements(const Scene& scene, const Vector& u) {
-  const bool one_body = !scene.pairing;  // then the contact is no larger than it
-  if (scene.at) return;                  // the geometry follows
-  if (u.size() == 0 || (one_body && u.cwiseAbs().maxCoeff() <= contact_extent(scene))) return;
+  if (scene.at || u.size() == 0) return;  // the geometry follows; or there is no field
+  if (std::sqrt(scene.d) * u.lpNorm<Eigen::Infinity>() <= scene.least_gyration()) return;
   for (const auto& [number, body] : by_body(scene.places())) {
     const Real size = 2 * nearest_rigid_motion(body, scene.d, u).extent;
     const Real most = largest_displacement(body, scene.d, u);
