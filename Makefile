@@ -41,12 +41,27 @@ endif
 FF_FLAGS   := -isystem $(FF_INCLUDE) -Wno-mismatched-new-delete
 PREFIX     ?= $(FF_PREFIX)
 
+# An object is made of several sources of a folder, a+b.o of a.cpp and b.cpp: what they have in common of Eigen and FreeFEM is
+# compiled once. TOGETHER=1 makes one of each.
+TOGETHER  ?= 4
+BEYOND    := $(shell echo $$(($(TOGETHER) + 1)))
+NONE      :=
+SPACE     := $(NONE) $(NONE)
+joined     = $(if $1,$(subst $(SPACE),+,$(basename $(notdir $(wordlist 1,$(TOGETHER),$1)))) $(call joined,$(wordlist $(BEYOND),99,$1)))
+# $(call objects,folder of the objects,sources of one folder)
+objects    = $(patsubst %,$1%.o,$(call joined,$2))
+# $(call sources,folder/a+b): and back
+sources    = $(foreach name,$(subst +, ,$(notdir $1)),$(dir $1)$(name).cpp)
+# The compiler reads the last of them, and the others before it.
+compiled   = $(patsubst %,-include %,$(filter-out $(lastword $1),$1)) -c $(lastword $1)
+
 CORE      := $(wildcard plugin/core/*.cpp plugin/core/*/*.cpp plugin/core/*/*/*.cpp)
-OBJECTS   := $(CORE:plugin/%.cpp=$(BUILD)/%.o)
+OBJECTS   := $(foreach folder,$(sort $(dir $(CORE))),\
+               $(call objects,$(folder:plugin/%=$(BUILD)/%),$(sort $(wildcard $(folder)*.cpp))))
 CORE_H    := $(wildcard plugin/core/*.h plugin/core/*/*.h plugin/core/*/*/*.h)
 HEADERS   := $(CORE_H) $(wildcard plugin/freefem/*.h)
 ADAPTER   := $(wildcard plugin/freefem/*.cpp)
-ADAPTERS  := $(ADAPTER:plugin/%.cpp=$(BUILD)/%.o)
+ADAPTERS  := $(call objects,$(BUILD)/freefem/,$(ADAPTER))
 UNIT      := $(filter-out tests/unit/standalone/%,$(wildcard tests/unit/*.cpp tests/unit/*/*.cpp))
 IDP       := $(wildcard edp/*.idp)
 SCRIPTS   := $(wildcard tests/edp/*.edp)
@@ -107,18 +122,20 @@ $(BUILD)/unit/precompiled.h.gch: tests/unit/precompiled.h $(PRELUDE) Makefile
 	@mkdir -p $(@D) && cp $< $(@D)
 	$(CXX) $(FLAGS) -O1 -Itests -x c++-header $< -o $@
 
-$(BUILD)/core/%.o: plugin/core/%.cpp Makefile $(CORE_PCH:=.gch)
-	@mkdir -p $(@D)
-	$(CXX) $(FLAGS) $(DEPENDS) $(CORE_FLAGS) $(addprefix $(READ) ,$(CORE_PCH)) -c $< -o $@
+.SECONDEXPANSION:
 
-ADAPT = $(CXX) $(FLAGS) $(DEPENDS) $(FF_FLAGS) $(addprefix $(READ) ,$(CORE_PCH)) -c $< -o $@
-
-$(BUILD)/freefem/%.o: plugin/freefem/%.cpp Makefile $(CORE_PCH:=.gch)
+$(BUILD)/core/%.o: $$(call sources,plugin/core/%) Makefile $(CORE_PCH:=.gch)
 	@mkdir -p $(@D)
-	$(ADAPT)
+	$(CXX) $(FLAGS) $(DEPENDS) $(CORE_FLAGS) $(addprefix $(READ) ,$(CORE_PCH)) $(call compiled,$(call sources,plugin/core/$*)) -o $@
+
+ADAPT = $(CXX) $(FLAGS) $(DEPENDS) $(FF_FLAGS) $(addprefix $(READ) ,$(CORE_PCH)) $(call compiled,$1) -o $@
+
+$(BUILD)/freefem/%.o: $$(call sources,plugin/freefem/%) Makefile $(CORE_PCH:=.gch)
+	@mkdir -p $(@D)
+	$(call ADAPT,$(call sources,plugin/freefem/$*))
 
 $(BUILD)/frictionCG.o: plugin/frictionCG.cpp Makefile $(CORE_PCH:=.gch)
-	$(ADAPT)
+	$(call ADAPT,$<)
 
 $(BUILD)/frictionCG.so: $(BUILD)/frictionCG.o $(ADAPTERS) $(OBJECTS)
 	$(CXX) -shared $(OWN_NEW) $(LDFLAGS) $^ -o $@ $(LIBS)
@@ -127,7 +144,8 @@ $(BUILD)/frictionCG.so: $(BUILD)/frictionCG.o $(ADAPTERS) $(OBJECTS)
 MPI_PACKAGES := petsc-dev libopenmpi-dev openmpi-bin pkg-config
 MPI_SOURCES  := $(wildcard plugin/mpi/*.cpp)
 # not in a folder called mpi: FreeFem++-mpi would look for plugins nowhere else
-MPI_OBJECTS   = $(MPI_SOURCES:plugin/mpi/%.cpp=$(BUILD)/distributed/%.o)
+MPI_PLUGIN    = $(BUILD)/distributed/frictionCG-mpi.o
+MPI_OBJECTS   = $(MPI_PLUGIN) $(call objects,$(BUILD)/distributed/,$(filter-out %/frictionCG-mpi.cpp,$(MPI_SOURCES)))
 PETSC_DIR    ?= $(firstword $(wildcard /usr/lib/petscdir/petsc-real /usr/lib/petsc))
 PETSC_FLAGS   = $(shell pkg-config --cflags PETSc 2>/dev/null || echo -I$(PETSC_DIR)/include)
 PETSC_LIBS    = $(shell pkg-config --libs PETSc 2>/dev/null || echo -L$(PETSC_DIR)/lib -lpetsc)
@@ -142,14 +160,14 @@ mpi: setup setup-mpi ## the plugin of several processes, on PETSc
 setup-mpi:
 	@$(MAKE) --no-print-directory setup PACKAGES="$(MPI_PACKAGES)"
 
-$(BUILD)/distributed/%.o: plugin/mpi/%.cpp Makefile $(CORE_PCH:=.gch)
+$(BUILD)/distributed/%.o: $$(call sources,plugin/mpi/%) Makefile $(CORE_PCH:=.gch)
 	@mkdir -p $(@D)
-	$(CXX) $(FLAGS) $(DEPENDS) $(MPI_FLAGS) $(FF_FLAGS) $(addprefix $(READ) ,$(CORE_PCH)) -c $< -o $@
+	$(CXX) $(FLAGS) $(DEPENDS) $(MPI_FLAGS) $(FF_FLAGS) $(addprefix $(READ) ,$(CORE_PCH)) $(call compiled,$(call sources,plugin/mpi/$*)) -o $@
 
 # Beside the plugin, for tests/bench/mpi3d.edp
 $(BUILD)/mpiUnit.so: tests/bench/distributed/mpiUnit.cpp $(MPI_OBJECTS) $(ADAPTERS) $(OBJECTS) $(HEADERS)
 	$(CXX) $(FLAGS) $(MPI_FLAGS) $(FF_FLAGS) -Wno-shadow -shared $< \
-	  $(filter-out %/frictionCG-mpi.o,$(MPI_OBJECTS)) $(ADAPTERS) $(OBJECTS) -o $@ $(LIBS) $(MPI_LIBS)
+	  $(filter-out $(MPI_PLUGIN),$(MPI_OBJECTS)) $(ADAPTERS) $(OBJECTS) -o $@ $(LIBS) $(MPI_LIBS)
 
 # For tests/scarce/one and tests/mpi/scarce
 $(BUILD)/scarce.so: tests/scarce/scarce.cpp
@@ -248,7 +266,7 @@ format: ## clang-format on our own code
 	clang-format -i $(OWN)
 
 lint: ## no warning, clang-tidy, the core free of FreeFEM and of output, no include against the order of its folders
-	@$(MAKE) --no-print-directory -j$$(nproc) CI=1 PRECOMPILED= BUILD=$(BUILD)/lint all $(BUILD)/lint/unit_tests >/dev/null
+	@$(MAKE) --no-print-directory -j$$(nproc) CI=1 PRECOMPILED= TOGETHER=1 BUILD=$(BUILD)/lint all $(BUILD)/lint/unit_tests >/dev/null
 	@! grep -rlE 'ff\+\+|freefem|<iostream>|printf' plugin/core
 	@above="answer|cost|solver"; for folder in sparse condensed gradient multigrid statics assembly model; do \
 	  ! grep -rnE "#include \"($$above)" plugin/core/$$folder || exit 1; above="$$above|$$folder/"; done
@@ -266,7 +284,7 @@ sanitize: ## unit and scripted tests under ASan and UBSan
 
 mutants: ## one-line faults in plugin and edp, each noticed by a test; ONLY="word ..." names files
 	@$(MAKE) --no-print-directory setup PACKAGES="$(PACKAGES) python3" >/dev/null
-	@$(MAKE) --no-print-directory -j$$(nproc) BUILD=$(BUILD)/mutants CXXFLAGS=-O1 all \
+	@$(MAKE) --no-print-directory -j$$(nproc) BUILD=$(BUILD)/mutants TOGETHER=1 CXXFLAGS=-O1 all \
 	  $(BUILD)/mutants/unit_tests $(WITH_MPI:$(BUILD)/%=$(BUILD)/mutants/%) >/dev/null
 	@FF_PLUGINS="$(FF_PLUGINS)" FF_IDP="$(FF_IDP)" python3 tests/mutants/run.py $(BUILD)/mutants $$(nproc) $(ONLY)
 

@@ -104,7 +104,8 @@ class Build:
         self.lines = {}
         self.shared = os.path.exists(os.path.join(ROOT, build, SHARED))
         for target in ["unit_tests", "frictionCG.so"] + [SHARED] * self.shared:
-            out = subprocess.run(["make", "-n", "-B", f"BUILD={build}", "CXXFLAGS=-O1", f"{build}/{target}"],
+            out = subprocess.run(["make", "-n", "-B", f"BUILD={build}", "TOGETHER=1", "CXXFLAGS=-O1",
+                                  f"{build}/{target}"],
                                  cwd=ROOT, capture_output=True, text=True, check=True).stdout
             for line in out.replace("\\\n", " ").splitlines():
                 made = re.search(r" -o (\S+)", line)

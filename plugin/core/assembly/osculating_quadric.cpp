@@ -11,7 +11,7 @@ constexpr Real open = 1e-2;
 /// The normal has arrived where the slope left in its frame is below this: rounding.
 constexpr Real arrived = 1e-14;
 /// Two curvatures are one where they differ by less than this share.
-constexpr Real same = 1e-12;
+constexpr Real settled = 1e-12;
 /// 4 to 6 steps are usual, 30 are needed where the curvature is open.
 constexpr int most_steps = 30;
 
@@ -44,7 +44,7 @@ class Fit {
       if constexpr (d == 3) n_ -= slope[1] * s2_;
       n_.normalize();
       if (!(n_.dot(mean) > leaning)) return {};
-      if (slope.template lpNorm<1>() < arrived && std::abs(k_ - before) < same) break;
+      if (slope.template lpNorm<1>() < arrived && std::abs(k_ - before) < settled) break;
     }
     return quadric();
   }

@@ -15,7 +15,7 @@ constexpr Real weak_springs = 1e-2;
 /// Where springs as stiff as this do not help, nothing does.
 constexpr Real strongest_springs = 100;
 /// Bodies that were held took up to 150 steps.
-constexpr Index most_steps = 400;
+constexpr Index most_newton_steps = 400;
 
 }  // namespace
 
@@ -44,7 +44,7 @@ bool newton_from(const Vector& x, const CondensedProblem& problem, Index max_ste
 
 Attempt by_proximal_points(const CondensedProblem& problem, Index max_steps) {
   Attempt a;
-  max_steps = std::min(max_steps, most_steps);
+  max_steps = std::min(max_steps, most_newton_steps);
   CondensedProblem sprung = problem;
   ProximalSprings springs(first_springs, weakest_springs);
   while (a.steps < max_steps && springs.eps() <= strongest_springs) {

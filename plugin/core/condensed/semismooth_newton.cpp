@@ -12,10 +12,10 @@ constexpr Real singular = 1e-13;  ///< reciprocal condition number at which a mo
 constexpr Real rounding_margin = 100;  ///< S carries what the elimination has left
 constexpr Real solved = 1e-12;         ///< residual at which a node that grazes is on either branch
 constexpr Real settled = 1e-9;         ///< residual that may be rounding, once the branches stay
-constexpr int patience = 8;            ///< 3D: directions of slip may need some steps to settle
+constexpr int most_stalled = 8;        ///< 3D: directions of slip may need some steps to settle
 constexpr Real half_wave = 3;          ///< of c, about pi: see tangential_scale
-constexpr Real least_stiffness = 1e-6;  ///< of diag(S) over D: a body on one node has S = 0
-constexpr Real progress = 0.5;          ///< of the residual from step to step, on the same branches
+constexpr Real least_tangential = 1e-6;  ///< of diag(S) over D: a body on one node has S = 0
+constexpr Real progress = 0.5;  ///< of the residual from step to step, on the same branches
 /// Of the forces that violate the laws, over those of the first step. From stick they fall where
 /// Newton's method arrives; in slender bodies, whose bending makes large forces of small
 /// corrections, they doubled within four steps, and it cycled after up to 40.
@@ -41,7 +41,7 @@ SemismoothNewton::SemismoothNewton(const CondensedProblem& problem)
   for (Index i = 0; i < m; ++i) {
     const Index T = problem.normal(i) + 1, t = problem.laws.tangents(i);
     if (t == 0) continue;
-    const Real least = least_stiffness * problem.D.segment(T, t).mean();
+    const Real least = least_tangential * problem.D.segment(T, t).mean();
     c_[i] = scale * std::max(problem.S.diagonal().segment(T, t).mean(), least);
   }
 }
@@ -76,7 +76,7 @@ SemismoothNewton::Outcome SemismoothNewton::solve(Index max_steps) {
     if (residual_ <= solved) return Outcome::converged;
     if (after == before && residual_ > progress * best) {
       if (residual_ < std::max(settled, rounding())) return Outcome::converged;
-      if (problem_.laws.system->dimension == 2 || ++stalled > patience) return Outcome::stalled;
+      if (problem_.laws.system->dimension == 2 || ++stalled > most_stalled) return Outcome::stalled;
     }
     best = std::min(best, residual_);
     if (after != before && !seen.insert(after).second) return Outcome::cycled;

@@ -8,7 +8,7 @@ namespace {
 
 /// GC3 lets go at a residual so many times smaller after a node was driven back; 3 to 100 differ by
 /// a few iterations.
-constexpr Real patience = 10;
+constexpr Real stricter = 10;
 /// Gamma of MPRGP: the face is left where it has less to give than its release. 1 is Dostal's.
 constexpr Real proportion = 1;
 
@@ -30,7 +30,7 @@ bool ReleaseRule::release(Iterate& it, Real least) {
   return stick_is_a_face_ ? release_by_step(it, least) : it.faces.open_tensile(it.rows.r(), least);
 }
 
-void ReleaseRule::blocked() { now_ /= patience; }
+void ReleaseRule::blocked() { now_ /= stricter; }
 
 bool ReleaseRule::release_by_step(Iterate& it, Real least) {
   const Real beta_d = descent(it, least);
@@ -73,12 +73,12 @@ namespace {
 /// 0.01 to 10 the iterations are the same: it matters where a node creeps to 0 without turning.
 constexpr Real creep = 0.1;
 /// The cosine between x_T and v_T is known up to this: a node at its closest to 0 has turned.
-constexpr Real rounding = 1e-12;
+constexpr Real known_cosine = 1e-12;
 
 /// Came nearer to x_T = 0 along the step, and is closest to it, or past it.
 bool turned(const Tangent& x_T, const Tangent& v_T, Real rho) {
   const Real now = x_T.dot(v_T), before = now - rho * v_T.squaredNorm();
-  return before < 0 && now >= -rounding * x_T.norm() * v_T.norm();
+  return before < 0 && now >= -known_cosine * x_T.norm() * v_T.norm();
 }
 
 }  // namespace

@@ -7,7 +7,7 @@ namespace frictioncg {
 namespace {
 
 /// A mode of which less than this share is left beside the others depends on them.
-constexpr Real dependent = 1e-7;
+constexpr Real dependent_mode = 1e-7;
 /// A pivot of which less than this share is left is rounding.
 constexpr float lost = 1e-5f;
 
@@ -24,7 +24,7 @@ Eigen::Matrix<Real, K, K> orthonormalize(Eigen::Matrix<Real, Eigen::Dynamic, K>&
         Q.col(k) -= along * Q.col(l);
       }
     const Real after = Q.col(k).norm();
-    if (!(after > dependent * before)) {
+    if (!(after > dependent_mode * before)) {
       Q.col(k).setZero();
       continue;
     }

@@ -6,7 +6,7 @@ namespace {
 
 /// S gets this share of the border's D in addition: an obstacle that no face holds makes it
 /// singular, and one that a single node holds is softer than D by their number.
-constexpr Real shift = 1e-10;
+constexpr Real border_shift = 1e-10;
 
 /// A hierarchy of the bodies v that carries the motions q of obstacles, whose rows of A are dense,
 /// on every level. Z (n x k) moves an obstacle by 1, with it what the faces fix to it, and nothing
@@ -80,7 +80,7 @@ class BorderedHierarchy final : public Hierarchy {
                 const Vector& springs) const {
     const Index contact = static_cast<Index>(fixed.size()), interior = system_.interior();
     DenseMatrix B = DenseMatrix::Zero(near_.size(), border_);
-    DenseMatrix S = shift * DenseMatrix(system_.D.segment(first_, border_).asDiagonal());
+    DenseMatrix S = border_shift * DenseMatrix(system_.D.segment(first_, border_).asDiagonal());
     for (Index c = 0; c < contact; ++c) {
       if (!fixed[c]) continue;
       for (Matrix::InnerIterator a(system_.entries(), interior + c); a; ++a)

@@ -7,7 +7,7 @@ namespace frictioncg {
 
 namespace {
 
-constexpr Real dependent = 1e-13;    ///< of the largest <Dw,w>: a candidate that the others make up
+constexpr Real made_up = 1e-13;      ///< of the largest <Dw,w>: a candidate that the others make up
 constexpr Real nearly_rigid = 1e-6;  ///< <Aw,w>/<Dw,w>, with what rounding leaves of small bodies
 /// What is left of a motion beside rigid ones, over all of it: rounding makes 1e-8, and the bending
 /// of a body that its supports hold a tenth and more.
@@ -23,7 +23,7 @@ DenseMatrix candidates_of_a_body(const DenseMatrix& in_A, const DenseMatrix& in_
   const Eigenpairs sizes = eigenpairs(in_D);
   const Vector& size = sizes.values;
   Index first = 0;
-  const Real least = dependent * std::max(size[k - 1], size_of_all);
+  const Real least = made_up * std::max(size[k - 1], size_of_all);
   while (first < k && !(size[first] > least)) ++first;
   const DenseMatrix V = sizes.vectors.rightCols(k - first) *
                         size.tail(k - first).cwiseSqrt().cwiseInverse().asDiagonal();

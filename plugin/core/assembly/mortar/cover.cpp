@@ -12,10 +12,10 @@ namespace {
 constexpr Real nothing = 1e-14;
 /// Neighbours overlap by rounding up to this share of the smaller one; more than that, one of them
 /// hides the other.
-constexpr Real rounding = 1e-11;
+constexpr Real overlapping = 1e-11;
 /// A point lies in a facet where no barycentric coordinate is below this: a point on the edge of
 /// two facets is to lie in one of them at least.
-constexpr Real on_edge = -1e-9;
+constexpr Real inside_facet = -1e-9;
 
 /// A master facet before a slave facet.
 struct Candidate {
@@ -142,7 +142,8 @@ class Covering {
         const Candidate& o = candidates_[q];
         ++pairs_;
         const Polygon common = inside(d_, c.part, o.projection);
-        if (common.empty() || extent(common) <= rounding * std::min(c.extent, o.extent)) continue;
+        if (common.empty() || extent(common) <= overlapping * std::min(c.extent, o.extent))
+          continue;
         const Vec2 xi = centroid(common);
         const bool o_nearer =
             std::abs(o.projection.distance(xi)) < std::abs(c.projection.distance(xi));
@@ -194,7 +195,8 @@ class Covering {
       const Projection p = project(d_, base, master_.facet(m), X_);
       if (!p.inverts) continue;
       const Real distance = p.distance(xi);
-      if (p.at(xi).head(d_).minCoeff() >= on_edge && distance < 0 && distance > -depth) return true;
+      if (p.at(xi).head(d_).minCoeff() >= inside_facet && distance < 0 && distance > -depth)
+        return true;
     }
     return false;
   }

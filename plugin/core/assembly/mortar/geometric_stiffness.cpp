@@ -14,11 +14,11 @@ namespace {
 /// with the part of b that changes no weight by more than most_change; then across the gap
 ///
 ///   P_v += s c_v,   c_v = grad lambda_v.e,   dc_v = grad lambda_v.(de - sum_w c_w dX_w)
-class Row {
+class GapRow {
  public:
   /// choice: of the row as it is
-  Row(const SlopedRow& row, const RowChoice& choice, const ContactNode& at, const Turns& turns,
-      const std::vector<Crossing>& crossings, const std::vector<Vec3>& X)
+  GapRow(const SlopedRow& row, const RowChoice& choice, const ContactNode& at, const Turns& turns,
+         const std::vector<Crossing>& crossings, const std::vector<Vec3>& X)
       : i_(at.node), n_(at.normal), X_(X), turns_(turns), G_(row.own) {
     T_ = Mat3::Identity() - n_ * n_.transpose();
     G_[i_].value += 1;
@@ -209,8 +209,8 @@ GeometricStiffness geometric_stiffness(const Mortar& mortar, const Arrangement& 
     const auto row = rows.find(at.node);
     if (row == rows.end() || y.col(k).isZero(0)) continue;
     const auto choice = of.choices.find(at.node);
-    const Row sloped(row->second, choice == of.choices.end() ? RowChoice() : choice->second, at,
-                     turns[at.node], crossings[k], of.nodes.X);
+    const GapRow sloped(row->second, choice == of.choices.end() ? RowChoice() : choice->second, at,
+                        turns[at.node], crossings[k], of.nodes.X);
     sloped.add_to(found.forces, y.col(k));
     for (const auto& [j, by] : sloped.gap()) found.gaps.push_back({{k, j}, by});
   }

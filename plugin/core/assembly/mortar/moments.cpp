@@ -12,7 +12,7 @@ namespace {
 
 /// A mean point lies on the normal where it misses by less than this share of what its row sums up;
 /// once weights have followed it, less than the second share.
-constexpr Real rounding = 1e-14, balanced_to = 1e-10;
+constexpr Real on_normal = 1e-14, balanced_to = 1e-10;
 
 /// Lines that pass a facet at this share of the widest column meet it: edges belong to both facets.
 constexpr Real on_edge = 1e-9;
@@ -45,9 +45,10 @@ Matrix changed(const Matrix& P, const EntryList& change) {
 }
 
 /// One row of P: its nodes on the master, seen along the normal.
-class Row {
+class MasterRow {
  public:
-  Row(const Matrix& P, Index i, const Vec3& n, const std::vector<Vec3>& X) : P_(P), i_(i), X_(X) {
+  MasterRow(const Matrix& P, Index i, const Vec3& n, const std::vector<Vec3>& X)
+      : P_(P), i_(i), X_(X) {
     along_ -= n * n.transpose();
     for (int pass = 0; pass < 2; ++pass) {  // the second takes off what rounding leaves
       Real sum = 0;
@@ -89,8 +90,8 @@ Matrix balanced(const Matrix& P, const Matrix& G, const std::vector<ContactNode>
     const Index i = nodes[k].node;
     const Arm arm(G, static_cast<Index>(k), i, X);
     const Vec3 e = arm.across(nodes[k].normal);
-    if (e.norm() <= rounding * arm.size) continue;
-    const Row row(P, i, nodes[k].normal, X);
+    if (e.norm() <= on_normal * arm.size) continue;
+    const MasterRow row(P, i, nodes[k].normal, X);
     const Vec3 b = row.change(e, choices[i].rank);
     for (Matrix::InnerIterator it(result, i); it; ++it)
       it.valueRef() += std::abs(it.value()) * b.dot(row.place(it.col()));

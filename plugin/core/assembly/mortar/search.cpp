@@ -9,7 +9,7 @@ constexpr Index leaf_size = 4;
 /// Unit normals whose sum is shorter than this point in all directions: the sum has no axis.
 constexpr Real no_axis = 1e-6;
 /// The angles that bound a cosine are rounded: a facet is passed over only beyond this margin.
-constexpr Real rounding = 1e-9;
+constexpr Real cosine_margin = 1e-9;
 
 Real angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
@@ -66,7 +66,7 @@ bool FacetTree::may_meet(const Node& node, const Column& column) const {
   const Plane& base = column.base;
   if (column.only_facing && node.angle < M_PI) {
     const Real most = std::min(M_PI, angle_between(node.axis, base.normal) + node.angle);
-    if (std::cos(most) > facing + rounding) return false;
+    if (std::cos(most) > facing + cosine_margin) return false;
   }
   const Vec3 centre = node.box.center() - base.origin, half = node.box.sizes() / 2;
   const auto outside = [&](const Vec3& axis, Real low, Real high) {

@@ -49,18 +49,18 @@ Eigen::Matrix3d own_axes(const Side& side, const OwnSurface& own) {
 }
 
 /// Facets of one surface that face each other, and what hangs together with them.
-struct Meeting {
+struct Encounter {
   std::vector<Index> facets;
   Eigen::Matrix3d directions = Eigen::Matrix3d::Zero();
 };
 
-/// One of the two sides of a meeting.
+/// One of the two sides of an encounter.
 struct Half {
   std::vector<Index> facets;
   Vec3 place = Vec3::Zero();  ///< mean, in the reference
   Real size = 0;              ///< mean
 
-  Half(const Meeting& all, const Side& side, const OwnSurface& own, const Vec3& outward) {
+  Half(const Encounter& all, const Side& side, const OwnSurface& own, const Vec3& outward) {
     for (Index f : all.facets) {
       if (side.planes[f].normal.dot(outward) <= -facing) continue;
       facets.push_back(f);
@@ -84,8 +84,8 @@ struct Half {
   }
 };
 
-std::map<Index, Meeting> meetings(const Side& side, const Cover& cover,
-                                  const std::vector<Vec3>& X) {
+std::map<Index, Encounter> encounters(const Side& side, const Cover& cover,
+                                      const std::vector<Vec3>& X) {
   Groups groups(side.facets());
   std::map<Index, Index> first;  // facet at a vertex
   for (Index f = 0; f < side.facets(); ++f) {
@@ -94,17 +94,17 @@ std::map<Index, Meeting> meetings(const Side& side, const Cover& cover,
       groups.join(f, first.emplace(side.facet(f).node[v], f).first->second);
     for (const Cell& cell : cover.cells[f]) groups.join(f, cell.master);
   }
-  std::map<Index, Meeting> found;
+  std::map<Index, Encounter> found;
   for (Index f = 0; f < side.facets(); ++f) {
     if (cover.cells[f].empty()) continue;
-    Meeting& meeting = found[groups.of(f)];
-    meeting.facets.push_back(f);
+    Encounter& encounter = found[groups.of(f)];
+    encounter.facets.push_back(f);
     const Plane& plane = side.planes[f];
     for (const Cell& cell : cover.cells[f]) {
       const Projection p = project(side.d, plane, side.facet(cell.master), X);
       const Real away = std::abs(p.distance(centroid(cell.part)));
-      meeting.directions += extent(cell.part) * plane.measure / (away + plane.size) * plane.normal *
-                            plane.normal.transpose();
+      encounter.directions += extent(cell.part) * plane.measure / (away + plane.size) *
+                              plane.normal * plane.normal.transpose();
     }
   }
   return found;
@@ -137,11 +137,11 @@ std::vector<char> slaves_of(const Nodes& nodes, const Pair& pair, Real maxgap) {
   std::vector<char> is_slave(side.facets(), 0);
   std::vector<Index> decided;
   const Cover faced = cover(side, side, nodes.X, maxgap, &own);
-  for (const auto& [root, meeting] : meetings(side, faced, nodes.X)) {
-    const Vec3 a = eigenpairs(meeting.directions).vectors.col(2);
-    const Half one(meeting, side, own, a), other(meeting, side, own, -a);
+  for (const auto& [root, encounter] : encounters(side, faced, nodes.X)) {
+    const Vec3 a = eigenpairs(encounter.directions).vectors.col(2);
+    const Half one(encounter, side, own, a), other(encounter, side, own, -a);
     for (Index f : (one.before(other, axes) ? one : other).facets) is_slave[f] = 1;
-    decided.insert(decided.end(), meeting.facets.begin(), meeting.facets.end());
+    decided.insert(decided.end(), encounter.facets.begin(), encounter.facets.end());
   }
   spread(side, decided, is_slave);
   return decided.empty() ? std::vector<char>() : is_slave;
