@@ -2,6 +2,7 @@
 
 #include "assembly/mortar/smooth_side.h"
 #include "assembly/slippable.h"
+#include "linear_algebra.h"
 
 namespace frictioncg::mortar {
 
@@ -238,7 +239,7 @@ DenseMatrix motions_of(const Freedom& freedom) {
 
 /// Of a relative motion of two bodies, each of which does its part of it: K (K + L)^-1 L.
 DenseMatrix in_series(const DenseMatrix& K, const DenseMatrix& L) {
-  return K * (K + L).ldlt().solve(L);
+  return K * least_squares(K + L, L);
 }
 
 /// Whether, motion by motion from the softest on, A resists the first ones clearly less.
