@@ -56,13 +56,13 @@ sources    = $(foreach name,$(subst +, ,$(notdir $1)),$(dir $1)$(name).cpp)
 compiled   = $(patsubst %,-include %,$(filter-out $(lastword $1),$1)) -c $(lastword $1)
 
 CORE      := $(wildcard plugin/core/*.cpp plugin/core/*/*.cpp plugin/core/*/*/*.cpp)
-OBJECTS   := $(foreach folder,$(sort $(dir $(CORE))),\
-               $(call objects,$(folder:plugin/%=$(BUILD)/%),$(sort $(wildcard $(folder)*.cpp))))
+OBJECTS   := $(foreach folder,$(sort $(dir $(CORE))),$(call objects,$(folder:plugin/%=$(BUILD)/%),$(wildcard $(folder)*.cpp)))
 CORE_H    := $(wildcard plugin/core/*.h plugin/core/*/*.h plugin/core/*/*/*.h)
 HEADERS   := $(CORE_H) $(wildcard plugin/freefem/*.h)
 ADAPTER   := $(wildcard plugin/freefem/*.cpp)
 ADAPTERS  := $(call objects,$(BUILD)/freefem/,$(ADAPTER))
 UNIT      := $(filter-out tests/unit/standalone/%,$(wildcard tests/unit/*.cpp tests/unit/*/*.cpp))
+TESTS     := $(foreach folder,$(sort $(dir $(UNIT))),$(call objects,$(folder:tests/%=$(BUILD)/%),$(wildcard $(folder)*.cpp)))
 IDP       := $(wildcard edp/*.idp)
 SCRIPTS   := $(wildcard tests/edp/*.edp)
 EXAMPLES  := $(filter-out %-mpi.edp,$(wildcard examples/*.edp))
@@ -218,17 +218,17 @@ pages: all ## every snippet of the README and of the manual, edp/doc
 	@bash tests/run tests/figures $(PAGES)
 
 # The core first: what it has inline is then what the tests run.
-$(BUILD)/unit_tests: $(OBJECTS) $(UNIT:tests/%.cpp=$(BUILD)/%.o)
+$(BUILD)/unit_tests: $(OBJECTS) $(TESTS)
 	$(CXX) $(LDFLAGS) $(WRAP) $^ -o $@ -lgtest -lgtest_main -lpthread $(LIBS)
 
 # test_faults.cpp counts allocations, and makes them fail
 WRAP := -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
-$(BUILD)/unit/%.o: tests/unit/%.cpp Makefile $(UNIT_PCH:=.gch)
+$(BUILD)/unit/%.o: $$(call sources,tests/unit/%) Makefile $(UNIT_PCH:=.gch)
 	@mkdir -p $(@D)
-	$(CXX) $(FLAGS) $(DEPENDS) -O1 -Itests $(addprefix $(READ) ,$(UNIT_PCH)) -c $< -o $@
+	$(CXX) $(FLAGS) $(DEPENDS) -O1 -Itests $(addprefix $(READ) ,$(UNIT_PCH)) $(call compiled,$(call sources,tests/unit/$*)) -o $@
 
--include $(OBJECTS:.o=.d) $(UNIT:tests/%.cpp=$(BUILD)/%.d) $(BUILD)/frictionCG.d $(ADAPTERS:.o=.d) $(MPI_OBJECTS:.o=.d)
+-include $(OBJECTS:.o=.d) $(TESTS:.o=.d) $(BUILD)/frictionCG.d $(ADAPTERS:.o=.d) $(MPI_OBJECTS:.o=.d)
 
 # The benchmarks run in FreeFEM, with one thread unless they say so, in the same process as what they compare with.
 $(BUILD)/%.so: tests/bench/%.cpp tests/bench/on_scene.h $(ADAPTERS) $(OBJECTS) $(HEADERS)

@@ -223,7 +223,7 @@ mortar::Freedom FreedomOfBodies::freedom() const {
   return freedom;
 }
 
-void FacedPart::add(const mortar::ContactNode& m) {
+void FacedPart::add(const mortar::SlaveNode& m) {
   gap.push_back(m.gap);
   distance.push_back(m.distance);
 }
@@ -255,7 +255,7 @@ std::vector<BoundaryNode> Pairing::face(const Triplets& A, int d, mortar::Option
   }
   std::vector<BoundaryNode> contact;
   FacedPart faced;
-  for (const mortar::ContactNode& m : mortar_->nodes()) {
+  for (const mortar::SlaveNode& m : mortar_->nodes()) {
     contact.push_back(contact_node(m.node, m));
     faced.add(m);
   }
@@ -281,7 +281,7 @@ void Pairing::add_motions(const mortar::Mortar& mortar, const std::vector<Vec3>&
   for (std::size_t k = 0; k < mortar.slip().size(); ++k) contact[k].slid = mortar.slip()[k];
 }
 
-BoundaryNode Pairing::contact_node(Index i, const mortar::ContactNode& m) const {
+BoundaryNode Pairing::contact_node(Index i, const mortar::SlaveNode& m) const {
   BoundaryNode node = slave_node(i, m.label);
   node.point.normal = node.mean = m.normal;
   node.weight = m.weight;

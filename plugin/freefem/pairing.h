@@ -76,7 +76,7 @@ struct FacedPart {
   Real distance_at(std::size_t point) const {
     return point < distance.size() ? distance[point] : 0;
   }
-  void add(const mortar::ContactNode& m);
+  void add(const mortar::SlaveNode& m);
   void add(const mortar::Pair& pair, const mortar::Statistics& found, int d,
            const std::vector<Vec3>& X);
 };
@@ -100,7 +100,7 @@ class Pairing {
   static void add_motions(const mortar::Mortar& mortar, const std::vector<Vec3>& U,
                           std::vector<BoundaryNode>& contact);
   /// Node i of the slave with what a mortar makes of it.
-  BoundaryNode contact_node(Index i, const mortar::ContactNode& m) const;
+  BoundaryNode contact_node(Index i, const mortar::SlaveNode& m) const;
   std::unique_ptr<LocalSystem> system(const Triplets& A, int d, std::vector<ContactPoint> points,
                                       const std::vector<Index>& mesh_node, const RigidModes& modes,
                                       const BodyModes& body_modes, const LocalSystem* before) const;

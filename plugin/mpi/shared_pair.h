@@ -138,7 +138,7 @@ inline void face_part(const NodeNumbers& numbers, const Domain& part,
   };
   const auto is_own = [&](Index i) { return i >= 0 && part.owns(dof[i][0]); };
   FacedPart faced;
-  const std::vector<mortar::ContactNode>& nodes = shared.mortar->nodes();
+  const std::vector<mortar::SlaveNode>& nodes = shared.mortar->nodes();
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const Index i = local(nodes[k].node);
     if (!is_own(i)) continue;

@@ -90,12 +90,12 @@ void operator delete(void* p, std::size_t) noexcept { __wrap_free(p); }
 using namespace frictioncg;
 using namespace frictioncg::test;
 
-namespace {
-
 class Faults : public testing::Test {
  protected:
   void TearDown() override { until_failure = 0; }
 };
+
+namespace {
 
 Vector field(const Scene& s, Method method) {
   Settings settings;

@@ -10,7 +10,7 @@ namespace {
 
 /// The stiffness of a plane body with what a test adds to it, as triplets.
 struct Assembled {
-  Bodies bodies;
+  MeshedBodies bodies;
   std::vector<Index> i, j, node;
   std::vector<Real> a;
 

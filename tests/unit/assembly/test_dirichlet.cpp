@@ -12,8 +12,8 @@ struct Entry {
   Real a;
 };
 
-struct Assembled {
-  Assembled(Index n, const std::vector<Entry>& entries, bool half_stored = false)
+struct Elastic {
+  Elastic(Index n, const std::vector<Entry>& entries, bool half_stored = false)
       : size(n), half(half_stored) {
     for (const Entry& e : entries) i.push_back(e.i), j.push_back(e.j), a.push_back(e.a);
   }
@@ -31,7 +31,7 @@ struct Assembled {
 };
 
 /// A chain of two dofs of stiffness 100 with a third that the last column and row couple.
-Assembled chain(Real diagonal) {
+Elastic chain(Real diagonal) {
   return {3,
           {{0, 0, 200},
            {0, 1, -100},
@@ -55,46 +55,46 @@ TEST(Dirichlet, ADiagonalBeyondEveryContrastOfStiffnessIsHeld) {
 
 TEST(Dirichlet, ALargeDiagonalIsJudgedByItsColumnAsWellAsByItsRow) {
   // an elimination of the row alone leaves the column
-  const Assembled A(2, {{0, 0, 2}, {0, 1, -1}, {1, 1, 1}});
+  const Elastic A(2, {{0, 0, 2}, {0, 1, -1}, {1, 1, 1}});
   EXPECT_EQ(A.held(), Dofs{1});
   // of a half-stored matrix the row is the column
-  EXPECT_EQ(Assembled(2, {{0, 0, 1.5}, {1, 0, -1}, {1, 1, 2}}, true).held(), Dofs());
+  EXPECT_EQ(Elastic(2, {{0, 0, 1.5}, {1, 0, -1}, {1, 1, 2}}, true).held(), Dofs());
 }
 
 TEST(Dirichlet, AHalfStoredRowOfTheIdentityIsHeldWhereItsZerosAreStored) {
   const std::vector<Entry> eliminated = {{0, 0, 2},  {1, 0, 0},  {1, 1, 1},
                                          {2, 0, -1}, {2, 1, -1}, {2, 2, 3}};
-  EXPECT_EQ(Assembled(3, eliminated, true).held(), Dofs{1});
+  EXPECT_EQ(Elastic(3, eliminated, true).held(), Dofs{1});
   // a diagonal that happens to be 1, above which nothing is stored, is a stiffness
   const std::vector<Entry> free = {{0, 0, 1}, {1, 0, 0.3}, {1, 1, 2}};
-  EXPECT_EQ(Assembled(2, free, true).held(), Dofs());
+  EXPECT_EQ(Elastic(2, free, true).held(), Dofs());
 }
 
 TEST(Dirichlet, ASupportAtAContactPointIsNoSpring) {
   ContactPoint p;
   p.dof = {2, 3, -1};
   p.normal = {0, -1, 0};
-  const Assembled A(4, {{0, 0, 2}, {0, 1, -1}, {1, 0, -1}, {1, 1, 2}, {2, 2, 50}, {3, 3, 1e30}});
+  const Elastic A(4, {{0, 0, 2}, {0, 1, -1}, {1, 0, -1}, {1, 1, 2}, {2, 2, 50}, {3, 3, 1e30}});
   EXPECT_EQ(A.held({p}), Dofs{3});
   EXPECT_EQ(A.held(), (Dofs{2, 3}));
 }
 
 TEST(Dirichlet, AZeroBesideAFreeDofTellsOfACouplingTakenOutWhateverAnotherBodyHas) {
   // dof 0 by tgv = -2; dof 5, of another body, by tgv = -1, whose column remains
-  const Assembled A(6, {{0, 0, 1},
-                        {0, 1, 0},
-                        {1, 0, 0},
-                        {1, 1, 2},
-                        {1, 2, -1},
-                        {2, 1, -1},
-                        {2, 2, 2},
-                        {3, 3, 2},
-                        {3, 4, -1},
-                        {4, 3, -1},
-                        {4, 4, 2},
-                        {4, 5, -1},
-                        {5, 4, 0},
-                        {5, 5, 1}});
+  const Elastic A(6, {{0, 0, 1},
+                      {0, 1, 0},
+                      {1, 0, 0},
+                      {1, 1, 2},
+                      {1, 2, -1},
+                      {2, 1, -1},
+                      {2, 2, 2},
+                      {3, 3, 2},
+                      {3, 4, -1},
+                      {4, 3, -1},
+                      {4, 4, 2},
+                      {4, 5, -1},
+                      {5, 4, 0},
+                      {5, 5, 1}});
   const Dirichlet dirichlet(A.triplets(), {});
   ASSERT_EQ(A.held(), (Dofs{0, 5}));
   EXPECT_EQ(dirichlet.data(0.1 * Vector::Unit(6, 5))[1], 0.1);
@@ -102,7 +102,7 @@ TEST(Dirichlet, AZeroBesideAFreeDofTellsOfACouplingTakenOutWhateverAnotherBodyHa
 }
 
 TEST(Dirichlet, OfARowThatAnotherProcessOwnsThatOneJudgesWhetherCouplingsAreThere) {
-  const Assembled A(3, {{0, 0, 1}, {1, 1, 2}, {1, 2, -1}, {2, 1, -1}, {2, 2, 2}});
+  const Elastic A(3, {{0, 0, 1}, {1, 1, 2}, {1, 2, -1}, {2, 1, -1}, {2, 2, 2}});
   const std::array<char, 3> all{1, 1, 1}, others{0, 1, 1};
   const Vector b = 0.1 * Vector::Unit(3, 0);
   Triplets part = A.triplets();
@@ -113,7 +113,7 @@ TEST(Dirichlet, OfARowThatAnotherProcessOwnsThatOneJudgesWhetherCouplingsAreTher
 }
 
 TEST(Dirichlet, PrescribedDisplacementsAreTheLoadOverTheDiagonal) {
-  const Assembled A = chain(1e30);
+  const Elastic A = chain(1e30);
   const Dirichlet dirichlet(A.triplets(), {});
   EXPECT_DOUBLE_EQ(dirichlet.data((Vector(3) << 5, 6, 2e29).finished())[0], 0.2);
 }

@@ -14,7 +14,7 @@ using namespace frictioncg::test;
 
 namespace {
 
-ContactProblem problem_of(const BlockOptions& o) { return block(o).system().problem(); }
+ContactProblem posed(const BlockOptions& o) { return block(o).system().problem(); }
 
 /// A scene drawn at random: mesh, normals, friction, gaps, loads; about half held by contact alone.
 Scene random_scene(unsigned seed) {
@@ -67,7 +67,7 @@ Scene beside_a_spring(const BlockOptions& o) {
 }  // namespace
 
 TEST(Condensed, RefusesWhatDoesNotFitAndTheSolverThenIterates) {
-  const ContactProblem p = problem_of(BlockOptions());
+  const ContactProblem p = posed(BlockOptions());
   Elimination elimination;
   EXPECT_EQ(elimination.factor(*p.system, 1000), Elimination::Outcome::too_large);
   Settings settings;
@@ -120,7 +120,7 @@ TEST(Condensed, AgreesWithTheConjugateGradientOnAToTheRegularizationsBound) {
     o.cells = d == 2 ? 10 : 4;
     o.clamp_side = true;
     o.shear = 4;
-    const ContactProblem p = problem_of(o);
+    const ContactProblem p = posed(o);
     const Solution a = solve(p, Settings());
     for (Real eps : {1e-4, 1e-6, 1e-8}) {
       Settings settings;
@@ -166,7 +166,7 @@ TEST(Condensed, AFurtherIncrementStartsFromTheLastBranches) {
   o.cells = 8;
   o.clamp_side = true;
   o.shear = 4;
-  const ContactProblem p = problem_of(o);
+  const ContactProblem p = posed(o);
   CondensedSolver solver(p.system);
   ASSERT_EQ(solver.factor(1e9), Elimination::Outcome::done);
   EXPECT_GT(solver.solve(p, Settings(), {}).iterations, 2);
@@ -286,7 +286,7 @@ TEST(Condensed, FrictionlessContactCondensesTheNormalsOnly) {
   BlockOptions o;
   o.law = Law::frictionless;
   o.clamp_side = true;
-  const ContactProblem p = problem_of(o);
+  const ContactProblem p = posed(o);
   EXPECT_EQ(p.contact_dofs(), p.nodes());
   EXPECT_LT(solve(p, Settings()).certificate.residual, 1e-12);
 }
@@ -330,7 +330,7 @@ TEST(Condensed, LargeSlipSystemsAreSolvedToRoundingThroughSinglePrecision) {
 TEST(Condensed, AToleranceBelowRoundingEndsStagnatedWithTheBestField) {
   Settings settings;
   settings.tol = 1e-17;
-  const Solution a = solve(problem_of(BlockOptions()), settings);
+  const Solution a = solve(posed(BlockOptions()), settings);
   EXPECT_EQ(a.status, Status::stagnated);
   EXPECT_LT(a.certificate.residual, 1e-12);
 }

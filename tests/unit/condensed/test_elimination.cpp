@@ -10,7 +10,6 @@
 
 using namespace frictioncg;
 using namespace frictioncg::test;
-using Outcome = Elimination::Outcome;
 
 namespace {
 
@@ -31,7 +30,7 @@ TEST(Elimination, SchurComplementCondensedLoadAndFieldMatchDenseAlgebra) {
     o.angle = 0.3;
     const ContactProblem p = problem_of(o);
     Elimination elimination;
-    ASSERT_EQ(elimination.factor(*p.system, 1e9), Outcome::done);
+    ASSERT_EQ(elimination.factor(*p.system, 1e9), Elimination::Outcome::done);
     EXPECT_EQ(elimination.floating().cols(), 0);
     const Eigen::MatrixXd A = p.system->entries();
     const Index I = p.interior(), C = p.contact_dofs();
@@ -64,7 +63,7 @@ TEST(Elimination, WhatFloatsAlongAFrictionlessPlaneIsNamedAndSAndFExistAllTheSam
       o.shear = 0;
       const ContactProblem p = beside(problem_of(o), bodies);
       Elimination elimination;
-      ASSERT_EQ(elimination.factor(*p.system, 1e9), Outcome::done);
+      ASSERT_EQ(elimination.factor(*p.system, 1e9), Elimination::Outcome::done);
       const DenseMatrix& V = elimination.floating();
       ASSERT_EQ(V.cols(), bodies * (d == 2 ? 1 : 3));
       EXPECT_LT((p.system->entries() * V).norm(), 1e-11 * p.system->entries().norm() * V.norm());
@@ -95,7 +94,7 @@ TEST(Elimination, ABodyThatTouchesNothingFloatsByAllItsRigidMotions) {
     s.friction.resize(0);
     const Posed posed = s.system();
     Elimination elimination;
-    ASSERT_EQ(elimination.factor(*posed.problem().system, 1e9), Outcome::done);
+    ASSERT_EQ(elimination.factor(*posed.problem().system, 1e9), Elimination::Outcome::done);
     EXPECT_EQ(elimination.floating().cols(), d == 2 ? 3 : 6);
   }
 }
@@ -104,8 +103,8 @@ TEST(Elimination, SeparateBodiesKeepTheirContactDofsLast) {
   // the contact block of the factor is not dense
   const ContactProblem one = problem_of(BlockOptions()), two = beside(one, 2);
   Elimination single, twofold;
-  ASSERT_EQ(single.factor(*one.system, 1e9), Outcome::done);
-  ASSERT_EQ(twofold.factor(*two.system, 1e9), Outcome::done);
+  ASSERT_EQ(single.factor(*one.system, 1e9), Elimination::Outcome::done);
+  ASSERT_EQ(twofold.factor(*two.system, 1e9), Elimination::Outcome::done);
   const Index C = one.contact_dofs();
   EXPECT_LT((twofold.S().topLeftCorner(C, C) - single.S()).norm(), 1e-12 * single.S().norm());
   EXPECT_LT((twofold.S().bottomRightCorner(C, C) - single.S()).norm(), 1e-12 * single.S().norm());
@@ -118,16 +117,16 @@ TEST(Elimination, AsksForTheFactorAndTheDenseMatricesAndForNoByteMore) {
   const ContactProblem p = problem_of(o);
   const double dense = 3 * sizeof(Real) * std::pow(p.contact_dofs(), 2);
   Elimination open;
-  ASSERT_EQ(open.factor(*p.system, 1e9), Outcome::done);
+  ASSERT_EQ(open.factor(*p.system, 1e9), Elimination::Outcome::done);
   const double needed = open.memory_needed();
   // a factor of some fill-in: more than the lower half of A, less than a dense one
   EXPECT_GT(needed, dense + sizeof(Real) * p.system->entries().nonZeros() / 2);
   EXPECT_LT(needed, dense + sizeof(Real) * std::pow(p.dofs(), 2) / 2);
   Elimination exact, tight, tighter;
-  EXPECT_EQ(exact.factor(*p.system, needed), Outcome::done);
-  EXPECT_EQ(tight.factor(*p.system, needed - 1), Outcome::too_large);
+  EXPECT_EQ(exact.factor(*p.system, needed), Elimination::Outcome::done);
+  EXPECT_EQ(tight.factor(*p.system, needed - 1), Elimination::Outcome::too_large);
   EXPECT_EQ(tight.memory_needed(), needed);
-  EXPECT_EQ(tighter.factor(*p.system, dense - 1), Outcome::too_large);
+  EXPECT_EQ(tighter.factor(*p.system, dense - 1), Elimination::Outcome::too_large);
   EXPECT_EQ(tighter.memory_needed(), dense);
 }
 
@@ -137,7 +136,7 @@ TEST(Elimination, ContactDofsStayInTheirOrderWhereNothingButTheirOrderChainsThem
   for (Index i = 0; i + 2 < 8; ++i) A(i, i + 2) = A(i + 2, i) = -1;
   const ByHand hand(1, A, Vector::Ones(8));
   Elimination elimination;
-  ASSERT_EQ(elimination.factor(*hand.problem.system, 1e9), Outcome::done);
+  ASSERT_EQ(elimination.factor(*hand.problem.system, 1e9), Elimination::Outcome::done);
   EXPECT_LT((elimination.S() - A).norm(), 1e-14);
 }
 
@@ -156,7 +155,8 @@ TEST(Elimination, ASoftSupportIsNoRoundingOfNone) {
     s.a.push_back(spring * largest);
     const Posed posed = s.system();
     Elimination elimination;
-    ASSERT_EQ(elimination.factor(*posed.problem().system, 1e9), Outcome::done) << spring;
+    ASSERT_EQ(elimination.factor(*posed.problem().system, 1e9), Elimination::Outcome::done)
+        << spring;
     EXPECT_EQ(elimination.floating().cols(), 0) << spring;
   }
 }
@@ -177,7 +177,7 @@ TEST(Elimination, AContactBlockThatSpringsWouldMakeDefiniteIsIndefiniteAllTheSam
   AssembledSystem system = assembled(hand.problem.system);
   system.first = {1, 2};
   Elimination elimination;
-  EXPECT_EQ(elimination.factor(system, 1e9), Outcome::not_positive_definite);
+  EXPECT_EQ(elimination.factor(system, 1e9), Elimination::Outcome::not_positive_definite);
 }
 
 TEST(Elimination, AnIndefiniteMatrixHasNone) {
@@ -186,5 +186,5 @@ TEST(Elimination, AnIndefiniteMatrixHasNone) {
   bad.A.coeffRef(3, 3) *= -1;
   bad.D[3] *= -1;
   Elimination elimination;
-  EXPECT_EQ(elimination.factor(bad, 1e9), Outcome::not_positive_definite);
+  EXPECT_EQ(elimination.factor(bad, 1e9), Elimination::Outcome::not_positive_definite);
 }

@@ -49,14 +49,14 @@ struct Case {
   }
 };
 
-const Precon all[] = {Precon::none, Precon::diagonal, Precon::ssor, Precon::hessian_diagonal,
-                      Precon::hessian_ssor};
+const Precon all_precons[] = {Precon::none, Precon::diagonal, Precon::ssor,
+                              Precon::hessian_diagonal, Precon::hessian_ssor};
 
 }  // namespace
 
 TEST(Preconditioner, DirectionIsTheSolutionOfEquation15OnTheFreeSubspace) {
   const Case c;
-  for (Precon kind : all)
+  for (Precon kind : all_precons)
     for (Real omega : {1.0, 1.4}) {
       const auto P = make_preconditioner(*c.p.system, kind, omega);
       P->start(c.r);
@@ -76,7 +76,7 @@ TEST(Preconditioner, DirectionIsTheSolutionOfEquation15OnTheFreeSubspace) {
 
 TEST(Preconditioner, AnIterationKeepsResidualsAndProductsExactWhileTheHessianChanges) {
   const Case c;
-  for (Precon kind : all) {
+  for (Precon kind : all_precons) {
     const auto P = make_preconditioner(*c.p.system, kind, 1.2);
     P->start(c.r);
     P->set_contact(c.r_C(), c.part);
@@ -111,7 +111,7 @@ TEST(Preconditioner, AnIterationKeepsResidualsAndProductsExactWhileTheHessianCha
 
 TEST(Preconditioner, AMoveOfContactDofsReachesTheInteriorResidual) {
   const Case c;
-  for (Precon kind : all) {
+  for (Precon kind : all_precons) {
     const auto P = make_preconditioner(*c.p.system, kind, 1.3);
     P->start(c.r);
     P->set_contact(c.r_C(), c.part);

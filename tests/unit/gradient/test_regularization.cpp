@@ -5,15 +5,15 @@
 using namespace frictioncg;
 
 namespace {
-const Regularization all[] = {Regularization::square_root, Regularization::log_cosh,
-                              Regularization::polynomial};
+const Regularization all_kinds[] = {Regularization::square_root, Regularization::log_cosh,
+                                    Regularization::polynomial};
 const Real points[] = {0.1, 0.9, 1.1, 3, 40};  // in units of eps, both sides of it
 
 Real slope(const Phi& phi, Real t) { return t * phi.slope_over_t(t); }
 }  // namespace
 
 TEST(Regularization, SlopeMatchesACentredDifferenceOnBothSidesOfEps) {
-  for (Regularization kind : all)
+  for (Regularization kind : all_kinds)
     for (Real eps : {1e-8, 1.0, 1e6})
       for (Real t : points) {
         const Phi phi{kind, eps};
@@ -24,7 +24,7 @@ TEST(Regularization, SlopeMatchesACentredDifferenceOnBothSidesOfEps) {
 }
 
 TEST(Regularization, CurvatureMatchesACentredDifferenceOfTheSlope) {
-  for (Regularization kind : all)
+  for (Regularization kind : all_kinds)
     for (Real t : points) {
       const Phi phi{kind, 2.0};
       const Real h = 1e-5;
@@ -37,13 +37,13 @@ TEST(Regularization, StaysWithinItsBoundOfTheAbsoluteValue) {
   const Real constant[] = {1, std::log(2.0), 0.5};
   for (int k = 0; k < 3; ++k)
     for (Real t = 0; t < 20; t += 0.01) {
-      const Phi phi{all[k], 1.0};
+      const Phi phi{all_kinds[k], 1.0};
       EXPECT_LE(std::abs(t - phi.value(t)), constant[k] + 1e-14);
     }
 }
 
 TEST(Regularization, StartsAtItsLeastAndHasNoJumpWhereItsFormChanges) {
-  for (Regularization kind : all) {
+  for (Regularization kind : all_kinds) {
     const Phi phi{kind, 1.0};
     EXPECT_NEAR(phi.value(0), kind == Regularization::square_root ? 1 : 0, 1e-15);
     EXPECT_NEAR(phi.value(1 - 1e-9), phi.value(1 + 1e-9), 3e-9);
@@ -51,7 +51,7 @@ TEST(Regularization, StartsAtItsLeastAndHasNoJumpWhereItsFormChanges) {
 }
 
 TEST(Regularization, ItsMeanCurvatureIsHalfTheTraceOfItsHessianInThePlane) {
-  for (Regularization kind : all)
+  for (Regularization kind : all_kinds)
     for (Real t : {0.3, 3.0}) {
       const Phi phi{kind, 1.0};
       const Real h = 1e-4;
@@ -63,7 +63,7 @@ TEST(Regularization, ItsMeanCurvatureIsHalfTheTraceOfItsHessianInThePlane) {
 }
 
 TEST(Regularization, IsFiniteAtZeroAtEpsAndFarOut) {
-  for (Regularization kind : all)
+  for (Regularization kind : all_kinds)
     for (Real t : {0.0, 1e-14, 1.0, 1e14}) {
       const Phi phi{kind, 1e-8};
       EXPECT_TRUE(std::isfinite(phi.value(t)));

@@ -9,7 +9,7 @@ std::vector<std::array<int, 2>> ends(int d) {
   return {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 }
 
-void Bodies::add_box(std::array<int, 3> n, const Map& shape, Real young) {
+void MeshedBodies::add_box(std::array<int, 3> n, const Map& shape, Real young) {
   const Index base = nodes();
   const int nz = d == 3 ? n[2] : 0;
   const auto id = [&](int x, int y, int z) { return base + x + (n[0] + 1) * (y + (n[1] + 1) * z); };
@@ -51,7 +51,7 @@ void Bodies::add_box(std::array<int, 3> n, const Map& shape, Real young) {
       }
 }
 
-void Bodies::merge(const std::function<bool(const Vec3&)>& where) {
+void MeshedBodies::merge(const std::function<bool(const Vec3&)>& where) {
   std::vector<Index> target(X.size());
   for (Index i = 0; i < nodes(); ++i) {
     target[i] = i;
@@ -70,8 +70,8 @@ void Bodies::merge(const std::function<bool(const Vec3&)>& where) {
   X = kept;
 }
 
-std::vector<Facet> Bodies::boundary(const std::function<bool(const Vec3&)>& where, long label,
-                                    Index first, Index last) const {
+std::vector<Facet> MeshedBodies::boundary(const std::function<bool(const Vec3&)>& where, long label,
+                                          Index first, Index last) const {
   std::map<std::vector<Index>, std::pair<int, Facet>> all;
   if (last < 0) last = static_cast<Index>(elements.size());
   for (Index k = first; k < last; ++k) {
@@ -125,7 +125,7 @@ Eigen::MatrixXd gradients(int d, bool quadratic, const Eigen::MatrixXd& of_lambd
   return g;
 }
 
-Matrix Bodies::stiffness() const {
+Matrix MeshedBodies::stiffness() const {
   std::vector<Eigen::Triplet<Real, Index>> entries;
   for (std::size_t k = 0; k < elements.size(); ++k) {
     const Element& e = elements[k];
@@ -156,7 +156,7 @@ Matrix Bodies::stiffness() const {
   return A;
 }
 
-void Bodies::add_traction(const Facet& facet, const Vec3& traction, Vector& F) const {
+void MeshedBodies::add_traction(const Facet& facet, const Vec3& traction, Vector& F) const {
   const Plane plane = plane_of(d, facet, X);
   for (int k = 0; k < nodes_of_facet(d, quadratic); ++k) {
     const Real share = !quadratic ? 1. / d

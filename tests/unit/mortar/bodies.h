@@ -18,7 +18,7 @@ std::vector<std::array<int, 2>> ends(int d);
 
 /// Several bodies with one numbering of nodes. Facets of the boundary carry outward vectors; labels
 /// are given afterwards, by place.
-struct Bodies {
+struct MeshedBodies {
   int d = 2;
   bool quadratic = false;
   std::vector<Vec3> X;

@@ -7,7 +7,7 @@ namespace {
 /// The contact points of a mortar, one per contact node, in their order; without friction as yet.
 std::vector<ContactPoint> contact_points(const Mortar& mortar, const NodeDofs& dof) {
   std::vector<ContactPoint> points;
-  for (const ContactNode& node : mortar.nodes()) {
+  for (const SlaveNode& node : mortar.nodes()) {
     ContactPoint point;
     point.dof = dof[node.node];
     for (int c = 0; c < 3; ++c) point.normal[c] = node.normal[c];

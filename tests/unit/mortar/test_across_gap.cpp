@@ -12,12 +12,12 @@ using namespace frictioncg::mortar::test;
 
 namespace {
 
-constexpr Real h = 1 / 3.;
+constexpr Real cell = 1 / 3.;
 
 /// Two boxes, turned, whose faces are `gap` apart and a little uneven, the upper one slid along;
 /// where `one`, they count as one body.
 struct Faces {
-  Bodies bodies;
+  MeshedBodies bodies;
   std::vector<Pair> pairs{1};
 
   Faces(int d, bool quadratic, Real gap, bool swapped, bool one = true, Real slid = 0) {
@@ -79,7 +79,7 @@ TEST(AcrossGap, NoRotationOfABodyWithBothFacesIsSeen) {
   for (int d : {2, 3})
     for (bool quadratic : {false, true})
       for (bool swapped : {false, true})
-        for (Real gap : {1e-6 * h, 1e-3 * h, 0.05 * h}) {
+        for (Real gap : {1e-6 * cell, 1e-3 * cell, 0.05 * cell}) {
           SCOPED_TRACE(std::to_string(d) + "D, gap " + std::to_string(gap));
           const Faces faces(d, quadratic, gap, swapped);
           const Mortar m = faces.mortar();
@@ -93,7 +93,7 @@ TEST(AcrossGap, NoRotationOfABodyWithBothFacesIsSeen) {
 TEST(AcrossGap, TwoBodiesAndWideGapsKeepTheirRows) {
   for (int d : {2, 3})
     for (const Faces& faces :
-         {Faces(d, false, 1e-3 * h, false, false), Faces(d, false, 0.2 * h, false)}) {
+         {Faces(d, false, 1e-3 * cell, false, false), Faces(d, false, 0.2 * cell, false)}) {
       const Mortar m = faces.mortar();
       const Vec2 all = seen(m, faces.bodies.X);
       EXPECT_LT(all[0], 1e-14);
@@ -114,7 +114,7 @@ TEST(AcrossGap, TwoBodiesAndWideGapsKeepTheirRows) {
 TEST(AcrossGap, TheChangeOfBasisStillHasItsInverse) {
   for (int d : {2, 3})
     for (bool quadratic : {false, true}) {
-      const Faces faces(d, quadratic, 1e-2 * h, false);
+      const Faces faces(d, quadratic, 1e-2 * cell, false);
       const Mortar m = faces.mortar();
       std::vector<char> held(faces.bodies.nodes(), 0);
       for (int holds = 0; holds < 2; ++holds) {
@@ -142,12 +142,12 @@ TEST(AcrossGap, RowsGoOnFromElementToElementAndAsTheGapOpens) {
     return largest;
   };
   for (int d : {2, 3}) {
-    const Real slid = 0.3 * h / steps, opened = 0.2 * h / steps;
+    const Real slid = 0.3 * cell / steps, opened = 0.2 * cell / steps;
     const auto slides = [&](Real t) {
-      return Faces(d, false, 0.05 * h, false, true, (0.05 + 0.3 * t) * h);
+      return Faces(d, false, 0.05 * cell, false, true, (0.05 + 0.3 * t) * cell);
     };
-    const auto opens = [&](Real t) { return Faces(d, false, 0.2 * t * h, false); };
-    EXPECT_LT(most(slides), 5 * slid / h);
-    EXPECT_LT(most(opens), 5 * opened / h);
+    const auto opens = [&](Real t) { return Faces(d, false, 0.2 * t * cell, false); };
+    EXPECT_LT(most(slides), 5 * slid / cell);
+    EXPECT_LT(most(opens), 5 * opened / cell);
   }
 }

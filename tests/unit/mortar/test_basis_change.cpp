@@ -9,7 +9,7 @@ using namespace frictioncg::mortar::test;
 namespace {
 
 /// Nodal values of a + b.x
-Vector linear(const Bodies& bodies) {
+Vector linear(const MeshedBodies& bodies) {
   Vector u(bodies.nodes());
   for (Index i = 0; i < u.size(); ++i) u[i] = 0.7 + Vec3(0.3, -1.1, 0.5).dot(bodies.X[i]);
   return u;
@@ -39,7 +39,7 @@ TEST(MortarBasis, RowsOfTKeepTranslationsAndLinearFieldsWhereContactNodesRestInW
         if (quadratic)  // slave mid-edges: what they stand above the mean of their ends
           for (const Facet& f : s.pairs[0].slave.facets)
             for (int k = 0; k < edges_of_facet(d); ++k) w[f.node[d + k]] = 0;
-        for (const ContactNode& node : mortar.nodes()) w[node.node] = 0;
+        for (const SlaveNode& node : mortar.nodes()) w[node.node] = 0;
         EXPECT_LT((T * w - u).lpNorm<Eigen::Infinity>(), 1e-13);
       }
     }

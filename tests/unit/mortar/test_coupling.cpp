@@ -8,9 +8,9 @@ using namespace frictioncg::mortar::test;
 
 namespace {
 
-constexpr Real mu = 0.3;
+constexpr Real coefficient = 0.3;
 
-bool at(Real a, Real b) { return std::abs(a - b) < 1e-9; }
+bool lies_at(Real a, Real b) { return std::abs(a - b) < 1e-9; }
 
 /// Two boxes pressed on one another by a uniform stress with the shear `share` mu p in the
 /// interface: held at the bottom and at the top, where the upper one is moved on by `slip`.
@@ -27,7 +27,8 @@ struct Sheared {
     const Vec3 direction = d == 2 ? Vec3(1, 0, 0) : Vec3(0.6, 0.8, 0);
     const Real E = s.bodies.E[0], nu = s.bodies.nu, p = 0.01;
     sigma(up, up) = -p;
-    for (int c = 0; c < up; ++c) sigma(c, up) = sigma(up, c) = share * mu * p * direction[c];
+    for (int c = 0; c < up; ++c)
+      sigma(c, up) = sigma(up, c) = share * coefficient * p * direction[c];
     for (int c = 0; c < up; ++c) sigma(c, c) = 0.2 * p * (c + 1);
     if (d == 2) sigma(2, 2) = nu * (sigma(0, 0) + sigma(1, 1));
     H = (1 + nu) / E * sigma - nu / E * sigma.trace() * Eigen::Matrix3d::Identity();
@@ -39,12 +40,12 @@ struct Sheared {
     upper_nodes = s.bodies.elements[s.bodies.elements.size() - 1][0];
     for (Index i = 0; i < s.bodies.nodes(); ++i) {
       const Vec3& x = s.bodies.X[i];
-      if (!at(x[up], 0) && !at(x[up], 2)) continue;
+      if (!lies_at(x[up], 0) && !lies_at(x[up], 2)) continue;
       const Vec3 u = exact(i);
       for (int c = 0; c < d; ++c) s.hold(i, c, u[c]);
     }
     const auto side = [&](const Vec3& x) {
-      return !at(x[up], 0) && !at(x[up], 1) && !at(x[up], 2);
+      return !lies_at(x[up], 0) && !lies_at(x[up], 1) && !lies_at(x[up], 2);
     };
     for (const Facet& f : s.bodies.boundary(side))
       s.bodies.add_traction(f, sigma * plane_of(d, f, s.bodies.X).normal, s.load);
@@ -103,7 +104,7 @@ TEST(MortarContact, CoulombFrictionThatSticksOrSlipsPassesThePatchTest) {
           const Sheared scene(d, quadratic, slips ? 1 : 0.6, slips ? 0.004 : 0, swapped);
           Settings settings;
           settings.tol = 1e-11;
-          const Answer answer = solve_contact(scene.s, mu, settings, swapped);
+          const Answer answer = solve_contact(scene.s, coefficient, settings, swapped);
           EXPECT_EQ(answer.solution.status, Status::converged);
           EXPECT_LT(answer.solution.certificate.residual, 1e-12);
           EXPECT_LT(scene.error(answer.u), 1e-11) << d << "D P" << 1 + quadratic << slips;
@@ -124,7 +125,7 @@ TEST(MortarContact, EveryMethodPassesThePatchTest) {
         settings.method = method;
         settings.tol = 1e-9;
         settings.nbiter = 100000;
-        const Answer answer = solve_contact(scene.s, mu, settings);
+        const Answer answer = solve_contact(scene.s, coefficient, settings);
         const auto [sum, moment, traction] = scene.force_errors(answer.force);
         EXPECT_EQ(answer.solution.status, Status::converged) << d << name(method) << slips;
         EXPECT_TRUE(answer.rotated);
@@ -140,15 +141,15 @@ TEST(MortarContact, FrictionActsOnTheRelativeSlipOfAnIncrement) {
     const Sheared moved(d, d == 2, 1, 0.004, false), back(d, d == 2, 0.6, 0.004, false);
     Settings settings;
     settings.tol = 1e-11;
-    const Vector u = solve_contact(moved.s, mu, settings).u;
+    const Vector u = solve_contact(moved.s, coefficient, settings).u;
     // under less shear it sticks where it has come to; from scratch it would have gone there by
     // slipping, at the limit
-    const Answer answer = solve_contact(back.s, mu, settings, false, u);
+    const Answer answer = solve_contact(back.s, coefficient, settings, false, u);
     EXPECT_LT(answer.solution.certificate.residual, settings.tol);
     EXPECT_LT(back.error(answer.u), 1e-11);
     EXPECT_LT(back.force_errors(answer.force)[2], 1e-10);
     for (NodeState state : answer.solution.state) EXPECT_EQ(state, NodeState::stick);
-    EXPECT_GT(back.force_errors(solve_contact(back.s, mu, settings).force)[2], 0.01);
+    EXPECT_GT(back.force_errors(solve_contact(back.s, coefficient, settings).force)[2], 0.01);
   }
 }
 
@@ -160,7 +161,7 @@ TEST(MortarContact, TiedBodiesPull) {
     pulled.s.data *= -1;
     Settings settings;
     settings.tol = 1e-11;
-    const Answer answer = solve_contact(pulled.s, mu, settings, false, {}, true);
+    const Answer answer = solve_contact(pulled.s, coefficient, settings, false, {}, true);
     EXPECT_LT(pulled.error(-answer.u), 1e-11);
     EXPECT_LT(pulled.force_errors(-answer.force)[2], 1e-10);
   }
@@ -177,12 +178,12 @@ TEST(MortarContact, AMeshedObstacleThatIsHeldActsLikeOneGivenByGapAndNormal) {
     for (Index i = 0; i < s.bodies.nodes(); ++i) {
       if (below[i])
         for (int c = 0; c < d; ++c) s.hold(i, c, 0);
-      else if (at(s.bodies.X[i][up], 2))
+      else if (lies_at(s.bodies.X[i][up], 2))
         for (int c = 0; c < d; ++c) s.hold(i, c, c == up ? -0.01 - 0.05 * s.bodies.X[i][0] : 0.004);
     }
     Settings settings;
     settings.tol = 1e-11;
-    const Answer meshed = solve_contact(s, mu, settings);
+    const Answer meshed = solve_contact(s, coefficient, settings);
 
     const Assembled assembled(s, false);
     std::vector<ContactPoint> points;
@@ -199,7 +200,7 @@ TEST(MortarContact, AMeshedObstacleThatIsHeldActsLikeOneGivenByGapAndNormal) {
       }
     const LocalSystem local(assembled.triplets(), d, points);
     PointLaws laws{Law::coulomb, false, Vector::Zero(Index(points.size())),
-                   Vector::Constant(Index(points.size()), mu)};
+                   Vector::Constant(Index(points.size()), coefficient)};
     const LocalIncrement now = local.increment(assembled.b, {}, laws);
     const Solution rigid = Solver(local.system()).solve(now.increment, settings);
     const Vector u = local.to_global(rigid.x, now.u0);
@@ -215,7 +216,7 @@ TEST(MortarCoupling, NodesThatAnObstacleTakesKeepTheirDisplacementAndCarryNoLaw)
       std::vector<char> taken;
       NodeDofs dof(s.bodies.X.size());
       for (Index i = 0; i < s.bodies.nodes(); ++i) {
-        taken.push_back(at(s.bodies.X[i][0], 0));  // a wall on one side of both
+        taken.push_back(lies_at(s.bodies.X[i][0], 0));  // a wall on one side of both
         for (int c = 0; c < d; ++c) dof[i][c] = d * i + c;
       }
       const Assembled assembled(s, false);
@@ -223,7 +224,7 @@ TEST(MortarCoupling, NodesThatAnObstacleTakesKeepTheirDisplacementAndCarryNoLaw)
       const Mortar mortar({d, s.bodies.X, {}, taken}, s.pairs, s.options);
       EXPECT_GT(mortar.statistics().removed, 0);
       EXPECT_EQ(mortar.statistics().held, 0);
-      for (const mortar::ContactNode& node : mortar.nodes()) EXPECT_FALSE(taken[node.node]);
+      for (const mortar::SlaveNode& node : mortar.nodes()) EXPECT_FALSE(taken[node.node]);
       const Coupling both = couple(mortar, d, dof, none, d * s.bodies.nodes(), taken);
       const Vector w = Vector::Random(d * s.bodies.nodes()), u = both.T * w;
       EXPECT_LT((both.W * u - w).lpNorm<Eigen::Infinity>(), 1e-13);

@@ -27,7 +27,7 @@ Real gap_noise(int d, const Map& shape, int n, bool smooth, bool quadratic, cons
   s.pairs[0].master = s.sheet(4 * n / 3, -1, noted, 1);
   Real error = 0;
   const Mortar mortar = s.mortar();
-  for (const ContactNode& node : mortar.nodes())
+  for (const SlaveNode& node : mortar.nodes())
     if (where(place[node.node])) error = std::max(error, std::abs(node.gap));
   return error;
 }
@@ -104,7 +104,7 @@ TEST(MortarGap, AlongTheNormalOfTheSlaveBetweenParallelPlanes) {
         s.pairs[0].master = s.sheet(5, 1, at(0), 1);
         const Mortar mortar = s.mortar();
         Real area = 0;
-        for (const ContactNode& node : mortar.nodes()) {
+        for (const SlaveNode& node : mortar.nodes()) {
           EXPECT_NEAR(node.gap, lift, 1e-15);
           EXPECT_NEAR(node.distance, lift, 1e-15);
           EXPECT_LT((node.normal + Vec3::Unit(d - 1)).norm(), 1e-15);
@@ -163,7 +163,7 @@ TEST(MortarGap, AcrossAStepOfTheMasterItIsTheWeightedMean) {
   s.pairs[0].master = s.sheet(
       64, 1, [](const Vec3& x) { return Vec3(x[0], -x[0] * x[0], 0); }, 1);
   const Mortar mortar = s.mortar();
-  for (const ContactNode& node : mortar.nodes()) {
+  for (const SlaveNode& node : mortar.nodes()) {
     const Real x = s.nodes.X[node.node][0], h = 0.25;
     if (x < 0.1 || x > 0.9) continue;
     // int psi_i x^2 / D_i = x_i^2 - h^2/6 for inner nodes of an even mesh
@@ -203,7 +203,7 @@ TEST(MortarGap, AcrossSharpEdgesNothingIsRounded) {
     s.pairs[0].slave = s.sheet(4, -1, roof, 2);
     s.pairs[0].master = s.sheet(6, 1, roof, 1);
     const Mortar mortar = s.mortar();
-    for (const ContactNode& node : mortar.nodes()) EXPECT_NEAR(node.gap, 0, 1e-15);
+    for (const SlaveNode& node : mortar.nodes()) EXPECT_NEAR(node.gap, 0, 1e-15);
   }
 }
 
@@ -245,6 +245,6 @@ TEST(MortarGap, FlanksOfTwoLabelsThatMeetAtAnAngleAreNotRounded) {
       }
     }
     const Mortar mortar = s.mortar();
-    for (const ContactNode& node : mortar.nodes()) EXPECT_LT(std::abs(node.gap), 1e-14) << d;
+    for (const SlaveNode& node : mortar.nodes()) EXPECT_LT(std::abs(node.gap), 1e-14) << d;
   }
 }

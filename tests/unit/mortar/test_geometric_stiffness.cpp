@@ -40,7 +40,7 @@ constexpr Real within = 0.3;  ///< reach of what is pressed: none at the rim
 std::vector<Vec3> multipliers(const Surfaces& s, const Mortar& mortar, Real mu = 0.5,
                               Real reach = within) {
   std::vector<Vec3> y;
-  for (const ContactNode& at : mortar.nodes()) {
+  for (const SlaveNode& at : mortar.nodes()) {
     const Real k = at.node;
     Vec3 rub(0.6 * std::sin(k), 0.4 * std::cos(3 * k), s.nodes.dimension == 3 ? 0.2 : 0);
     const Real pressed = s.nodes.X[at.node].norm() < reach ? 1 : 0;
@@ -52,7 +52,7 @@ std::vector<Vec3> multipliers(const Surfaces& s, const Mortar& mortar, Real mu =
 
 /// G'y, whose y turn with the normals from where they were `before`.
 std::vector<Vec3> force(const Mortar& mortar, std::vector<Vec3> y,
-                        const std::vector<ContactNode>& before) {
+                        const std::vector<SlaveNode>& before) {
   std::vector<Vec3> f(mortar.relative().cols(), Vec3::Zero());
   for (Index k = 0; k < mortar.relative().rows(); ++k) {
     const Vec3 &n = before[k].normal, &now = mortar.nodes()[k].normal;
@@ -131,7 +131,7 @@ Real error_of_gaps(const Surfaces& s, bool even = false, Real reach = within) {
 Surfaces with_given_normals(Surfaces s) {
   const Mortar mortar = s.mortar();
   s.options.normals.assign(s.nodes.X.size(), Vec3::Zero());
-  for (const ContactNode& at : mortar.nodes()) s.options.normals[at.node] = at.normal;
+  for (const SlaveNode& at : mortar.nodes()) s.options.normals[at.node] = at.normal;
   return s;
 }
 

@@ -248,7 +248,7 @@ TEST(MortarIncrement, WhatComesToFaceASlaveOfAnotherPairHasNoMasterThere) {
     s.nodes.before = crosswise(0.1).nodes.X;
     const Mortar mortar = s.mortar();
     Index of_pair_0 = 0;
-    for (const ContactNode& node : mortar.nodes()) {
+    for (const SlaveNode& node : mortar.nodes()) {
       const Real seen = mortar.relative().coeff(&node - mortar.nodes().data(), 4);
       EXPECT_EQ(seen != 0, node.pair == 1 && node.node == 4) << node.node;
       of_pair_0 += node.pair == 0;
@@ -430,7 +430,7 @@ TEST(MortarIncrement, AMotionStaysOneWhereNormalsResistItSomewhatMore) {
       const Mortar mortar = s.mortar();
       DenseMatrix work(mortar.nodes().size(), d == 2 ? 3 : 6);
       for (std::size_t k = 0; k < mortar.nodes().size(); ++k) {
-        const ContactNode& node = mortar.nodes()[k];
+        const SlaveNode& node = mortar.nodes()[k];
         const Vec3 n = node.normal, turn = s.nodes.X[node.node].cross(n);
         if (d == 2)
           work.row(Index(k)) << n[0], n[1], turn[2];
@@ -668,7 +668,7 @@ TEST(MortarIncrement, NormalsThatTheMasterGivesStandStillInTheStiffness) {
     given.options.normals.assign(d == 2 ? 5 : 25, Vec3::Unit(d - 1));
     Index turned = 0;
     const Mortar mortar = s.mortar();
-    for (const ContactNode& node : mortar.nodes()) {
+    for (const SlaveNode& node : mortar.nodes()) {
       given.options.normals[node.node] = node.normal;
       turned += std::abs(node.normal[0]) > 0.1;
     }

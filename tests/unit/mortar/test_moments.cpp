@@ -9,7 +9,7 @@ using namespace frictioncg::mortar::test;
 
 namespace {
 
-using Shape = std::function<Vec3(const Vec3&)>;
+using Map = std::function<Vec3(const Vec3&)>;
 
 Vec3 turned(int d, const Vec3& x) {
   const Vec3 axis = d == 2 ? Vec3::UnitZ() : Vec3(1, 2, 3).normalized();
@@ -20,7 +20,7 @@ Vec3 turned(int d, const Vec3& x) {
 /// (curved = 1) or a saddle that bends ever more (curved = 2); flat where curved = 0.
 Surfaces pair_on(int d, bool quadratic, int curved, int n, int m, Real reach = 1) {
   Surfaces s(d, quadratic);
-  const auto shape = [=](int mesh) -> Shape {
+  const auto shape = [=](int mesh) -> Map {
     return [=](const Vec3& o) {
       Vec3 x = o;  // uneven, another way on each mesh
       if (mesh == 1) x[0] = reach * (x[0] + 0.12 * std::sin(5 * x[0]) * (1 - x[0]));
@@ -112,7 +112,7 @@ struct Aslant {
   int d_;
   std::vector<Vec3> X;
   Surface surface;
-  ContactNode node;
+  SlaveNode node;
   Matrix P;
 };
 
@@ -144,10 +144,10 @@ TEST(MortarMoments, WhereThatNormalPassesTheRimItSeesThePointOfTheRimThatIsNeare
 /// their places by up to `noise`.
 Surfaces flat_before_wheel(bool quadratic, int facets, Real width, Real aside, Real noise) {
   Surfaces s(3, quadratic);
-  const Shape flat = [=](const Vec3& x) {
+  const Map flat = [=](const Vec3& x) {
     return Vec3(2 * x[0] - 1, width * (x[1] - 0.5) + aside, -1e-3);
   };
-  const Shape wheel = [](const Vec3& x) {
+  const Map wheel = [](const Vec3& x) {
     const Real t = 2.8 * (x[0] - 0.5);
     return Vec3(std::sin(t), 0.4 * (x[1] - 0.5), 1 - std::cos(t));
   };
@@ -211,7 +211,7 @@ TEST(MortarMoments, WhatRemovedNodesOfAFlatAreBeforeStaysInTheGap) {
   ASSERT_EQ(by_wheel.nodes().size(), by_flat.nodes().size());
   Real removed = 0;
   for (std::size_t k = 0; k < by_flat.nodes().size(); ++k) {
-    const ContactNode &at = by_wheel.nodes()[k], &above = by_flat.nodes()[k];
+    const SlaveNode &at = by_wheel.nodes()[k], &above = by_flat.nodes()[k];
     EXPECT_NEAR(at.distance, at.normal[2] * above.distance, 1e-13);
     removed = std::max(removed, at.weight / above.weight - 1);
   }
@@ -250,7 +250,7 @@ TEST(MortarMoments, GivenNormalsAreThoseThatTheMasterIsBalancedAbout) {
   for (const Vec3& x : s.nodes.X) s.options.normals.push_back(3 * (centre - x));
   const Mortar mortar = s.mortar();
   for (Index k = 0; k < mortar.relative().rows(); ++k) {
-    const ContactNode& node = mortar.nodes()[k];
+    const SlaveNode& node = mortar.nodes()[k];
     EXPECT_LT((node.normal - s.options.normals[node.node].normalized()).norm(), 1e-15);
     const Vec3 e = arm(s, mortar, k);
     EXPECT_LT((e - e.dot(node.normal) * node.normal).norm(), 1e-13);
@@ -294,7 +294,7 @@ TEST(MortarMoments, ARowThatIsBalancedIsGivenBackAsItIs) {
   Matrix P(3, 3), G(1, 3);
   P.insert(0, 1) = 0.7, P.insert(0, 2) = 0.3;
   G.insert(0, 0) = 1, G.insert(0, 1) = -0.7, G.insert(0, 2) = -0.3;
-  ContactNode node;
+  SlaveNode node;
   node.normal = Vec3(0, -1, 0);
   RowChoices undecided;
   const Matrix same = balanced(P, G, {node}, X, undecided);
@@ -309,7 +309,7 @@ TEST(MortarMoments, WeightsChangeByAThirdAtMost) {
     Matrix P(3, 3), G(1, 3);
     P.insert(0, 1) = 0.7, P.insert(0, 2) = 0.3;
     G.insert(0, 0) = 1, G.insert(0, 1) = -0.7, G.insert(0, 2) = -0.3;
-    ContactNode node;
+    SlaveNode node;
     node.normal = Vec3(0, -1, 0);
     RowChoices undecided;
     const Matrix moved = balanced(P, G, {node}, X, undecided);

@@ -153,7 +153,7 @@ TEST(Ownership, AFaceOfOneFacetIsSparedACornerThatCanCarryItsLaw) {
     }
     const Mortar mortar = s.mortar();
     std::array<int, 2> down{};  // laws with the ground at the corners
-    for (const ContactNode& node : mortar.nodes())
+    for (const SlaveNode& node : mortar.nodes())
       if (node.normal[1] < -0.9) ++down[static_cast<std::size_t>(node.node)];
     EXPECT_EQ(down[0] + down[1], 1) << held;
     if (held > 0) {
@@ -258,7 +258,7 @@ TEST(Ownership, LawsOverSheetsWithStepsAndEndsDependOnNoRing) {
     }
     try {
       const Mortar mortar = s.mortar();
-      for (const ContactNode& node : mortar.nodes()) EXPECT_GT(node.weight, 0) << k;
+      for (const SlaveNode& node : mortar.nodes()) EXPECT_GT(node.weight, 0) << k;
       ++posed;
     } catch (const IllegalInput&) {  // where nothing faces the pair
     }
@@ -270,7 +270,7 @@ TEST(Ownership, LawsOfTwoPairsDependOnNoRing) {
   for (int blocks : {6, 24}) {
     const Mortar mortar = ring(blocks, 0.1).mortar();
     Index of_pair[2] = {0, 0};
-    for (const ContactNode& node : mortar.nodes()) ++of_pair[node.pair];
+    for (const SlaveNode& node : mortar.nodes()) ++of_pair[node.pair];
     EXPECT_EQ(of_pair[0], blocks);      // the corners behind
     EXPECT_EQ(of_pair[1], 2 * blocks);  // those in front, and the outer ones
     EXPECT_LT(error_of_inverse(mortar), 1e-10);
@@ -286,7 +286,7 @@ TEST(Ownership, LawsOfFacesThatMeetDependOnNoRing) {
     if (k % 2) s.nodes.before = box.surfaces(0, k % 4 < 2).nodes.X;
     try {
       const Mortar mortar = s.mortar();
-      for (const ContactNode& node : mortar.nodes()) EXPECT_GT(node.weight, 0);
+      for (const SlaveNode& node : mortar.nodes()) EXPECT_GT(node.weight, 0);
       EXPECT_LT(
           (mortar.relative() * Vector::Ones(mortar.relative().cols())).lpNorm<Eigen::Infinity>(),
           1e-9)

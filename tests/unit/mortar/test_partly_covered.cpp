@@ -10,7 +10,7 @@ using namespace frictioncg::mortar::test;
 
 namespace {
 
-constexpr Real patch = 1e-11;
+constexpr Real exact = 1e-11;
 
 bool at(Real a, Real b) { return std::abs(a - b) < 1e-13; }
 
@@ -44,7 +44,7 @@ void add_traction_outside(const Scene& s, const Facet& facet, const Footprint& h
   }
 }
 
-Eigen::Matrix3d stress(const Bodies& bodies, const Eigen::Matrix3d& H) {
+Eigen::Matrix3d stress(const MeshedBodies& bodies, const Eigen::Matrix3d& H) {
   const Eigen::Matrix3d strain = (H + H.transpose()) / 2;
   const Real E = bodies.E[0], nu = bodies.nu;
   return E * nu / ((1 + nu) * (1 - 2 * nu)) * strain.trace() * Eigen::Matrix3d::Identity() +
@@ -113,7 +113,7 @@ TEST(MortarPartlyCovered, UniformStressAcrossFootprintsThatDiffer) {
           const Mortar mortar = s.mortar();
           EXPECT_TRUE(shift == 0 && !swapped ? mortar.statistics().partly_covered == 0
                                              : mortar.statistics().partly_covered > 0);
-          EXPECT_LT(error_of(s, solve_tied(s, mortar).u, some_gradient(d)), patch)
+          EXPECT_LT(error_of(s, solve_tied(s, mortar).u, some_gradient(d)), exact)
               << d << "D P" << 1 + quadratic << swapped << shift;
         }
 }
@@ -126,7 +126,7 @@ TEST(MortarPartlyCovered, SliversOfAnySizeCarryTheirShare) {
                                   Vec3(2. / 3 + sliver / 4, 2. / 3 + sliver / 3, 0)};
         Scene s = overlapping(d, quadratic, {3, 3, 2}, {2, 2, 2}, footprint, 0);
         std::swap(s.pairs[0].slave, s.pairs[0].master);
-        EXPECT_LT(error_of(s, solve_tied(s, s.mortar()).u, some_gradient(d)), patch)
+        EXPECT_LT(error_of(s, solve_tied(s, s.mortar()).u, some_gradient(d)), exact)
             << d << "D P" << 1 + quadratic << " sliver " << sliver;
       }
 }
@@ -138,7 +138,7 @@ TEST(MortarPartlyCovered, AMasterInTheMiddleOfOneFacetIsFound) {
         const Footprint footprint{Vec3(0.4, 0.3, 0), Vec3(0.4 + size, 0.3 + size, 0)};
         Scene s = overlapping(d, quadratic, {1, 1, 1}, {2, 2, 2}, footprint, 0, size);
         std::swap(s.pairs[0].slave, s.pairs[0].master);
-        EXPECT_LT(error_of(s, solve_tied(s, s.mortar()).u, some_gradient(d)), patch)
+        EXPECT_LT(error_of(s, solve_tied(s, s.mortar()).u, some_gradient(d)), exact)
             << d << "D P" << 1 + quadratic << " size " << size;
       }
 }
@@ -155,7 +155,7 @@ TEST(MortarPartlyCovered, NodesWithNothingBeforeThemStayFree) {
         const Index i = f.node[v];
         if (s.bodies.X[i].head(d - 1).maxCoeff() < 0.51) continue;
         EXPECT_EQ(T.row(i).nonZeros(), 1);
-        for (const ContactNode& node : mortar.nodes()) EXPECT_NE(node.node, i);
+        for (const SlaveNode& node : mortar.nodes()) EXPECT_NE(node.node, i);
       }
   }
 }

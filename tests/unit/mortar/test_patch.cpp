@@ -10,11 +10,11 @@ namespace {
 
 constexpr Real patch = 1e-11;
 
-bool at(Real a, Real b) { return std::abs(a - b) < 1e-9; }
+bool lies_on(Real a, Real b) { return std::abs(a - b) < 1e-9; }
 
 bool on_outside(int d, const Vec3& x) {
   for (int c = 0; c < d; ++c)
-    if (at(x[c], 0) || at(x[c], c == d - 1 ? 2 : 1)) return true;
+    if (lies_on(x[c], 0) || lies_on(x[c], c == d - 1 ? 2 : 1)) return true;
   return false;
 }
 
@@ -76,8 +76,9 @@ TEST(MortarPatch, UniformStressInBodiesOfDifferentStiffnessBetweenRollers) {
           const int up = d - 1;
           for (Index i = 0; i < s.bodies.nodes(); ++i)
             for (int c = 0; c < d; ++c)
-              if (at(s.bodies.X[i][c], 0) || (c != up && at(s.bodies.X[i][c], 1))) s.hold(i, c, 0);
-          for (const Facet& f : s.bodies.boundary([&](const Vec3& x) { return at(x[up], 2); }))
+              if (lies_on(s.bodies.X[i][c], 0) || (c != up && lies_on(s.bodies.X[i][c], 1)))
+                s.hold(i, c, 0);
+          for (const Facet& f : s.bodies.boundary([&](const Vec3& x) { return lies_on(x[up], 2); }))
             s.bodies.add_traction(f, -Vec3::Unit(up), s.load);
           const Mortar mortar = s.mortar();
           EXPECT_EQ(mortar.statistics().removed, 0);
@@ -122,8 +123,8 @@ TEST(MortarPatch, TheTipOfACrackIsNoContactNode) {
             return y;
           });
         }
-        s.bodies.merge([&](const Vec3& x) { return at(x[d - 1], 1) && x[0] > 0.5 - 1e-9; });
-        const auto face = [&](const Vec3& x) { return at(x[d - 1], 1) && x[0] < 0.5; };
+        s.bodies.merge([&](const Vec3& x) { return lies_on(x[d - 1], 1) && x[0] > 0.5 - 1e-9; });
+        const auto face = [&](const Vec3& x) { return lies_on(x[d - 1], 1) && x[0] < 0.5; };
         Pair pair;
         pair.slave = {quadratic, {2}, s.bodies.boundary(face, 2, first)};
         pair.master = {quadratic, {1}, s.bodies.boundary(face, 1, 0, first)};
@@ -162,8 +163,8 @@ TEST(MortarPatch, AtTheCornerOfTwoLabelsTheFirstOwnsTheNode) {
         const Index first = static_cast<Index>(s.bodies.elements.size());
         s.bodies.merge([](const Vec3&) { return true; });
         s.bodies.add_box({4, 4, 4}, move(0, 1, 0.2));
-        const auto bottom = [&](const Vec3& x) { return at(x[up], 1) && x[0] < 1; };
-        const auto side = [&](const Vec3& x) { return at(x[0], 1) && x[up] > 1; };
+        const auto bottom = [&](const Vec3& x) { return lies_on(x[up], 1) && x[0] < 1; };
+        const auto side = [&](const Vec3& x) { return lies_on(x[0], 1) && x[up] > 1; };
         Pair pair;
         pair.slave.labels = labels;
         pair.slave.quadratic = pair.master.quadratic = quadratic;
@@ -177,12 +178,12 @@ TEST(MortarPatch, AtTheCornerOfTwoLabelsTheFirstOwnsTheNode) {
         s.start();
         // the three glued boxes move as given; the fourth is held by contact and on its far sides
         hold_linear(s, some_gradient(d), [&](const Vec3& x) {
-          return at(x[0], 0) || at(x[0], 2) || at(x[up], 0) || at(x[up], 2) ||
-                 (d == 3 && (at(x[1], 0) || at(x[1], 1))) || (at(x[0], 1) && x[up] < 1) ||
-                 (at(x[up], 1) && x[0] > 1 + 1e-9);
+          return lies_on(x[0], 0) || lies_on(x[0], 2) || lies_on(x[up], 0) || lies_on(x[up], 2) ||
+                 (d == 3 && (lies_on(x[1], 0) || lies_on(x[1], 1))) ||
+                 (lies_on(x[0], 1) && x[up] < 1) || (lies_on(x[up], 1) && x[0] > 1 + 1e-9);
         });
         const Mortar mortar = s.mortar();
-        for (const ContactNode& node : mortar.nodes())
+        for (const SlaveNode& node : mortar.nodes())
           EXPECT_NEAR(node.normal.cwiseAbs().maxCoeff(), 1, 1e-12);  // no averaged corner
         EXPECT_LT(error_of(s, solve_tied(s, mortar).u, some_gradient(d)), patch)
             << d << "D P" << 1 + quadratic << " labels " << labels.size();

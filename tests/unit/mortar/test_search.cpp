@@ -94,7 +94,7 @@ TEST(MortarSearch, TheNearestOfSeveralSurfacesIsThePartner) {
     s.pairs[0].slave = s.sheet(8, -1, lifted(d, 1), 2);
     const Mortar mortar = s.mortar();
     EXPECT_EQ(mortar.statistics().partly_covered, 0);
-    for (const ContactNode& node : mortar.nodes()) {
+    for (const SlaveNode& node : mortar.nodes()) {
       const Real x = s.nodes.X[node.node][0];
       if (x > 0.37 && x < 0.63) continue;
       EXPECT_NEAR(node.gap, x < 0.5 ? 0.7 : 1, 1e-14);
@@ -125,7 +125,7 @@ TEST(MortarSearch, BesideAStepEachNodeHasTheGapOfOneSurface) {
       const Mortar mortar = s.mortar();
       EXPECT_GT(mortar.statistics().partly_covered, 0);
       std::size_t near = 0, far = 0;
-      for (const ContactNode& node : mortar.nodes()) {
+      for (const SlaveNode& node : mortar.nodes()) {
         near += std::abs(node.distance - height) < 1e-13;
         far += std::abs(node.distance - height - drop) < 1e-13;
       }
@@ -156,7 +156,7 @@ TEST(MortarSearch, ADentedMasterOfOneSheetHasNoStepsWhereverTheSlaveMoves) {
       const Mortar mortar = s.mortar();
       EXPECT_TRUE(steps_of(s).empty());
       EXPECT_EQ(mortar.statistics().facing, 36);
-      for (const ContactNode& node : mortar.nodes()) {
+      for (const SlaveNode& node : mortar.nodes()) {
         const auto [at, is_new] = last.emplace(node.node, node.gap * node.normal);
         if (!is_new) {
           EXPECT_LT((at->second - node.gap * node.normal).norm(), 0.016) << k;
@@ -182,7 +182,7 @@ TEST(MortarSearch, WhereTwoSurfacesOverlapByAHairTheNearerHidesTheOther) {
       s.pairs[0].slave = s.sheet(1, -1, part(0, 1, 0.1), 2);
       const Mortar mortar = s.mortar();
       Real covered = 0;
-      for (const ContactNode& node : mortar.nodes()) covered += node.weight;
+      for (const SlaveNode& node : mortar.nodes()) covered += node.weight;
       EXPECT_NEAR(covered, 1, 1e-13) << d << " " << hair;
     }
 }
@@ -199,6 +199,6 @@ TEST(MortarSearch, SurfacesSideBySideWithoutAStepAreFacedBoth) {
     s.pairs[0].slave = s.sheet(6, -1, part(0, 1), 2);
     const Mortar mortar = s.mortar();
     EXPECT_EQ(mortar.statistics().partly_covered, 0);
-    for (const ContactNode& node : mortar.nodes()) EXPECT_LT(std::abs(node.gap), 1e-13);
+    for (const SlaveNode& node : mortar.nodes()) EXPECT_LT(std::abs(node.gap), 1e-13);
   }
 }

@@ -56,7 +56,7 @@ void expect_opening(const Surfaces& s, Real height, Real gap) {
   const int d = s.nodes.dimension;
   const Mortar mortar = s.mortar();
   EXPECT_GE(mortar.nodes().size(), d == 2 ? 7u : 49u);
-  for (const ContactNode& node : mortar.nodes()) {
+  for (const SlaveNode& node : mortar.nodes()) {
     EXPECT_NEAR(s.nodes.reference[node.node][d - 1], height, 1e-12);
     EXPECT_NEAR(node.gap, gap, 1e-12);
   }
@@ -123,7 +123,7 @@ TEST(MortarSelfContact, TheSlaveStaysTheSlaveHoweverItIsStretched) {
       if (x[d - 1] > 0) x[0] *= 0.9;
     const Mortar mortar = s.mortar();
     EXPECT_GT(mortar.nodes().size(), 5u);
-    for (const ContactNode& node : mortar.nodes()) EXPECT_EQ(s.nodes.X[node.node][d - 1], 0);
+    for (const SlaveNode& node : mortar.nodes()) EXPECT_EQ(s.nodes.X[node.node][d - 1], 0);
   }
 }
 
@@ -132,7 +132,7 @@ TEST(MortarSelfContact, WhereTheSlaveEndsBeyondTheMasterItsLastNodeKeepsItsLaw) 
     const Surfaces s = two_arms(d, 1.5, 12);
     const Mortar mortar = s.mortar();
     Index along = 0;
-    for (const ContactNode& node : mortar.nodes()) {
+    for (const SlaveNode& node : mortar.nodes()) {
       EXPECT_EQ(s.nodes.X[node.node][d - 1], opening);
       along += d == 2 || s.nodes.X[node.node][1] == 0;
     }
@@ -161,7 +161,7 @@ Surfaces along(const std::vector<Vec3>& points) {
 std::vector<Vec3> touching(const Surfaces& s) {
   std::vector<Vec3> places;
   const Mortar mortar = s.mortar();
-  for (const ContactNode& node : mortar.nodes()) places.push_back(s.nodes.X[node.node]);
+  for (const SlaveNode& node : mortar.nodes()) places.push_back(s.nodes.X[node.node]);
   std::sort(places.begin(), places.end(), [](const Vec3& a, const Vec3& b) {
     return std::tie(a[0], a[1]) < std::tie(b[0], b[1]);
   });
@@ -221,7 +221,7 @@ TEST(MortarSelfContact, TheSlaveIsTheSameHoweverTheSceneIsTurned) {
     const auto slaves = [](const Surfaces& scene) {
       std::set<Index> nodes;
       const Mortar mortar = scene.mortar();
-      for (const ContactNode& node : mortar.nodes()) nodes.insert(node.node);
+      for (const SlaveNode& node : mortar.nodes()) nodes.insert(node.node);
       return nodes;
     };
     const std::set<Index> expected = slaves(s);
@@ -249,7 +249,7 @@ TEST(MortarSelfContact, OfArmsThatAreAlikeTheRightHandTellsTheSlave) {
     Surfaces turned = s;
     turn(angle, turned);
     const Mortar mortar = turned.mortar();
-    for (const ContactNode& node : mortar.nodes())
+    for (const SlaveNode& node : mortar.nodes())
       upper.insert(s.nodes.X[node.node][1] > opening / 2);
   }
   EXPECT_EQ(upper.size(), 1u);
@@ -268,7 +268,7 @@ TEST(MortarSelfContact, FacetsThatAreHardlySmallerMakeNoSlave) {
           surface->facets.push_back(f);
       const Mortar mortar = s.mortar();
       EXPECT_GT(mortar.nodes().size(), 5u);
-      for (const ContactNode& node : mortar.nodes()) heights.insert(s.nodes.X[node.node][d - 1]);
+      for (const SlaveNode& node : mortar.nodes()) heights.insert(s.nodes.X[node.node][d - 1]);
     }
     EXPECT_EQ(heights.size(), 1u) << d;
   }
@@ -290,7 +290,7 @@ TEST(MortarSelfContact, TwoBodiesThatUseOneLabelAreTwoBodies) {
       5, 1, [](const Vec3& x) { return x; }, 3);
   const Mortar mortar = s.mortar();
   ASSERT_EQ(mortar.nodes().size(), 6u);
-  for (const ContactNode& node : mortar.nodes()) EXPECT_EQ(s.nodes.X[node.node][1], 0.1);
+  for (const SlaveNode& node : mortar.nodes()) EXPECT_EQ(s.nodes.X[node.node][1], 0.1);
 }
 
 TEST(MortarSelfContact, AFlatFaceDoesNotFaceItself) {

@@ -49,7 +49,7 @@ TEST(MortarNormals, OnCirclesAndCylindersTheyAreExactWhateverTheFacetsAndAtRims)
       const Surfaces s = uneven_pair(d, quadratic, d == 2 ? on_circle : on_cylinder);
       const Mortar mortar = s.mortar();
       EXPECT_EQ(mortar.nodes().size(), d == 2 ? 8u : 64u);
-      for (const ContactNode& node : mortar.nodes()) {
+      for (const SlaveNode& node : mortar.nodes()) {
         Vec3 n = s.nodes.X[node.node];
         if (d == 3) n[1] = 0;
         EXPECT_LT((node.normal - n.normalized()).norm(), 1e-12);
@@ -74,7 +74,7 @@ TEST(MortarNormals, ABodyThatMayTurnAsFarAsItsMeshTellsTurnsWithoutGap) {
   const Mortar mortar = s.mortar();
   Eigen::MatrixXd work(mortar.nodes().size(), 6);  // of the normals in rigid motions
   for (std::size_t k = 0; k < mortar.nodes().size(); ++k) {
-    const ContactNode& node = mortar.nodes()[k];
+    const SlaveNode& node = mortar.nodes()[k];
     work.row(Index(k)) << node.normal.transpose(),
         s.nodes.X[node.node].cross(node.normal).transpose();
   }
@@ -91,7 +91,7 @@ TEST(MortarNormals, ABodyThatSupportsLeaveToTurnTurnsAboutTheirAxis) {
     const auto wedge = [&] {
       Real most = 0;
       const Mortar mortar = s.mortar();
-      for (const ContactNode& node : mortar.nodes())
+      for (const SlaveNode& node : mortar.nodes())
         most = std::max(most, std::abs(Vec3::UnitY().cross(s.nodes.X[node.node]).dot(node.normal)));
       return most;
     };
@@ -138,7 +138,7 @@ TEST(MortarNormals, EachBodyHasMotionsOfItsOwn) {
     const Mortar mortar = s.mortar();
     Eigen::MatrixXd work(64, 6);
     for (Index k = 0; k < 64; ++k) {
-      const ContactNode& node = mortar.nodes()[k];
+      const SlaveNode& node = mortar.nodes()[k];
       ASSERT_LT(node.node, second);
       work.row(k) << node.normal.transpose(), s.nodes.X[node.node].cross(node.normal).transpose();
     }
@@ -179,7 +179,7 @@ TEST(MortarNormals, WhatOneBodyOrPairResistsIsLeftToOthers) {
     const Mortar mortar = s.mortar();
     Eigen::MatrixXd work = Eigen::MatrixXd::Zero(mortar.nodes().size(), 6);
     for (std::size_t k = 0; k < mortar.nodes().size(); ++k) {
-      const ContactNode& node = mortar.nodes()[k];
+      const SlaveNode& node = mortar.nodes()[k];
       if (node.node >= cylinder)
         work.row(Index(k)) << node.normal.transpose(),
             s.nodes.X[node.node].cross(node.normal).transpose();
@@ -211,7 +211,7 @@ TEST(MortarNormals, OfFlatFacesTheyAreTheFacetsToTheLastBit) {
   for (int d : {2, 3}) {
     const Surfaces s = uneven_pair(d, false, [](const Vec3& x) { return x; });
     const Mortar mortar = s.mortar();
-    for (const ContactNode& node : mortar.nodes()) EXPECT_EQ(node.normal, Vec3(Vec3::Unit(d - 1)));
+    for (const SlaveNode& node : mortar.nodes()) EXPECT_EQ(node.normal, Vec3(Vec3::Unit(d - 1)));
   }
 }
 
@@ -266,7 +266,7 @@ TEST(MortarNormals, BetweenAFlatAndACapTheyLetSlipWhatIsFreeWhicheverIsSlave) {
         if (motions.cols() > 0) s.options = capping(s, cap_is_slave, motions);
         const Mortar mortar = s.mortar();
         Real off = 0;
-        for (const ContactNode& node : mortar.nodes())
+        for (const SlaveNode& node : mortar.nodes())
           off = std::max(off, (node.normal - expected(s.nodes.X[node.node])).norm());
         return off;
       };

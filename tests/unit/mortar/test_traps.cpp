@@ -174,7 +174,7 @@ TEST(MortarTraps, TheFarSideOfAPlateIsNoOverlap) {
     s.pairs[0].slave.facets.push_back(f);  // the top of the body above
   s.pairs[0].slave.labels = {2, 3};
   const Mortar mortar = s.mortar();
-  for (const ContactNode& node : mortar.nodes()) EXPECT_NEAR(node.gap, 0.1, 1e-15);
+  for (const SlaveNode& node : mortar.nodes()) EXPECT_NEAR(node.gap, 0.1, 1e-15);
   EXPECT_EQ(mortar.statistics().facing, 5);
 }
 
@@ -215,7 +215,7 @@ TEST(MortarTraps, AHeldNormalRemovesTheNodeAndALittleIsProjected) {
     EXPECT_EQ(mortar.statistics().removed, tilt > 0.02 ? 1 : 0);
     EXPECT_EQ(mortar.statistics().held, tilt > 0.02 ? 1 : 0);
     EXPECT_EQ(mortar.statistics().first_held, tilt > 0.02 ? last : -1);
-    for (const ContactNode& node : mortar.nodes()) {
+    for (const SlaveNode& node : mortar.nodes()) {
       const Vec3 free = Vec3(tilt, -1, 0).normalized();
       const Vec3 expected = node.node == last ? Vec3(0, -1, 0) : free;
       EXPECT_LT((node.normal - expected).norm(), 1e-15);
@@ -233,7 +233,7 @@ TEST(MortarTraps, TheEndsOfAHeldMidEdgeCarryNoLaw) {
       s.nodes.held[f.node[d]] = static_cast<unsigned char>(1 << c);
       const Mortar mortar = s.mortar();
       EXPECT_EQ(mortar.statistics().held, 2);
-      for (const ContactNode& node : mortar.nodes())
+      for (const SlaveNode& node : mortar.nodes())
         EXPECT_TRUE(node.node != f.node[a] && node.node != f.node[b]) << d << c;
       std::vector<char> held(s.nodes.X.size(), 0);
       held[f.node[d]] = 1;
@@ -262,7 +262,7 @@ TEST(MortarTraps, AFaceMayBeSlaveOnOnePartAndMasterOnAnother) {
     EXPECT_EQ(mortar.statistics(of_plate).held, 0);  // none by Dirichlet conditions
     EXPECT_EQ(mortar.statistics(of_other).removed, 0);
     EXPECT_EQ(mortar.statistics(of_other).facing, d == 2 ? 6 : 36);
-    for (const ContactNode& node : mortar.nodes()) {
+    for (const SlaveNode& node : mortar.nodes()) {
       EXPECT_NEAR(node.distance, 0.1, 1e-14);
       EXPECT_EQ(node.label, node.pair == of_plate ? 1 : 3);
     }
@@ -298,7 +298,7 @@ TEST(MortarTraps, WhereLabelsMeetAtAnAngleTheNodeIsOfTheFirstListed) {
           if (s.nodes.X[f.node[v]][0] > 0.6) f.label = 3;
       const Mortar mortar = s.mortar();
       Index at_ridge = 0;
-      for (const ContactNode& node : mortar.nodes()) {
+      for (const SlaveNode& node : mortar.nodes()) {
         if (s.nodes.X[node.node][0] != 0.5) continue;
         ++at_ridge;
         EXPECT_EQ(node.label, labels[0]);

@@ -24,7 +24,7 @@ TEST(MortarWeight, SharesSumUpToItsIntegralAlsoWhereItVanishesAtTheRim) {
       for (Real a : {0.0, 2.0}) {
         const Mortar mortar = weighted(d, quadratic, a, 3).mortar();
         Real sum = 0;
-        for (const ContactNode& node : mortar.nodes()) {
+        for (const SlaveNode& node : mortar.nodes()) {
           EXPECT_GT(node.weight, 0);
           sum += node.weight;
         }

@@ -24,7 +24,7 @@ Tied solve_tied(const Scene& s, const Mortar& mortar, bool normal_only) {
   const Index n = static_cast<Index>(A.rows());
   std::vector<char> fixed(n, 0);
   Vector w = Vector::Zero(n);
-  for (const ContactNode& node : mortar.nodes()) {
+  for (const SlaveNode& node : mortar.nodes()) {
     int axis;
     node.normal.cwiseAbs().maxCoeff(&axis);
     for (int c = 0; c < s.d(); ++c)

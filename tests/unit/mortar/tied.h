@@ -6,7 +6,7 @@ namespace frictioncg::mortar::test {
 
 /// A body pair to be tied, or joined along its normals only.
 struct Scene {
-  Bodies bodies;
+  MeshedBodies bodies;
   std::vector<Pair> pairs;
   std::vector<unsigned char> held;  ///< per node, bit per component
   Vector data, load;                ///< d nodes: displacement where held; forces

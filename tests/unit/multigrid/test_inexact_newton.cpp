@@ -12,7 +12,7 @@ using namespace frictioncg::test;
 
 namespace {
 
-SparseOptions cube(int cells, int d = 3) {
+SparseOptions cube_of(int cells, int d = 3) {
   SparseOptions o;
   o.d = d;
   o.cells = {cells, cells, cells};
@@ -54,7 +54,7 @@ Answer answer(const SparseScene& scene, bool bilateral = false) {
 TEST(Multigrid, ObeysTheLawsAndAgreesWithTheCondensedRouteOnBlocks) {
   for (bool clamp : {true, false})
     for (Real mu : {0.05, 0.3, 1.0}) {
-      SparseOptions o = cube(8);
+      SparseOptions o = cube_of(8);
       o.clamp_side = clamp;
       o.mu = mu;
       o.shear = clamp ? 2 : 0.6 * std::min(mu, 0.5) * o.pressure;
@@ -66,7 +66,7 @@ TEST(Multigrid, ObeysTheLawsAndAgreesWithTheCondensedRouteOnBlocks) {
 }
 
 TEST(Multigrid, SolvesWithoutFriction) {
-  SparseOptions o = cube(8);
+  SparseOptions o = cube_of(8);
   o.mu = 0;
   o.curvature = 0.02;
   EXPECT_LT(answer(sparse_block(o)).verdict.worst(), 1e-5);
@@ -76,14 +76,14 @@ TEST(Multigrid, SolvesWithoutFriction) {
 
 TEST(Multigrid, SolvesAPlateAndASphereLikeGap) {
   for (Real mu : {0.3, 1.0}) {
-    SparseOptions plate = cube(20);
+    SparseOptions plate = cube_of(20);
     plate.cells[2] = 3;
     plate.size[2] = 0.15;
     plate.clamp_side = false;
     plate.shear = 1;
     plate.mu = mu;
     EXPECT_LT(answer(sparse_block(plate)).verdict.worst(), 1e-5) << mu;
-    SparseOptions sphere = cube(10);
+    SparseOptions sphere = cube_of(10);
     sphere.push_top = true;
     sphere.clamp_side = false;
     sphere.curvature = 0.5;
@@ -93,7 +93,7 @@ TEST(Multigrid, SolvesAPlateAndASphereLikeGap) {
 }
 
 TEST(Multigrid, SolvesInTwoDimensionsInTurnedFramesAndWithContrast) {
-  SparseOptions flat = cube(30), turned = cube(8), contrast = cube(8);
+  SparseOptions flat = cube_of(30), turned = cube_of(8), contrast = cube_of(8);
   flat.d = 2;
   turned.tilt = 0.4;
   turned.push_top = true;
@@ -104,7 +104,7 @@ TEST(Multigrid, SolvesInTwoDimensionsInTurnedFramesAndWithContrast) {
 }
 
 TEST(Multigrid, SolvesCohesionAndCapsAsTheCondensedRouteDoes) {
-  const SceneInBlocks scene(sparse_block(cube(6)));
+  const SceneInBlocks scene(sparse_block(cube_of(6)));
   ContactProblem p = scene.posed.problem();
   const Vector before = by(Method::condensed, p).x;
   Vector last = before;
@@ -120,18 +120,18 @@ TEST(Multigrid, SolvesCohesionAndCapsAsTheCondensedRouteDoes) {
 }
 
 TEST(Multigrid, SolvesAGivenLimitBilateralContactAndOrthotropicFriction) {
-  SparseOptions given = cube(8), orthotropic = cube(8);
+  SparseOptions given = cube_of(8), orthotropic = cube_of(8);
   given.law = Law::tresca;
   given.mu = 0.03;
   EXPECT_LT(answer(sparse_block(given)).verdict.worst(), 1e-5);
   orthotropic.mu_ratio = 2.5;
   EXPECT_LT(answer(sparse_block(orthotropic)).verdict.worst(), 1e-5);
-  const Answer bilateral = answer(sparse_block(cube(8)), true);
+  const Answer bilateral = answer(sparse_block(cube_of(8)), true);
   EXPECT_LE(bilateral.verdict.cone, 1e-5);
 }
 
 TEST(Multigrid, BilateralContactThatIsPulledSlidesAsWhereItIsPushed) {
-  SparseOptions o = cube(6);
+  SparseOptions o = cube_of(6);
   o.mu = 0.1;
   const auto solved = [&o](Real sign) {
     o.pressure = sign * 10;
@@ -154,14 +154,14 @@ TEST(Multigrid, ItsIterationsDoNotGrowWithTheMesh) {
   Index iterations[2];
   int k = 0;
   for (int n : {8, 16}) {
-    const SceneInBlocks s(cube(n));
+    const SceneInBlocks s(cube_of(n));
     iterations[k++] = by(Method::multigrid, s.posed.problem()).iterations;
   }
   EXPECT_LE(iterations[1], iterations[0] + 6);
 }
 
 TEST(Multigrid, HoldsABodyThatLittleMoreThanFrictionHolds) {
-  SparseOptions o = cube(6);
+  SparseOptions o = cube_of(6);
   o.clamp_side = false;
   o.mu = 0.3;
   o.shear = 0.99 * 0.3 * o.pressure;
@@ -175,7 +175,7 @@ TEST(Multigrid, HoldsABodyThatLittleMoreThanFrictionHolds) {
 
 TEST(Multigrid, NamesALoadThatNothingHoldsWithoutIterating) {
   for (Law law : {Law::coulomb, Law::tresca}) {
-    SparseOptions o = cube(4);
+    SparseOptions o = cube_of(4);
     o.clamp_side = false;
     o.law = law;
     o.mu = law == Law::coulomb ? 0.3 : 1e-3;
@@ -189,7 +189,7 @@ TEST(Multigrid, NamesALoadThatNothingHoldsWithoutIterating) {
 }
 
 TEST(Multigrid, AFurtherIncrementKeepsTheHierarchyAndStartsFromTheLastFaces) {
-  const SceneInBlocks s(cube(12));
+  const SceneInBlocks s(cube_of(12));
   Solver solver(s.system);
   Settings settings;
   settings.method = Method::multigrid;
@@ -207,7 +207,7 @@ TEST(Multigrid, AFurtherIncrementKeepsTheHierarchyAndStartsFromTheLastFaces) {
 }
 
 TEST(Multigrid, AThirdIncrementStartsWhereTheLastTwoLedTo) {
-  const SceneInBlocks s(cube(8));
+  const SceneInBlocks s(cube_of(8));
   Solver solver(s.system), cold(s.system);
   Settings settings;
   settings.method = Method::multigrid;
@@ -224,7 +224,7 @@ TEST(Multigrid, AThirdIncrementStartsWhereTheLastTwoLedTo) {
 }
 
 TEST(Multigrid, AStartThatIsFarFromTheLawsCostsNothing) {
-  const SceneInBlocks s(cube(8));
+  const SceneInBlocks s(cube_of(8));
   Settings settings;
   settings.method = Method::multigrid;
   Increment increment = s.posed.problem().increment;
@@ -244,14 +244,14 @@ TEST(Multigrid, AStartThatIsFarFromTheLawsCostsNothing) {
 TEST(Multigrid, ByNameItHasTheRouteOfTheDefaultBehindIt) {
   Settings named;
   named.method = Method::multigrid;
-  const SceneInBlocks s(cube(10));
+  const SceneInBlocks s(cube_of(10));
   const Costs costs = make_plan(s.posed.problem(), named).costs;
   EXPECT_EQ(costs.condensed, make_plan(s.posed.problem(), Settings()).costs.condensed);
   EXPECT_GT(costs.condensed, 0);
 }
 
 TEST(Multigrid, ANodeThatTheNextIncrementLeavesWithoutAnObstacleOpens) {
-  const SceneInBlocks s(cube(6));
+  const SceneInBlocks s(cube_of(6));
   Solver solver(s.system);
   Settings settings;
   settings.method = Method::multigrid;
@@ -268,7 +268,7 @@ TEST(Multigrid, ANodeThatTheNextIncrementLeavesWithoutAnObstacleOpens) {
 }
 
 TEST(Multigrid, WithoutCoordinatesTheCondensedRouteAnswers) {
-  SparseScene scene = sparse_block(cube(3));
+  SparseScene scene = sparse_block(cube_of(3));
   Settings settings;
   settings.method = Method::multigrid;
   const Posed without_nodes = scene.system();
@@ -283,14 +283,14 @@ TEST(Multigrid, WithoutCoordinatesTheCondensedRouteAnswers) {
 }
 
 TEST(Multigrid, ANodeWithMoreDofsThanTheDimensionHasNoHierarchy) {
-  AssembledSystem system = assembled(SceneInBlocks(cube(3)).system);
+  AssembledSystem system = assembled(SceneInBlocks(cube_of(3)).system);
   EXPECT_NE(make_hierarchy(system), nullptr);
   for (Index& node : system.mesh_node) node /= 2;
   EXPECT_EQ(make_hierarchy(system), nullptr);
 }
 
 TEST(Multigrid, ItsBoundOnTheIterationsHoldsForAllLayersTogether) {
-  const SceneInBlocks s(cube(6));
+  const SceneInBlocks s(cube_of(6));
   for (Index bound : {1, 3, 10}) {
     Settings settings;
     settings.method = Method::multigrid;
@@ -323,7 +323,7 @@ TEST(Multigrid, FrictionFollowsTheSlipOfNodesThatHardlySlide) {
 }
 
 TEST(Multigrid, StartsFromAGivenFieldAndFromAPreviousState) {
-  SparseOptions o = cube(8);
+  SparseOptions o = cube_of(8);
   SparseScene scene = sparse_block(o);
   Settings settings;
   settings.method = Method::multigrid;
@@ -345,7 +345,7 @@ TEST(Multigrid, StartsFromAGivenFieldAndFromAPreviousState) {
 }
 
 TEST(Multigrid, TakesTheLeastOfWhatNothingDetermines) {
-  SparseOptions o = cube(6);
+  SparseOptions o = cube_of(6);
   o.clamp_side = false;
   o.mu = 0;
   o.shear = 0;
@@ -363,7 +363,7 @@ TEST(Multigrid, TellsTheObserverOfEachIterationAndTheLevels) {
     Index calls = 0;
     void iterate(Index, StepLabel, const Vector&) override { ++calls; }
   };
-  const SceneInBlocks s(cube(8));
+  const SceneInBlocks s(cube_of(8));
   Settings settings;
   settings.method = Method::multigrid;
   Count count;
@@ -377,7 +377,7 @@ TEST(Multigrid, TellsTheObserverOfEachIterationAndTheLevels) {
 
 TEST(Multigrid, AnIndefiniteMatrixIsNamed) {
   for (int cells : {3, 8}) {
-    SparseScene scene = sparse_block(cube(cells));
+    SparseScene scene = sparse_block(cube_of(cells));
     for (std::size_t k = 0; k < scene.a.size(); ++k)
       if (scene.i[k] != scene.j[k]) scene.a[k] *= 1.5;
     const Posed posed = scene.system(scene.node_of_dof);
@@ -390,8 +390,8 @@ TEST(Multigrid, AnIndefiniteMatrixIsNamed) {
 }
 
 TEST(Multigrid, TheDefaultTakesItInThreeDimensionsWhereAFactorCostsMore) {
-  const SceneInBlocks large(cube(16)), small(cube(6));
-  SparseOptions o = cube(40, 2);
+  const SceneInBlocks large(cube_of(16)), small(cube_of(6));
+  SparseOptions o = cube_of(40, 2);
   const SceneInBlocks flat(o);
   for (const auto& [scene, route] : {std::pair{&large, Route::multigrid},
                                      {&small, Route::condensed},
@@ -407,12 +407,12 @@ TEST(Multigrid, TheDefaultTakesItInThreeDimensionsWhereAFactorCostsMore) {
   Settings regularized;
   regularized.newton = false;
   EXPECT_EQ(make_plan(large.posed.problem(), regularized).route, Route::condensed);
-  const Posed unknown = sparse_block(cube(16)).system();
+  const Posed unknown = sparse_block(cube_of(16)).system();
   EXPECT_EQ(make_plan(unknown.problem(), Settings()).route, Route::condensed);
 }
 
 TEST(Multigrid, TheDefaultStaysWithItFromCallToCall) {
-  const SceneInBlocks s(cube(16));
+  const SceneInBlocks s(cube_of(16));
   Solver solver(s.system);
   for (Real share : {1., 1.1}) {
     Increment increment = s.posed.problem().increment;
@@ -424,7 +424,7 @@ TEST(Multigrid, TheDefaultStaysWithItFromCallToCall) {
 }
 
 TEST(Multigrid, ACallThatWasTooShortLeavesItToTheNext) {
-  const SceneInBlocks s(cube(16));
+  const SceneInBlocks s(cube_of(16));
   Solver solver(s.system);
   Settings settings;
   settings.nbiter = 3;
@@ -436,7 +436,7 @@ TEST(Multigrid, ACallThatWasTooShortLeavesItToTheNext) {
 }
 
 TEST(Multigrid, TheDefaultTakesItWhereAFactorThatWasMadeNoLongerFits) {
-  const SceneInBlocks s(cube(16));
+  const SceneInBlocks s(cube_of(16));
   Solver solver(s.system);
   Settings settings;
   settings.method = Method::condensed;
@@ -467,7 +467,7 @@ TEST(Multigrid, TheDefaultTakesItInTwoDimensionsWhereTheDenseMatricesAreLarge) {
 }
 
 TEST(Multigrid, TheDefaultTakesItWhereAFactorDoesNotFit) {
-  const SceneInBlocks s(cube(6));
+  const SceneInBlocks s(cube_of(6));
   Settings settings;
   settings.memory = 1000;
   const Solution a = Solver(s.system).solve(s.posed.problem().increment, settings);
@@ -476,7 +476,7 @@ TEST(Multigrid, TheDefaultTakesItWhereAFactorDoesNotFit) {
 }
 
 TEST(Multigrid, TheDefaultLeavesItAfterFewCyclesWhereTheyWouldCostMoreThanAFactor) {
-  SparseOptions o = cube(14);
+  SparseOptions o = cube_of(14);
   o.nu = 0.4999;
   const SceneInBlocks s(o);
   ASSERT_EQ(make_plan(s.posed.problem(), Settings()).route, Route::multigrid);
@@ -492,7 +492,7 @@ TEST(Multigrid, TheDefaultLeavesItAfterFewCyclesWhereTheyWouldCostMoreThanAFacto
 }
 
 TEST(Multigrid, TheDefaultStaysWithItWhereGapsPressAndTheLoadIsTiny) {
-  SparseOptions o = cube(14);
+  SparseOptions o = cube_of(14);
   o.pressure = 1e-7;
   o.shear = 0;
   SparseScene scene = sparse_block(o);
@@ -504,7 +504,7 @@ TEST(Multigrid, TheDefaultStaysWithItWhereGapsPressAndTheLoadIsTiny) {
 }
 
 TEST(Multigrid, TheDefaultSaysThatItsBoundIsUsedUpWhereMultigridGaveWayBefore) {
-  SparseOptions o = cube(14);
+  SparseOptions o = cube_of(14);
   o.nu = 0.4999;
   const SceneInBlocks s(o);
   for (Index bound : {8, 10, 12}) {
@@ -521,7 +521,7 @@ TEST(Multigrid, TheDefaultTakesAtMostOneFifthMoreThanTheCheaperRoute) {
   // where both cost about the same, at 0.498 and 0.499, it may see too late that faces do not
   // settle, and by how much depends on rounding
   for (Real nu : {0.45, 0.48, 0.49, 0.495, 0.497, 0.4999}) {
-    SparseOptions o = cube(14);
+    SparseOptions o = cube_of(14);
     o.nu = nu;
     const SceneInBlocks s(o);
     const ContactProblem& problem = s.posed.problem();
@@ -541,7 +541,7 @@ TEST(Multigrid, TheDefaultTakesAtMostOneFifthMoreThanTheCheaperRoute) {
 TEST(Multigrid, TheDefaultStaysWithItWhereItIsTheCheaper) {
   for (Real nu : {0.3, 0.45})
     for (bool plate : {false, true}) {
-      SparseOptions o = cube(plate ? 32 : 16);
+      SparseOptions o = cube_of(plate ? 32 : 16);
       o.nu = nu;
       o.clamp_side = !plate;
       if (plate) o.cells[2] = 4, o.size[2] = 0.125, o.shear = 1;

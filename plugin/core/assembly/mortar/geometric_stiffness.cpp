@@ -17,7 +17,7 @@ namespace {
 class GapRow {
  public:
   /// choice: of the row as it is
-  GapRow(const SlopedRow& row, const RowChoice& choice, const ContactNode& at, const Turns& turns,
+  GapRow(const SlopedRow& row, const RowChoice& choice, const SlaveNode& at, const Turns& turns,
          const std::vector<Crossing>& crossings, const std::vector<Vec3>& X)
       : i_(at.node), n_(at.normal), X_(X), turns_(turns), G_(row.own) {
     T_ = Mat3::Identity() - n_ * n_.transpose();
@@ -173,11 +173,11 @@ class GapRow {
 };
 
 /// The turns of the normals of contact nodes, by node; none of those that have the master's.
-std::map<Index, Turns> turns_of(const Arrangement& of, const std::vector<ContactNode>& contact) {
+std::map<Index, Turns> turns_of(const Arrangement& of, const std::vector<SlaveNode>& contact) {
   std::vector<std::map<Index, std::vector<Index>>> around(of.slaves.size());  // facets, by the pair
   for_each_vertex(of.slaves, [&](std::size_t p, Index f, Index i) { around[p][i].push_back(f); });
   std::map<Index, Turns> turns;
-  for (const ContactNode& c : contact)
+  for (const SlaveNode& c : contact)
     if (!of.ownership->common.of_master[c.node])
       turns[c.node] =
           turns_of_normal(c.node, c.normal, around[c.pair][c.node], of.slaves[c.pair], of.nodes.X);
@@ -205,7 +205,7 @@ GeometricStiffness geometric_stiffness(const Mortar& mortar, const Arrangement& 
   std::map<Index, Turns> turns;
   if (options.normals.empty()) turns = turns_of(of, mortar.nodes());
   for (Index k = 0; k < y.cols(); ++k) {
-    const ContactNode& at = mortar.nodes()[k];
+    const SlaveNode& at = mortar.nodes()[k];
     const auto row = rows.find(at.node);
     if (row == rows.end() || y.col(k).isZero(0)) continue;
     const auto choice = of.choices.find(at.node);

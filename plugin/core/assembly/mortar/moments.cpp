@@ -83,7 +83,7 @@ class MasterRow {
 
 }  // namespace
 
-Matrix balanced(const Matrix& P, const Matrix& G, const std::vector<ContactNode>& nodes,
+Matrix balanced(const Matrix& P, const Matrix& G, const std::vector<SlaveNode>& nodes,
                 const std::vector<Vec3>& X, RowChoices& choices) {
   Matrix result = P;
   for (std::size_t k = 0; k < nodes.size(); ++k) {
@@ -102,7 +102,7 @@ Matrix balanced(const Matrix& P, const Matrix& G, const std::vector<ContactNode>
 namespace {
 
 /// How far aside of the normal a row of G sees something, at most.
-Real widest_column(const Matrix& G, Index k, const ContactNode& node, const std::vector<Vec3>& X) {
+Real widest_column(const Matrix& G, Index k, const SlaveNode& node, const std::vector<Vec3>& X) {
   Real most = 0;
   for (Matrix::InnerIterator it(G, k); it; ++it) {
     const Vec3 way = X[it.col()] - X[node.node];
@@ -182,13 +182,13 @@ class Lines {
 
 }  // namespace
 
-Matrix along_normals(const Matrix& P, const Matrix& G, const std::vector<ContactNode>& nodes,
+Matrix along_normals(const Matrix& P, const Matrix& G, const std::vector<SlaveNode>& nodes,
                      const std::vector<char>& of_master, const std::vector<Side>& masters,
                      const std::vector<Vec3>& X, RowChoices& choices) {
   std::map<Index, Lines> lines;  // by pair
   EntryList change;
   for (std::size_t k = 0; k < nodes.size(); ++k) {
-    const ContactNode& node = nodes[k];
+    const SlaveNode& node = nodes[k];
     if (!of_master[node.node]) continue;
     const Arm arm(G, static_cast<Index>(k), node.node, X);
     std::optional<bool>& along = choices[node.node].along_normal;
@@ -239,11 +239,11 @@ FacedFacets::value_type summed(const FacedFacets::value_type& faced) {
 
 }  // namespace
 
-Crossings crossings(const Matrix& G, const std::vector<ContactNode>& nodes, const Nodes& all,
+Crossings crossings(const Matrix& G, const std::vector<SlaveNode>& nodes, const Nodes& all,
                     bool smooth, const FacedFacets& faced) {
   const bool apart = smooth && !all.before.empty();
   std::vector<Index> pair_of(all.X.size(), -1);  // whose law a node has
-  for (const ContactNode& node : nodes) pair_of[node.node] = node.pair;
+  for (const SlaveNode& node : nodes) pair_of[node.node] = node.pair;
   Crossings found(nodes.size());
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const auto& [i, pair, label, n, D, g, distance] = nodes[k];
@@ -269,11 +269,11 @@ Crossings crossings(const Matrix& G, const std::vector<ContactNode>& nodes, cons
   return found;
 }
 
-Matrix across_gap(const Matrix& P, const Matrix& G, const std::vector<ContactNode>& nodes,
+Matrix across_gap(const Matrix& P, const Matrix& G, const std::vector<SlaveNode>& nodes,
                   const std::vector<Vec3>& X, const Crossings& crossings) {
   EntryList change;
   for (std::size_t k = 0; k < nodes.size(); ++k) {
-    const ContactNode& at = nodes[k];
+    const SlaveNode& at = nodes[k];
     const Vec3 arm = Arm(G, static_cast<Index>(k), at.node, X).sum;
     for (const Crossing& crossing : crossings[k]) {
       const Vector c = crossing.gradients * (crossing.share * crossing.e(arm, at.normal, at.gap));

@@ -33,7 +33,7 @@ inline Real singular(Index rank) { return rank == 0 ? 1e-6 : rank == 1 ? 1e-4 : 
 ///
 /// which keeps their sum, and moves the mean point by -e. Where all facets at i are parallel to n_i
 /// e is rounding, whatever the master is like (steps, rims), and the row stays as it is.
-Matrix balanced(const Matrix& P, const Matrix& G, const std::vector<ContactNode>& nodes,
+Matrix balanced(const Matrix& P, const Matrix& G, const std::vector<SlaveNode>& nodes,
                 const std::vector<Vec3>& X, RowChoices& choices);
 
 /// P with rows that see the master where the normals of their nodes meet it, for nodes whose
@@ -45,7 +45,7 @@ Matrix balanced(const Matrix& P, const Matrix& G, const std::vector<ContactNode>
 ///
 /// of_master: per node, whether it has the master's normal; masters: per pair; choices: as far as
 /// it is decided, the rest is added.
-Matrix along_normals(const Matrix& P, const Matrix& G, const std::vector<ContactNode>& nodes,
+Matrix along_normals(const Matrix& P, const Matrix& G, const std::vector<SlaveNode>& nodes,
                      const std::vector<char>& of_master, const std::vector<Side>& masters,
                      const std::vector<Vec3>& X, RowChoices& choices);
 
@@ -69,7 +69,7 @@ using Crossings = std::vector<std::vector<Crossing>>;  ///< per contact node
 /// Facets without a vertex behind them, or of two bodies but for a path along smooth surfaces, and
 /// elements with a vertex that has a law of this pair or a later one, add nothing; shares are those
 /// of the others.
-Crossings crossings(const Matrix& G, const std::vector<ContactNode>& nodes, const Nodes& all,
+Crossings crossings(const Matrix& G, const std::vector<SlaveNode>& nodes, const Nodes& all,
                     bool smooth, const FacedFacets& faced);
 
 /// P with rows that see no rotation of a body that has both faces, such as one with a crack. Where
@@ -94,7 +94,7 @@ Crossings crossings(const Matrix& G, const std::vector<ContactNode>& nodes, cons
 /// element, is an error of the stress there: what is crossed fades out between a tenth of it and
 /// 0.15. Weights of the facet's nodes alone could not move a point across the gap: they lie in one
 /// plane.
-Matrix across_gap(const Matrix& P, const Matrix& G, const std::vector<ContactNode>& nodes,
+Matrix across_gap(const Matrix& P, const Matrix& G, const std::vector<SlaveNode>& nodes,
                   const std::vector<Vec3>& X, const Crossings& crossings);
 
 }  // namespace frictioncg::mortar

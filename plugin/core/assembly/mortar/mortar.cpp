@@ -177,7 +177,7 @@ class Assembly {
   /// g_i = n_i.( -(G X)_i + int psi_i (delta_m(chi) - delta_s) / D_i ), X seen from X_i.
   void set_gaps(Mortar& mortar) const {
     for (std::size_t k = 0; k < mortar.nodes_.size(); ++k) {
-      ContactNode& node = mortar.nodes_[k];
+      SlaveNode& node = mortar.nodes_[k];
       Vec3 between = offset_[node.node] / node.weight;
       for (Matrix::InnerIterator it(mortar.G_, static_cast<Index>(k)); it; ++it)
         between -= it.value() * (nodes_.X[it.col()] - nodes_.X[node.node]);
@@ -188,7 +188,7 @@ class Assembly {
   void set_distances(Mortar& mortar) const {
     std::vector<Real> distance(nodes_.X.size(), 0);
     for (const bool leans : {false, true})
-      for (ContactNode& node : mortar.nodes_) {
+      for (SlaveNode& node : mortar.nodes_) {
         bool on_others = false;
         Real rest = node.gap, own = 1;
         for (Matrix::InnerIterator it(mortar.N_, node.node); it; ++it) {
@@ -203,8 +203,8 @@ class Assembly {
   /// g_e = (g_a + g_b)/2 + int phi_e (g - sum_v lambda_v g_v) / int phi_e: as exact on parts of a
   /// facet as on the whole. Where vertices carry no law, the mean of g, weighted by phi_e.
   void set_distances_of_edges(Mortar& mortar) const {
-    std::vector<const ContactNode*> at(nodes_.X.size(), nullptr);
-    for (const ContactNode& node : mortar.nodes_) at[node.node] = &node;
+    std::vector<const SlaveNode*> at(nodes_.X.size(), nullptr);
+    for (const SlaveNode& node : mortar.nodes_) at[node.node] = &node;
     for (std::size_t k = 0; k < mortar.edges_.size(); ++k) {
       MidEdge& e = mortar.edges_[k];
       Real room = 0, linear = 0;
@@ -227,7 +227,7 @@ class Assembly {
       ++s.removed;
       if (state == State::held && s.held++ == 0) s.first_held = i;
     }
-    for (const ContactNode& node : mortar.nodes_) {
+    for (const SlaveNode& node : mortar.nodes_) {
       Statistics& s = statistics_[node.pair];
       const bool first = s.facing++ == 0;
       s.least_gap = first ? node.gap : std::min(s.least_gap, node.gap);
@@ -273,10 +273,10 @@ Vec3 relative(const Matrix& G, Index k, Index i, const std::vector<Vec3>& x) {
 std::vector<Vec3> slip_beside(const Mortar& now, const std::vector<Vec3>& x, const Mortar& old,
                               const std::vector<Vec3>& x_old) {
   std::unordered_map<Index, Index> row_of;  // of a node in G_old
-  for (const ContactNode& node : old.nodes())
+  for (const SlaveNode& node : old.nodes())
     row_of.emplace(node.node, static_cast<Index>(row_of.size()));
   std::vector<Vec3> c;
-  for (const ContactNode& node : now.nodes()) {
+  for (const SlaveNode& node : now.nodes()) {
     const Index k = static_cast<Index>(c.size()), i = node.node;
     c.push_back(Vec3::Zero());
     const auto before = row_of.find(i);
@@ -368,7 +368,7 @@ Matrix Mortar::halving(const std::vector<char>& held, bool where_held, Real half
 Matrix Mortar::change_of_basis(const std::vector<char>& held) const {
   Vector free = Vector::Ones(size_), on_laws = Vector::Zero(size_);
   for (std::size_t i = 0; i < held.size(); ++i) free[static_cast<Index>(i)] = !held[i];
-  for (const ContactNode& node : nodes_) on_laws[node.node] = free[node.node];
+  for (const SlaveNode& node : nodes_) on_laws[node.node] = free[node.node];
   const Matrix C = halving(held, false, 0.5);
   const Matrix P = Matrix(free.asDiagonal() * P_) * C;
   const Matrix to_laws = Matrix(P * on_laws.asDiagonal()).pruned(1., 0.);

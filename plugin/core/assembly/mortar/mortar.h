@@ -62,7 +62,7 @@ struct Options {
 };
 
 /// A node of the slave that carries the laws, in w_i = (G u)_i: w.n <= gap.
-struct ContactNode {
+struct SlaveNode {
   Index node = 0;
   Index pair = 0;
   long label = 0;
@@ -129,7 +129,7 @@ class Mortar {
   /// Throws IllegalInput for surfaces that make no contact, with one sentence for the user.
   Mortar(const Nodes& nodes, const std::vector<Pair>& pairs, const Options& options = {});
 
-  const std::vector<ContactNode>& nodes() const { return nodes_; }  ///< m
+  const std::vector<SlaveNode>& nodes() const { return nodes_; }  ///< m
   const std::vector<MidEdge>& edges() const { return edges_; }
   const Matrix& relative() const { return G_; }  ///< m x nodes; forces on both bodies are G'y
   /// What the slip of each contact node lacks of its motion since Nodes::before; empty
@@ -155,7 +155,7 @@ class Mortar {
   Matrix halving(const std::vector<char>& held, bool where_held, Real half) const;
 
   Index size_ = 0;
-  std::vector<ContactNode> nodes_;
+  std::vector<SlaveNode> nodes_;
   std::vector<MidEdge> edges_;          ///< of C
   Matrix N_, P_;                        ///< nodes x nodes, rows of contact nodes
   Matrix S_, G_;                        ///< m x nodes: (I + N) C^-1, and S - P
