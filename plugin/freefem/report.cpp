@@ -134,6 +134,9 @@ void report_pair(const FacingPair& pair, bool only) {
   if (s.held > 0)
     std::cout << ", " << s.held << " of them since Dirichlet conditions hold the normal or a part "
               << "of it, as at " << pair.held_at << ": their neighbours take their share";
+  if (s.held_facets > 0)
+    std::cout << "; warning: " << counted(s.held_facets, "facet") << " of them alone, which the "
+              << "master may pass through: swap slave and master";
   std::cout << std::endl;
 }
 

@@ -9,7 +9,7 @@ namespace frictioncg::mortar {
 namespace {
 
 /// A cell of a smaller extent, in reference coordinates, is what rounding makes of a common edge.
-constexpr Real nothing = 1e-14;
+constexpr Real vanishing = 1e-14;
 /// Neighbours overlap by rounding up to this share of the smaller one; more than that, one of them
 /// hides the other.
 constexpr Real overlapping = 1e-11;
@@ -96,7 +96,7 @@ class Covering {
       c.part = inside(d_, reference_facet(d_), c.projection);
       if (c.part.empty()) continue;
       c.extent = extent(c.part);
-      if (c.extent <= nothing) continue;
+      if (c.extent <= vanishing) continue;
       const Vec2 middle = centroid(c.part);
       c.distance = c.projection.distance(middle);
       if (std::abs(deciding_distance(f, m, c.projection.distance)(middle)) > maxgap) continue;
@@ -166,7 +166,7 @@ class Covering {
       parts = std::move(left);
     }
     for (Polygon& part : parts)
-      if (extent(part) > nothing) cells.push_back({candidates_[k].master, std::move(part)});
+      if (extent(part) > vanishing) cells.push_back({candidates_[k].master, std::move(part)});
   }
   /// A cell deeper behind the slave than a facet is long is an overlap, or, past the other side of
   /// the master, no partner at all: true for the latter.

@@ -76,6 +76,10 @@ class Assembly {
 
  private:
   Index size() const { return static_cast<Index>(nodes_.X.size()); }
+  bool is_held(const Facet& facet) const {
+    return std::all_of(facet.node.begin(), facet.node.begin() + nodes_.dimension,
+                       [this](Index i) { return ownership_.state[i] == Ownership::State::held; });
+  }
   void add_pair(Index p, const Side& slave, const Side& master, const Cover& cover) {
     const Integration integration(slave, master, nodes_.X, options_);
     Statistics& s = statistics_.emplace_back();
@@ -84,6 +88,7 @@ class Assembly {
       const std::vector<Cell>& cells = cover.cells[f];
       if (cells.empty()) continue;
       if (cover.fraction[f] < 1 - uncovered) ++s.partly_covered;
+      s.held_facets += is_held(slave.facet(f));
       const Part part{slave, master, f, cells};
       const Moments moments = integration.over(part);
       const Ownership::Carriers& carriers = ownership_.carriers[p][f];

@@ -107,6 +107,7 @@ struct Statistics {
   Index removed = 0;         ///< slave vertices with something before them that carry no law
   Index held = 0;            ///< those of them whose normal Dirichlet conditions hold
   Index first_held = -1;     ///< one of the latter
+  Index held_facets = 0;     ///< covered slave facets whose vertices are all of these
   Index partly_covered = 0;  ///< slave facets
   Real least_gap = 0, largest_gap = 0;
   std::size_t visited = 0;  ///< steps of the search

@@ -316,7 +316,10 @@ void Ownership::find_stand_ins(Index p, const Side& slave, bool within_patch) {
     neighbours[f].push_back(g);
     neighbours[g].push_back(f);
   }
-  const auto carried = [&](Index f) { return carriers[p][f].carried(); };
+  const auto carried = [&](Index f) {
+    const Carriers& c = carriers[p][f];
+    return c.any_kept() || !c.stand_in.empty();
+  };
   std::vector<Index> queue;
   for (Index f = 0; f < slave.facets(); ++f)
     if (carried(f)) queue.push_back(f);

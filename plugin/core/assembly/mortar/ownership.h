@@ -49,7 +49,6 @@ struct Ownership : Ranked {
     Eigen::Matrix3d takes = Eigen::Matrix3d::Zero();  ///< (v, r): 1 where v takes r
 
     bool any_kept() const { return kept[0] || kept[1] || kept[2]; }
-    bool carried() const { return any_kept() || !stand_in.empty(); }
     /// The larger alone: of kept vertices that take removed ones on themselves none is to be left
     /// with less than a quarter of its d_i, from half of it on.   M: of dual_basis
     Real alone_in(const DualBasis& dual, const Eigen::Matrix3d& M) const {

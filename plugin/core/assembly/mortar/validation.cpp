@@ -135,7 +135,6 @@ void validate_cover(const Arrangement& of, const Options& options) {
   refuse_slaves_as_masters(of);
   for (std::size_t p = 0; p < slaves.size(); ++p) {
     const Cover& cover = of.covers[p];
-    const auto carried = [](const Ownership::Carriers& c) { return c.carried(); };
     const auto is_empty = [](const std::vector<Cell>& cells) { return cells.empty(); };
     if (std::all_of(cover.cells.begin(), cover.cells.end(), is_empty)) {
       if (!nodes.reference.empty()) continue;  // bodies that move may come apart
@@ -143,14 +142,12 @@ void validate_cover(const Arrangement& of, const Options& options) {
     }
     if (!options.weight.empty()) refuse_weightless(nodes, slaves[p], cover, options.weight);
     std::array<Index, Ownership::states> count{};
-    for (const Facet& f : slaves[p].surface.facets)
-      for (int v = 0; v < slaves[p].d; ++v)
-        ++count[static_cast<int>(of.ownership->state[f.node[v]])];
+    for (Index f = 0; f < slaves[p].facets(); ++f)
+      for (int v = 0; v < slaves[p].d && !cover.cells[f].empty(); ++v)
+        ++count[static_cast<int>(of.ownership->state[slaves[p].facet(f).node[v]])];
     const auto some = [&](Ownership::State state) { return count[static_cast<int>(state)] > 0; };
-    const std::vector<Ownership::Carriers>& carriers = of.ownership->carriers[p];
-    if (std::any_of(carriers.begin(), carriers.end(), carried) || may_carry_later(of, slaves[p]))
-      continue;
-    const bool others = some(Ownership::State::uncovered) || some(Ownership::State::kept);
+    if (some(Ownership::State::kept) || may_carry_later(of, slaves[p])) continue;
+    const bool others = std::any_of(cover.cells.begin(), cover.cells.end(), is_empty);
     const std::string labels = "every slave node (" + labels_of(slaves[p].surface) + ")" +
                                (others ? " that faces the master" : "");
     if (some(Ownership::State::held))
