@@ -47,9 +47,9 @@ TOGETHER  ?= 4
 BEYOND    := $(shell echo $$(($(TOGETHER) + 1)))
 NONE      :=
 SPACE     := $(NONE) $(NONE)
-joined     = $(if $1,$(subst $(SPACE),+,$(basename $(notdir $(wordlist 1,$(TOGETHER),$1)))) $(call joined,$(wordlist $(BEYOND),99,$1)))
+joined     = $(if $1,$(subst $(SPACE),+,$(basename $(notdir $(wordlist 1,$(TOGETHER),$1)))) $(call joined,$(wordlist $(BEYOND),$(words $1),$1)))
 # $(call objects,folder of the objects,sources of one folder)
-objects    = $(patsubst %,$1%.o,$(call joined,$2))
+objects    = $(patsubst %,$1%.o,$(call joined,$(sort $2)))
 # $(call sources,folder/a+b): and back
 sources    = $(foreach name,$(subst +, ,$(notdir $1)),$(dir $1)$(name).cpp)
 # The compiler reads the last of them, and the others before it.
