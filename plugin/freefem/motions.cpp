@@ -46,73 +46,162 @@ std::string describe(const Scene& scene, const Vector& motion) {
 
 /// What holds a body where it has turned to, over what held it where it was. The middle of a round
 /// body's contact stands against the turn by what the turn has moved it: 0.3 to 0.45 lasts of discs
-/// that are nipped and driven at twice what friction holds and more, 0.73 of coarse balls, and 1 of
-/// what stands, rolls or is turned by what sticks.
-constexpr Real lasting = 0.9;
+/// that are nipped and driven at twice what friction holds and more, 0.73 of coarse balls, 1 -
+/// 1/q^2 of ellipses that bind, whose forces are too large by as much, and 1 of what stands or
+/// rolls.
+constexpr Real lasting = 0.85;
 
-/// Whether contact holds a body against its turn, by the normals of nodes that touch and by those
-/// that stick; or the turn is small, and the body did not jam. Between the faces of one body, such
-/// as a crack, contact holds nothing of its motion.
-/// field: in dofs of the scene; V: the turn and the motions that go along, in dofs of the system.
-bool held_by_contact(const Scene& scene, const std::vector<Index>& nodes,
-                     const std::vector<NodeState>& state, const System& system, const Vector& field,
-                     const LargeTurn& turn, const DenseMatrix& V) {
-  std::vector<Index> body(scene.ndof(), -1);
-  for (const NodePlace& n : scene.places())
-    for (int c = 0; c < scene.d; ++c) body[n.dof[c]] = n.body;
-  const Vec3 axis = turn.motion.w.normalized();
-  const Index count = static_cast<Index>(V.cols());
-  StandAgainst as_given(count), as_turned(count);  // where the body was, and where it has come
-  for (std::size_t k = 0; k < nodes.size(); ++k) {
-    if (state[k] == NodeState::separated) continue;
-    std::set<Index> joined;  // bodies: one before an obstacle or on a crack, else two
-    const Index row = scene.system->system()->first[nodes[k]];
-    for (Matrix::InnerIterator e(scene.system->basis().W, row); e; ++e)
-      if (e.value() != 0) joined.insert(body[e.col()]);
-    const bool acts =
-        joined.count(turn.body) && (joined.size() >= 2 || scene.on_obstacle(nodes[k]));
-    const BoundaryNode& node = scene.contact_point(nodes[k]);
-    const Index first = system.first[static_cast<Index>(k)];
-    const Index last =
-        state[k] == NodeState::stick ? system.first[static_cast<Index>(k) + 1] : first + 1;
-    for (Index i = first; i < last; ++i) {
-      Vector against = V.row(i).transpose();
-      as_given.add(against);
-      if (i == first && acts) {  // to first order, an obstacle's normals staying what they are
-        Vec3 moved = -turn.motion.a;
-        for (int c = 0; c < scene.d; ++c) moved[c] += field[node.point.dof[c]];
-        const Real of_slave = body[node.point.dof[0]] == turn.body ? 1 : -1;
-        against[0] += of_slave * node.point.normal.dot(axis.cross(moved));
-      }
-      as_turned.add(against);
+/// The nodes that touch, and the bodies that they join.
+class Contacts {
+ public:
+  /// nodes: those of the scene that the states belong to
+  Contacts(const Scene& scene, const std::vector<Index>& nodes, const std::vector<NodeState>& state,
+           const System& system)
+      : scene_(scene),
+        nodes_(nodes),
+        state_(state),
+        system_(system),
+        body_(scene.ndof(), -1),
+        joined_(nodes.size()),
+        groups_(Index(system.largest(Real(count_bodies(scene.places()))))) {
+    for (const NodePlace& n : scene.places())
+      for (int c = 0; c < scene.d; ++c) body_[n.dof[c]] = n.body;
+    std::vector<Real> pairs;
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      if (state[k] == NodeState::separated) continue;
+      const Index row = scene.system->system()->first[nodes[k]];
+      for (Matrix::InnerIterator e(scene.system->basis().W, row); e; ++e)
+        if (e.value() != 0 && body_[e.col()] >= 0) joined_[k].insert(body_[e.col()]);
+      for (Index body : joined_[k])
+        pairs.insert(pairs.end(), {Real(*joined_[k].begin()), Real(body)});
     }
-    for (StandAgainst* contact : {&as_given, &as_turned})
-      if (acts) contact->add_way(axis.cross(node.x - turn.motion.c));
+    const Vector all = system.gathered(Eigen::Map<const Vector>(pairs.data(), Index(pairs.size())));
+    for (Index k = 0; k < all.size(); k += 2) groups_.join(Index(all[k]), Index(all[k + 1]));
   }
-  as_given.sum(system);
-  as_turned.sum(system);
-  const Real angle = turn.motion.w.norm();
-  return as_given.holds(angle) ? as_turned.share() > lasting * as_given.share()
-                               : angle <= small_turn;
+
+  /// Bodies that touch, one by one, have one number.
+  Index group_of(Index body) { return groups_.of(body); }
+
+  /// How contact holds a body against its turn, by the normals of nodes that touch and by those
+  /// that stick: where it was alone, in a jam, or also where it has come, or the turn is small.
+  /// Between the faces of one body, such as a crack, contact holds nothing of its motion. field: in
+  /// dofs of the scene; V: the turn and the motions that go along, in dofs of the system.
+  enum class Hold { lasts, jams, none };
+  Hold on(const LargeTurn& turn, const Vector& field, const DenseMatrix& V) {
+    const Vec3 axis = turn.motion.w.normalized();
+    const Index count = static_cast<Index>(V.cols());
+    StandAgainst as_given(count), as_turned(count);  // where the body was, and where it has come
+    for (std::size_t k = 0; k < nodes_.size(); ++k) {
+      const std::set<Index>& joined = joined_[k];  // one before an obstacle or on a crack, else two
+      if (joined.empty() || group_of(*joined.begin()) != group_of(turn.body)) continue;
+      const bool acts =
+          joined.count(turn.body) && (joined.size() >= 2 || scene_.on_obstacle(nodes_[k]));
+      const BoundaryNode& node = scene_.contact_point(nodes_[k]);
+      const Index first = system_.first[static_cast<Index>(k)];
+      const Index last =
+          state_[k] == NodeState::stick ? system_.first[static_cast<Index>(k) + 1] : first + 1;
+      for (Index i = first; i < last; ++i) {
+        Vector against = V.row(i).transpose();
+        as_given.add(against);
+        if (i == first && acts) {  // to first order, an obstacle's normals staying what they are
+          Vec3 moved = -turn.motion.a;
+          for (int c = 0; c < scene_.d; ++c) moved[c] += field[node.point.dof[c]];
+          const Real of_slave = body_[node.point.dof[0]] == turn.body ? 1 : -1;
+          against[0] += of_slave * node.point.normal.dot(axis.cross(moved));
+        }
+        as_turned.add(against);
+      }
+      for (StandAgainst* contact : {&as_given, &as_turned})
+        if (acts) contact->add_way(axis.cross(node.x - turn.motion.c));
+    }
+    as_given.sum(system_);
+    as_turned.sum(system_);
+    if (!as_given.holds(turn.motion.w.norm())) return turn.large ? Hold::none : Hold::lasts;
+    return as_turned.share() > lasting * as_given.share() ? Hold::lasts : Hold::jams;
+  }
+
+ private:
+  const Scene& scene_;
+  const std::vector<Index>& nodes_;
+  const std::vector<NodeState>& state_;
+  const System& system_;
+  std::vector<Index> body_;              ///< per dof of the scene
+  std::vector<std::set<Index>> joined_;  ///< per node that touches
+  Groups groups_;                        ///< of bodies
+};
+
+/// The turn by 1 that supports resist least, n x 1, of motions V (n x k) of which the first is a
+/// turn by 1 and the others are none. Without columns where supports resist it more than the forces
+/// of contact drive it, theta q'Aq >= |q'r|, or V has none.
+DenseMatrix weakly_resisted(const System& system, const DenseMatrix& V, const Vector& r,
+                            Real theta) {
+  if (V.cols() == 0) return V;
+  DenseMatrix AV(V.rows(), V.cols());
+  for (Eigen::Index k = 0; k < V.cols(); ++k) {
+    Vector Av;
+    system.multiply(V.col(k), Av);
+    AV.col(k) = Av;
+  }
+  DenseMatrix K = V.transpose().lazyProduct(AV);
+  system.sum(K.data(), static_cast<Index>(K.size()));
+  const Eigen::Index others = V.cols() - 1;
+  const Vector of_turn = K.col(0).tail(others),
+               along = least_squares(K.bottomRightCorner(others, others), of_turn);
+  const Vector q = V.col(0) - V.rightCols(others) * along;
+  const Real energy = K(0, 0) - along.dot(of_turn), work = system.sum(q.dot(r));
+  return theta * energy < std::abs(work) ? DenseMatrix(q) : DenseMatrix(V.rows(), 0);
 }
 
 }  // namespace
 
 std::string runaway(const Scene& scene, const Vector& field, const std::vector<NodePlace>& nodes,
-                    const Vector& u, const std::vector<Index>& contact_nodes,
-                    const std::vector<NodeState>& state, const System& system,
-                    const std::function<Vector(const Vector&)>& field_of) {
+                    const Vector& u, const std::vector<Index>& contact_nodes, const Solution& s,
+                    const System& system, const std::function<Vector(const Vector&)>& field_of) {
   const int d = scene.d;
-  const std::vector<LargeTurn> turns = large_turns(nodes, d, u, jamming_turn);
+  const std::vector<LargeTurn> turns = large_turns(nodes, d, u);
   if (turns.empty()) return "";
   const DenseMatrix W = floating_motions(system);
-  std::vector<Vector> motions;
-  for (Index k = 0; k < W.cols(); ++k) motions.push_back(field_of(W.col(k)));
+  const Matrix candidates = rigid_candidates(system);
   const auto bodies = by_body(nodes);
+  Contacts contacts(scene, contact_nodes, s.state, system);
+  std::vector<Vector> fields;          // of W
+  std::vector<std::set<Index>> moved;  // groups of bodies, by each
+  for (Index k = 0; k < W.cols(); ++k) {
+    fields.push_back(field_of(W.col(k)));
+    moved.emplace_back();
+    for (const auto& [number, body] : bodies)
+      if (largest_displacement(body, d, fields.back()) > 0)
+        moved[k].insert(contacts.group_of(number));
+  }
   for (const LargeTurn& turn : turns) {
-    const DenseMatrix by = turning(motions, bodies.at(turn.body), d, turn.motion.w.normalized());
-    if (by.cols() > 0 && !held_by_contact(scene, contact_nodes, state, system, field, turn, W * by))
-      return describe(turn, d);
+    const auto body = bodies.find(turn.body);
+    const Vec3 axis = turn.motion.w.normalized();
+    std::vector<Vector> along;  // of W, what can go along
+    EntryList chosen;
+    for (Index k = 0; k < W.cols(); ++k) {
+      if (moved[k].count(contacts.group_of(turn.body)) == 0) continue;
+      chosen.emplace_back(k, Index(along.size()), 1);
+      along.push_back(fields[k]);
+    }
+    const DenseMatrix W_along = W * sparse(Index(W.cols()), Index(along.size()), chosen);
+    DenseMatrix V = W_along * turning(along, body->second, d, axis);
+    if (V.cols() == 0) {
+      const Index each = rigid_components(d), all = Index(candidates.cols());
+      const bool of_each = all == each * Index(bodies.size());
+      const DenseMatrix own = of_each
+                                  ? DenseMatrix(candidates.middleCols(
+                                        each * Index(std::distance(bodies.begin(), body)), each))
+                                  : DenseMatrix(candidates);
+      std::vector<Vector> of_own;
+      for (Index k = 0; k < own.cols(); ++k) of_own.push_back(field_of(own.col(k)));
+      const DenseMatrix q = weakly_resisted(system, own * turning(of_own, body->second, d, axis),
+                                            s.certificate.r, turn.motion.w.norm());
+      if (q.cols() == 0) continue;
+      V.resize(q.rows(), 1 + W_along.cols());
+      V << q, W_along;
+    }
+    const Contacts::Hold hold = contacts.on(turn, field, V);
+    if (hold != Contacts::Hold::lasts) return describe(turn, d, hold == Contacts::Hold::jams);
   }
   return "";
 }
@@ -124,7 +213,7 @@ std::string runaway(const Scene& scene, const Solution& s, const Vector& u) {
   if (!(most > jamming_turn * scene.least_gyration())) return "";
   std::vector<Index> nodes(scene.system->nodes());
   std::iota(nodes.begin(), nodes.end(), 0);
-  return runaway(scene, field, scene.places(), field, nodes, s.state, *scene.system->system(),
+  return runaway(scene, field, scene.places(), field, nodes, s, *scene.system->system(),
                  [&](const Vector& w) { return scene.system->to_global(w); });
 }
 

@@ -101,7 +101,7 @@ inline std::string runaway(SharedScene& shared, const Solution& own, const Vecto
   if (!(most > jamming_turn * *shared.gyration)) return "";
   const Sample sample(shared);
   return runaway(*shared.scene, field, sample.nodes(), sample.of(field),
-                 shared.numbering().own_nodes, own.state, *shared.A,
+                 shared.numbering().own_nodes, own, *shared.A,
                  [&](const Vector& w) { return sample.of(field_of(shared, w)); });
 }
 

@@ -151,10 +151,7 @@ class RigidMotions {
     tried_.back().swap(T);
     return accepted;
   }
-  /// Body by body.
-  DenseMatrix columns() {
-    std::stable_sort(found_.begin(), found_.end(),
-                     [](const Found& a, const Found& b) { return a.body < b.body; });
+  DenseMatrix columns() const {
     std::map<std::tuple<std::size_t, Index, Index>, Index> column;
     for (std::size_t k = 0; k < found_.size(); ++k)
       column[{found_[k].tried, found_[k].body, found_[k].j}] = Index(k);
@@ -243,6 +240,8 @@ DenseMatrix beside(const Matrix& V, const std::vector<Index>& candidates, Index 
 }
 
 }  // namespace
+
+Matrix rigid_candidates(const System& system) { return Candidates(system).M; }
 
 DenseMatrix floating_motions(const System& system) {
   const Candidates all(system);

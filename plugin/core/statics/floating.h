@@ -3,9 +3,12 @@
 
 namespace frictioncg {
 
-/// The rigid motions that A leaves free, body by body, among the candidates of the system: n x k,
-/// <Dw,w> = 1. No columns where the system knows no candidates, or has none of n rows.
+/// The rigid motions that A leaves free, each of one body, among the candidates of the system: n x
+/// k, <Dw,w> = 1. No columns where the system knows no candidates, or has none of n rows.
 DenseMatrix floating_motions(const System& system);
+
+/// The candidates: rigid motions of the bodies, n x k, whether supports resist them or not.
+Matrix rigid_candidates(const System& system);
 
 /// These motions, made when they are first asked for.
 class FloatingMotions {

@@ -47,6 +47,8 @@ std::string describe_one(const std::vector<NodePlace>& nodes, int d, const Vecto
 /// strains that are small in the units of the scene, and of others.
 constexpr Real stiff_turn = 8, stiff_in_any_units = 30;
 constexpr Real small_strain = 0.05;
+/// The same of a jam, which strains the body: 6 to 10 where its force is 2 to 15 times too large.
+constexpr Real stiff_jam = 3;
 
 /// visit(dof, values): a row of the modes for each component of each node.
 template <class Visit>
@@ -184,16 +186,16 @@ std::string describe_motion(const std::vector<NodePlace>& nodes, int d, const Ve
   return text;
 }
 
-std::vector<LargeTurn> large_turns(const std::vector<NodePlace>& nodes, int d, const Vector& u,
-                                   Real least) {
+std::vector<LargeTurn> large_turns(const std::vector<NodePlace>& nodes, int d, const Vector& u) {
   std::vector<LargeTurn> turns;
   for (const auto& [number, body] : by_body(nodes)) {
     const RigidMotion motion = nearest_rigid_motion(body, d, u);
     const Real turn = motion.w.norm();
-    if (!(turn > least)) continue;
+    if (!(turn > jamming_turn)) continue;
     const Real strain = motion.misfit * largest_displacement(body, d, u) / motion.extent;
-    if (turn > (strain < small_strain ? stiff_turn : stiff_in_any_units) * strain)
-      turns.push_back({number, motion, strain});
+    const Real stiff = strain < small_strain ? stiff_turn : stiff_in_any_units;
+    const bool large = turn > small_turn && turn > stiff * strain;
+    if (large || turn > stiff_jam * strain) turns.push_back({number, motion, strain, large});
   }
   return turns;
 }
@@ -210,7 +212,8 @@ Real least_gyration(const std::vector<NodePlace>& nodes, int d) {
 
 DenseMatrix turning(const std::vector<Vector>& motions, const std::vector<NodePlace>& body, int d,
                     const Vec3& axis) {
-  constexpr Real none = 1e-6;  // over the largest displacement of the motion
+  // over the largest displacement of the motion; next to a weak spring, A mixes 1e-5 into others
+  constexpr Real none = 1e-4;
   const Index k = static_cast<Index>(motions.size());
   DenseMatrix turns = DenseMatrix::Zero(3, k);
   for (Index j = 0; j < k; ++j) {
@@ -248,15 +251,16 @@ bool StandAgainst::holds(Real turn) const {
   return share() > std::min(turn / 2, clearly);
 }
 
-std::string describe(const LargeTurn& turn, int d) {
+std::string describe(const LargeTurn& turn, int d, bool jams) {
   std::ostringstream s;
   s.precision(3);
   s << "the body around " << components_of(turn.motion.c, d, 1e-6 + turn.motion.c.norm())
     << " has turned by " << turn.motion.w.norm() << " radians, " << describe(turn.motion, d)
     << ", and is strained by no more than " << turn.strain
-    << ": small rotations cannot mean that, and nothing holds it but the error of the normals, the "
-       "couple of friction and a gap, a contact on which it rolls, or what the turn adds to its "
-       "size";
+    << (jams ? ": contact held it where it was, and no longer where it has come. It jams: a linear "
+               "rotation by theta makes it larger by theta^2/2, and its forces grow with that"
+             : ": small rotations cannot mean that, and nothing holds it but the error of the "
+               "normals, the couple of friction and a gap, or a contact on which it rolls");
   return s.str();
 }
 

@@ -87,20 +87,20 @@ constexpr Real small_turn = 0.03;
 
 /// A rotation [rad] from which on a jam counts: a body that contact holds where it was, and no
 /// longer where it has turned to. A round body that is pressed flat by delta R has twice its force
-/// at sqrt(2 delta): of steel that is 0.01.
-constexpr Real jamming_turn = 0.003;
+/// at sqrt(2 delta): of steel that is 0.001 to 0.01.
+constexpr Real jamming_turn = 3e-4;
 
-/// A body that a field turns by more than small rotations can mean, and hardly strains.
+/// A body that a field turns by more than it strains it.
 struct LargeTurn {
   Index body = 0;
   RigidMotion motion;
-  Real strain = 0;  ///< what is left beside the rigid motion, over the extent
+  Real strain = 0;     ///< what is left beside the rigid motion, over the extent
+  bool large = false;  ///< more than small rotations can mean; else it counts as a jam alone
 };
 
-/// Such bodies among all nodes, turned by more than least. Translations, and rotations of bodies
-/// that are strained as much, do not count: the linear laws allow them, in any units.
-std::vector<LargeTurn> large_turns(const std::vector<NodePlace>& nodes, int d, const Vector& u,
-                                   Real least = small_turn);
+/// Such bodies among all nodes. Translations, and rotations of bodies that are strained as much, do
+/// not count: the linear laws allow them, in any units.
+std::vector<LargeTurn> large_turns(const std::vector<NodePlace>& nodes, int d, const Vector& u);
 
 /// The least radius of gyration of a body, over bodies and axes: a field that turns one by w has
 /// displacements of at least w times as much.
@@ -135,7 +135,7 @@ class StandAgainst {
   Vector sums_;
 };
 
-/// What the call has to say of such a body.
-std::string describe(const LargeTurn& turn, int d);
+/// What the call has to say of such a body, that contact does not hold, or that jams.
+std::string describe(const LargeTurn& turn, int d, bool jams = false);
 
 }  // namespace frictioncg
