@@ -152,6 +152,13 @@ DenseMatrix weakly_resisted(const System& system, const DenseMatrix& V, const Ve
   return theta * energy < std::abs(work) ? DenseMatrix(q) : DenseMatrix(V.rows(), 0);
 }
 
+/// Of rigid motions of bodies, so many of each, those of one; all, where they are of all as if they
+/// were one.
+DenseMatrix of_body(const Matrix& motions, Index each, Index place, Index bodies) {
+  if (motions.cols() != each * bodies) return DenseMatrix(motions);
+  return DenseMatrix(motions.middleCols(each * place, each));
+}
+
 }  // namespace
 
 std::string runaway(const Scene& scene, const Vector& field, const std::vector<NodePlace>& nodes,
@@ -160,42 +167,39 @@ std::string runaway(const Scene& scene, const Vector& field, const std::vector<N
   const int d = scene.d;
   const std::vector<LargeTurn> turns = large_turns(nodes, d, u);
   if (turns.empty()) return "";
+  const auto fields_of = [&](const DenseMatrix& motions) {
+    std::vector<Vector> fields;
+    for (Eigen::Index k = 0; k < motions.cols(); ++k) fields.push_back(field_of(motions.col(k)));
+    return fields;
+  };
   const DenseMatrix W = floating_motions(system);
   const Matrix candidates = rigid_candidates(system);
+  const std::vector<Vector> fields = fields_of(W);
   const auto bodies = by_body(nodes);
   Contacts contacts(scene, contact_nodes, s.state, system);
-  std::vector<Vector> fields;          // of W
-  std::vector<std::set<Index>> moved;  // groups of bodies, by each
-  for (Index k = 0; k < W.cols(); ++k) {
-    fields.push_back(field_of(W.col(k)));
-    moved.emplace_back();
+  std::vector<std::set<Index>> moved(fields.size());  // groups of bodies, by each of W
+  for (std::size_t k = 0; k < fields.size(); ++k)
     for (const auto& [number, body] : bodies)
-      if (largest_displacement(body, d, fields.back()) > 0)
-        moved[k].insert(contacts.group_of(number));
-  }
+      if (largest_displacement(body, d, fields[k]) > 0) moved[k].insert(contacts.group_of(number));
   for (const LargeTurn& turn : turns) {
     const auto body = bodies.find(turn.body);
     const Vec3 axis = turn.motion.w.normalized();
     std::vector<Vector> along;  // of W, what can go along
     EntryList chosen;
-    for (Index k = 0; k < W.cols(); ++k) {
+    for (std::size_t k = 0; k < fields.size(); ++k) {
       if (moved[k].count(contacts.group_of(turn.body)) == 0) continue;
-      chosen.emplace_back(k, Index(along.size()), 1);
+      chosen.emplace_back(Index(k), Index(along.size()), 1);
       along.push_back(fields[k]);
     }
     const DenseMatrix W_along = W * sparse(Index(W.cols()), Index(along.size()), chosen);
     DenseMatrix V = W_along * turning(along, body->second, d, axis);
-    if (V.cols() == 0) {
-      const Index each = rigid_components(d), all = Index(candidates.cols());
-      const bool of_each = all == each * Index(bodies.size());
-      const DenseMatrix own = of_each
-                                  ? DenseMatrix(candidates.middleCols(
-                                        each * Index(std::distance(bodies.begin(), body)), each))
-                                  : DenseMatrix(candidates);
-      std::vector<Vector> of_own;
-      for (Index k = 0; k < own.cols(); ++k) of_own.push_back(field_of(own.col(k)));
-      const DenseMatrix q = weakly_resisted(system, own * turning(of_own, body->second, d, axis),
-                                            s.certificate.r, turn.motion.w.norm());
+    if (V.cols() == 0) {  // supports resist the turn
+      const DenseMatrix own =
+          of_body(candidates, rigid_components(d), Index(std::distance(bodies.begin(), body)),
+                  Index(bodies.size()));
+      const DenseMatrix q =
+          weakly_resisted(system, own * turning(fields_of(own), body->second, d, axis),
+                          s.certificate.r, turn.motion.w.norm());
       if (q.cols() == 0) continue;
       V.resize(q.rows(), 1 + W_along.cols());
       V << q, W_along;
