@@ -221,7 +221,7 @@ DenseMatrix turning(const std::vector<Vector>& motions, const std::vector<NodePl
     if (m.w.norm() * m.extent > none * motions[j].lpNorm<Eigen::Infinity>()) turns.col(j) = m.w;
   }
   if (turns.isZero(0)) return DenseMatrix(k, 0);
-  const DenseMatrix first = least_squares(turns, axis),
+  const DenseMatrix first = least_squares(turns, axis, none),
                     others = null_space(turns, none * turns.norm());
   if (!((turns * first - axis).norm() < 0.5)) return DenseMatrix(k, 0);
   DenseMatrix all(k, 1 + others.cols());

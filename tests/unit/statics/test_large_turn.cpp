@@ -116,6 +116,9 @@ TEST(LargeTurn, OnlyABodyThatIsFreeToTurnAboutTheAxisMayRunAway) {
   EXPECT_EQ(turning({along, about(x)}, nodes, 3, z).cols(), 0);
   EXPECT_GT(turning({along, about(x + 1e-3 * z), about(x - 1e-3 * z)}, nodes, 3, z).cols(), 0);
   EXPECT_GT(turning({along, Vector(along + about(z))}, nodes, 3, z).cols(), 0);
+  // what rounding leaves of other axes makes none of an axis that leans a little
+  const Vector rounded = about(z + 1e-13 * x);
+  EXPECT_LT(turning({about(z), rounded, along}, nodes, 3, (z + 1e-4 * x).normalized()).norm(), 10);
 }
 
 TEST(LargeTurn, ATranslationThatRoundingTurnsLeavesNoTurnFree) {
