@@ -125,6 +125,10 @@ bool SemismoothNewton::assemble() {
   const ContactProblem& laws = problem_.laws;
   const DenseMatrix& S = problem_.S;
   const Index size = static_cast<Index>(unknown_.size());
+  if (size != b_.size()) {  // Eigen's resize frees what it holds once more where memory runs out
+    for (Vector* v : {&b_, &scale_, &factor_}) *v = Vector();
+    M_ = DenseMatrix();
+  }
   b_.resize(size);
   scale_.resize(size);
   factor_.setZero(size);
