@@ -79,6 +79,8 @@ class Contacts {
     for (Index k = 0; k < all.size(); k += 2) groups_.join(Index(all[k]), Index(all[k + 1]));
   }
 
+  enum class Hold { lasts, jams, none };
+
   /// Bodies that touch, one by one, have one number.
   Index group_of(Index body) { return groups_.of(body); }
 
@@ -86,7 +88,6 @@ class Contacts {
   /// that stick: where it was alone, in a jam, or also where it has come, or the turn is small.
   /// Between the faces of one body, such as a crack, contact holds nothing of its motion. field: in
   /// dofs of the scene; V: the turn and the motions that go along, in dofs of the system.
-  enum class Hold { lasts, jams, none };
   Hold on(const LargeTurn& turn, const Vector& field, const DenseMatrix& V) {
     const Vec3 axis = turn.motion.w.normalized();
     const Index count = static_cast<Index>(V.cols());

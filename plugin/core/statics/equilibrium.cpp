@@ -71,24 +71,28 @@ class NearestInCone {
   auto Q() const { return Q_.leftCols(count()); }
 
   bool add(const Vector& column) {
-    NearestInCone before = *this;
-    if (!append(column.normalized())) return false;
+    const Real before = rest_.norm();
+    const DenseMatrix columns = G();
+    const std::vector<Real> weight = weight_;
+    if (!append(column.normalized(), 0)) return false;
     while (count() > 0 && !step()) {
     }
     const Vector rest = orthogonal_rest();
-    if (rest.norm() <= (1 + as_near) * rest_.norm()) {
+    if (rest.norm() <= (1 + as_near) * before) {
       const bool kept =
           count() > 0 && G_.col(count() - 1) == column.normalized();  // it is the last
-      const bool nearer = kept || rest.norm() < rest_.norm();
+      const bool nearer = kept || rest.norm() < before;
       rest_ = rest;
       return nearer;
     }
-    *this = std::move(before);  // rounding
+    weight_.clear();  // rounding
+    for (std::size_t k = 0; k < weight.size(); ++k)
+      append(columns.col(static_cast<Index>(k)), weight[k]);
     return false;
   }
 
   /// False where the columns that are there make it up. Gram and Schmidt, twice.
-  bool append(Vector unit) {
+  bool append(Vector unit, Real weight) {
     const Index k = count();
     if (k == target_.size()) return false;
     G_.col(k) = unit;
@@ -103,7 +107,7 @@ class NearestInCone {
     Q_.col(k) = unit / left;
     R_.col(k).head(k) = along;
     R_(k, k) = left;
-    weight_.push_back(0);
+    weight_.push_back(weight);
     return true;
   }
 
@@ -152,7 +156,8 @@ class NearestInCone {
     return rest - Q() * (Q().transpose() * rest);
   }
 
-  Vector target_, rest_;
+  const Vector target_;
+  Vector rest_;
   DenseMatrix G_, Q_, R_;     ///< the unit columns of positive weight, G = QR
   std::vector<Real> weight_;  ///< of the unit columns
 };

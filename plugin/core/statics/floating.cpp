@@ -52,12 +52,8 @@ struct Candidates {
   std::vector<std::vector<Index>> of_body;  ///< which of them move something of a body, ascending
 };
 
-Candidates::Candidates(const System& system) : M(system.dofs(), 0) {
-  if (!(system.body_modes || system.rigid_modes) || system.largest(system.dofs()) == 0) return;
-  Matrix made = system.body_modes ? system.body_modes() : Matrix(system.rigid_modes().sparseView());
-  const bool of_use = made.rows() == system.dofs() && made.coeffs().allFinite();
-  if (system.largest(of_use ? 0 : 1) > 0) return;  // on all processes alike
-  M.swap(made);
+Candidates::Candidates(const System& system) : M(rigid_candidates(system)) {
+  if (count() == 0) return;
   bodies = system.bodies();
   std::vector<Real> pairs;  // body k + candidate
   std::vector<Index> last(count(), -1);
@@ -241,7 +237,13 @@ DenseMatrix beside(const Matrix& V, const std::vector<Index>& candidates, Index 
 
 }  // namespace
 
-Matrix rigid_candidates(const System& system) { return Candidates(system).M; }
+Matrix rigid_candidates(const System& system) {
+  const Matrix none(system.dofs(), 0);
+  if (!(system.body_modes || system.rigid_modes) || system.largest(system.dofs()) == 0) return none;
+  Matrix made = system.body_modes ? system.body_modes() : Matrix(system.rigid_modes().sparseView());
+  const bool of_use = made.rows() == system.dofs() && made.coeffs().allFinite();
+  return system.largest(of_use ? 0 : 1) > 0 ? none : made;  // on all processes alike
+}
 
 DenseMatrix floating_motions(const System& system) {
   const Candidates all(system);
