@@ -3,7 +3,8 @@
 SHELL     := /bin/bash
 CXX       ?= g++
 BUILD     := build
-CXXFLAGS  ?= -O3
+# As FreeFEM and its plugins are built; sanitize and mutants keep the assertions of Eigen.
+CXXFLAGS  ?= -O3 -DNDEBUG
 # GCC 14 takes Eigen's vectors of at most two entries for overrun, where they are not.
 WARN      := -Wall -Wextra -Wshadow -Wno-array-bounds
 ifdef CI

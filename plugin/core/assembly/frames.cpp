@@ -78,10 +78,11 @@ class Framing {
     return nodes;
   }
   void add_frame(const std::vector<Index>& points) {
+    const std::array<Index, 3>& dof = points_[points.front()].dof;
     Frame f;
-    f.dof = points_[points.front()].dof;
+    f.dof = dof;
     f.to_local.setZero(d_, d_);
-    for (int c = 0; c < d_; ++c) f.free += !dirichlet_.holds(f.dof[c]);
+    for (int c = 0; c < d_; ++c) f.free += !dirichlet_.holds(dof[c]);
     for (Index p : points)
       if (add_normal(f, p)) f.friction = points_[p].friction;
     if (f.nodes.empty()) return;
