@@ -50,6 +50,52 @@ void make_tangential(int d, const Fields& w, Tangential where, PointNormal& p) {
   if (n.norm() > where.kept) p.normal = n.normalized();
 }
 
+/// How motions V (generators x k) slip along the points: the c of Q c = lambda M c.
+struct Slip {
+  Slip(const RigidGenerators& generators, const DenseMatrix& V,
+       const std::vector<PointNormal>& points, const SumOverProcesses& sum) {
+    const Index k = static_cast<Index>(V.cols());
+    if (k == 0) return;
+    DenseMatrix both = DenseMatrix::Zero(k, 2 * k + 1);  // Q, M and the weight
+    for (const PointNormal& p : points) {
+      const DenseMatrix w = generators.at(p.x) * V;
+      const Vector g = w.transpose() * p.normal;
+      both.leftCols(k) += p.weight * g * g.transpose();
+      both.middleCols(k, k) += p.weight * w.transpose() * w;
+      both(0, 2 * k) += p.weight;
+    }
+    if (sum) sum(both.data(), static_cast<Index>(both.size()));
+    constexpr Real rounding = 1e-12;  // points on a line do not tell the rotation about it
+    const Real total = both.middleCols(k, k).trace();
+    if (!(total > 0)) return;
+    weight = both(0, 2 * k);
+    found = eigenpairs(both.leftCols(k),
+                       both.middleCols(k, k) + rounding * total * DenseMatrix::Identity(k, k));
+  }
+  Index count() const { return static_cast<Index>(found.values.size()); }
+  /// The first of them, with a mean square of 1.
+  DenseMatrix motions(const DenseMatrix& V, Index first) const {
+    if (first == 0) return DenseMatrix(V.rows(), 0);
+    return std::sqrt(weight) * V * found.vectors.leftCols(first);
+  }
+  Eigenpairs found;
+  Real weight = 0;
+};
+
+/// Screws as the rotations about their axes: where all facets are cut alike, the errors of a
+/// cone's normals have one sign, and a screw follows them, which the load along the axis drives.
+/// Without columns where some of the motions turn nothing: those of a cylinder have any pitch.
+DenseMatrix without_pitch(const DenseMatrix& motions) {
+  if (motions.rows() != rigid_components(3) || motions.cols() == 0) return DenseMatrix(0, 0);
+  constexpr Real turning = 0.01;  // square of the least turn over the largest
+  const DenseMatrix T = motions.topRows(3), R = motions.bottomRows(3), pitch = R.transpose() * T;
+  Index rank = 0;
+  DenseMatrix rotations = motions;
+  rotations.topRows(3) -=
+      R * least_squares(R.transpose() * R, (pitch + pitch.transpose()) / 2, turning, &rank);
+  return rank < motions.cols() ? DenseMatrix(0, 0) : rotations;
+}
+
 }  // namespace
 
 Fields RigidGenerators::at(const Vec3& x) const {
@@ -70,27 +116,16 @@ Vector RigidGenerators::about(const Vec3& pivot, Index c) const {
 DenseMatrix tangential_motions(const RigidGenerators& generators, const DenseMatrix& V,
                                const std::vector<PointNormal>& points, Real allowed,
                                DecidedCount decided, const SumOverProcesses& sum) {
-  const Index k = static_cast<Index>(V.cols());
-  if (k == 0) return V;
-  DenseMatrix both = DenseMatrix::Zero(k, 2 * k + 1);  // Q, M and the weight
-  for (const PointNormal& p : points) {
-    const DenseMatrix w = generators.at(p.x) * V;
-    const Vector g = w.transpose() * p.normal;
-    both.leftCols(k) += p.weight * g * g.transpose();
-    both.middleCols(k, k) += p.weight * w.transpose() * w;
-    both(0, 2 * k) += p.weight;
-  }
-  if (sum) sum(both.data(), static_cast<Index>(both.size()));
-  constexpr Real rounding = 1e-12;  // points on a line do not tell the rotation about it
-  const Real total = both.middleCols(k, k).trace();
-  const DenseMatrix M = both.middleCols(k, k) + rounding * total * DenseMatrix::Identity(k, k);
-  if (!(total > 0)) return DenseMatrix(V.rows(), 0);
-  const Eigenpairs found = eigenpairs(both.leftCols(k), M);
+  const Slip slip(generators, V, points, sum);
   const Real bound = decided ? clearly * allowed : allowed;
-  const Index most = decided.value_or(k);
+  const Index most = std::min(slip.count(), decided.value_or(slip.count()));
   Index count = 0;
-  while (count < std::min(k, most) && found.values[count] <= bound) ++count;
-  return std::sqrt(both(0, 2 * k)) * V * found.vectors.leftCols(count);
+  while (count < most && slip.found.values[count] <= bound) ++count;
+  const DenseMatrix motions = slip.motions(V, count), rotations = without_pitch(motions);
+  if (rotations.cols() == 0) return motions;
+  const Slip of_rotations(generators, rotations, points, sum);
+  return of_rotations.found.values[count - 1] <= allowed ? of_rotations.motions(rotations, count)
+                                                         : motions;
 }
 
 void make_tangential(int d, const RigidGenerators& generators, const DenseMatrix& motions,

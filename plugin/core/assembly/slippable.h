@@ -40,8 +40,9 @@ using DecidedCount = std::optional<Index>;
 
 /// Of motions V (generators x k) the combinations, as columns of generators, that normals leave
 /// tangential:   Q c = lambda M c,  lambda <= allowed,  Q = sum m (w'n)(w'n)',  M = sum m w'w,
-/// with a mean square of w of 1. Of the number decided where fewer points were, those are none that
-/// the points of now resist clearly.
+/// with a mean square of w of 1. Screws among them are rotations where those are allowed, too. Of
+/// the number decided where fewer points were, those are none that the points of now resist
+/// clearly.
 DenseMatrix tangential_motions(const RigidGenerators& generators, const DenseMatrix& V,
                                const std::vector<PointNormal>& points, Real allowed,
                                DecidedCount decided = {}, const SumOverProcesses& sum = {});

@@ -481,6 +481,36 @@ TEST(SlippableMotions, OfASphereAreThreeAndOfACylinderTwo) {
   EXPECT_EQ(follow_slippable_motions(3, ball), 3);
 }
 
+TEST(SlippableMotions, OfAConeAreRotationsAndOfAThreadScrews) {
+  // r = 1 + v/2, raised by `pitch` a radian; all cells are cut alike
+  for (Real pitch : {0.0, 0.2}) {
+    const auto x = [=](Real u, Real v) {
+      return Vec3((1 + v / 2) * on_circle(6 * u) + (v + 6 * pitch * u) * Vec3::UnitZ());
+    };
+    const auto normal = [=](Real u, Real v) {
+      const Vec3 r = on_circle(6 * u);
+      return Vec3(((1 + v / 2) * Vec3::UnitZ().cross(r) + pitch * Vec3::UnitZ())
+                      .cross(r / 2 + Vec3::UnitZ()));
+    };
+    std::vector<PointNormal> all = points(sheet(24, 6, 1, x, normal, false));
+    Real error = 0;
+    EXPECT_EQ(follow_slippable_motions(3, all), 1);
+    for (const PointNormal& p : all) {
+      const Vec3 w = Vec3::UnitZ().cross(p.x) + pitch * Vec3::UnitZ();
+      error = std::max(error, std::abs(p.normal.dot(w)) / w.norm());
+    }
+    EXPECT_LT(error, pitch == 0 ? 1e-3 : 3e-3);
+    if (pitch > 0) continue;
+    // the one motion that no normal resists
+    DenseMatrix rows(all.size(), 6);
+    for (std::size_t i = 0; i < all.size(); ++i)
+      rows.row(Index(i)) << all[i].normal.transpose(), all[i].x.cross(all[i].normal).transpose();
+    const DenseMatrix slips = null_space(rows, 1e-10);
+    ASSERT_EQ(slips.cols(), 1);
+    EXPECT_LT(std::abs(slips.col(0).head<3>().dot(slips.col(0).tail<3>())), 1e-12);
+  }
+}
+
 TEST(SlippableMotions, ThatSupportsLeaveFreeAreThoseOfTheSupports) {
   // a tube whose axis the vertices tell with a tilt, about which supports do not let it turn
   std::mt19937 random(7);
