@@ -27,11 +27,7 @@ void face_bodies(Stack stack, const Arguments& args, const Expression A, Scene& 
   options.smooth = args.value(stack, p_smooth, options.smooth);
   if (args.has(p_normal)) options.normals = slave_normals(stack, args, scene);
   options.weight = slave_weights(stack, args, scene);
-  if (args.has(p_forceold)) {
-    const Vector force = args.vector(stack, p_forceold);
-    check_vector(force, name_of(p_forceold), scene.dofs);
-    options.force = scene.pairing->at_nodes(force, scene.d);
-  }
+  if (scene.force.size() > 0) options.force = scene.pairing->at_nodes(scene.force, scene.d);
   Vector u_old;  // where the increment of a geometry that moves began
   if (scene.at && args.has(p_uold)) {
     u_old = args.vector(stack, p_uold);
@@ -46,6 +42,12 @@ void face_bodies(Stack stack, const Arguments& args, const Expression A, Scene& 
                                     !args.has_any(chosen));
   scene.nodes.insert(scene.nodes.end(), of_obstacle.begin(), of_obstacle.end());
   scene.beside_pairs = of_obstacle.size();
+}
+
+void read_force(Stack stack, const Arguments& args, Scene& scene) {
+  if (!args.has(p_forceold)) return;
+  scene.force = args.vector(stack, p_forceold);
+  check_vector(scene.force, name_of(p_forceold), scene.dofs);
 }
 
 /// The points on an obstacle with the weights and normals of the call.
@@ -184,6 +186,7 @@ Solution newton_step(Solution s, const Vector& u0, const Settings& settings, con
   if (scene.system->nodes() == 0) return s;
   const Pairing& pairing = *scene.pairing;
   const Vector slip_from = scene.slip_from(u_old);
+  const Matrix S = pairing.stiffness(static_cast<Index>(b.size()), scene.d);
   const auto trace = [&](const Solution& of) {
     return pairing.at_nodes(scene.system->to_global(of.x, u0), scene.d);
   };
@@ -192,7 +195,7 @@ Solution newton_step(Solution s, const Vector& u0, const Settings& settings, con
     PointLaws of_pass = laws;
     if (!laws.given_gap) of_pass.gap.head(change.gap.size()) += change.gap;
     const Vector rest = b + pairing.on_free_dofs(change.force, b.size(), scene.d) -
-                        scene.stiffened->force(pairing.on_free_dofs(v, b.size(), scene.d));
+                        S * pairing.on_free_dofs(v, b.size(), scene.d);
     const LocalLoad load = scene.system->load_from(rest, slip_from);
     return scene.solver->solve(scene.increment(load, of_pass).increment, settings, x0);
   };
@@ -219,8 +222,8 @@ void report_plain(long verb) {
 
 void assemble(const Triplets& A, Scene& scene, long verb,
               const std::function<void(const Triplets&)>& pose) {
-  if (!scene.facing.force.empty()) {
-    scene.stiffened = std::make_unique<Stiffened>(A, scene.pairing->stiffness(A.n, scene.d));
+  if (Matrix S = stiffness_of_force(A, scene); S.nonZeros() > 0) {
+    scene.stiffened = std::make_unique<Stiffened>(A, std::move(S));
     try {
       return pose(scene.stiffened->less());
     } catch (const IllegalInput&) {
@@ -259,6 +262,7 @@ std::shared_ptr<Scene> read_scene(Stack stack, const Arguments& args, const Expr
   if (!scene->pairing) scene->moving = read_obstacles(stack, args, *scene);
   if (scene->nodes.empty() && !scene->averted.empty()) refuse_inward(*scene);
   follow_free_motions(stack, A, *scene);
+  read_force(stack, args, *scene);
   if (scene->pairing) face_bodies(stack, args, A, *scene);
   laws = read_point_laws(stack, args, lasts, *scene, begun_laws(stack, args));
   const Triplets matrix = matrix_of(stack, A, scene->dofs);
@@ -333,7 +337,7 @@ Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws)
     problem = {scene.system->system(), now.increment};
     solution = after(solution, answer(rest));
   }
-  if (scene.stiffened && solution.status == Status::converged)
+  if (!scene.facing.force.empty() && scene.stiffened && solution.status == Status::converged)
     solution = newton_step(std::move(solution), now.u0, call.settings, scene, vectors.b,
                            vectors.u_old, laws);
   const Vector moved = scene.system->to_global(solution.x, now.u0),
@@ -408,6 +412,7 @@ PosedProblem renewed(Stack stack, const Arguments& args, const Expression A, con
   scene.given_weight = scene.given_weight || args.has(p_weight);
   if (scene.nodes.empty() && !scene.averted.empty()) refuse_inward(scene);
   follow_free_motions(stack, A, scene);
+  read_force(stack, args, scene);
   if (scene.pairing) face_bodies(stack, args, A, scene);
   take_over(before, scene);
   posed.laws = laws_at(args, before, scene, C.laws);

@@ -1,5 +1,7 @@
 #include "scene.h"
 
+#include "../core/assembly/turning_normals.h"
+
 #include "../core/assembly/triplets.h"
 #include "../core/clock.h"
 
@@ -251,6 +253,37 @@ void follow_free_motions(Scene& scene, const std::vector<NodePlace>& places, con
                    relative << own, of_obstacles;
                    return follow_free_motions(scene.d, generators, relative, points, decided, sum);
                  });
+}
+
+Matrix stiffness_of_force(const Triplets& A, const Scene& scene) {
+  if (scene.force.size() == 0) return Matrix();
+  const std::vector<BoundaryNode> on_obstacle(
+      scene.nodes.begin() + static_cast<long>(scene.paired()), scene.nodes.end());
+  std::vector<ObstaclePoint> points;
+  for (const BoundaryNode& n : on_obstacle) {
+    points.push_back({n.x, n.point.normal, {}});
+    for (const AdjacentFacet& f : n.facets) points.back().facets.push_back({f.place, f.share});
+  }
+  const std::vector<Eigen::Matrix3d> turning = turning_of_normals(points);
+  const Dirichlet dirichlet(A, points_of(on_obstacle));
+  EntryList entries;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const std::array<Index, 3>& dof = on_obstacle[k].point.dof;
+    const auto is_here = [&](std::size_t other) {
+      return other < points.size() && on_obstacle[other].point.dof == dof;
+    };
+    const bool in_corner = is_here(k - 1) || is_here(k + 1);  // which normal has the force?
+    if (in_corner || turning[k].isZero(0)) continue;
+    Real pressing = 0;
+    for (int c = 0; c < scene.d; ++c) pressing -= scene.force[dof[c]] * points[k].normal[c];
+    for (int a = 0; a < scene.d && pressing > 0; ++a)
+      for (int b = 0; b < scene.d; ++b)
+        if (!dirichlet.holds(dof[a]) && !dirichlet.holds(dof[b]))
+          entries.emplace_back(dof[a], dof[b], -pressing * turning[k](a, b));
+  }
+  Matrix S = sparse(A.n, A.n, entries);
+  if (scene.pairing) S += scene.pairing->stiffness(A.n, scene.d);
+  return S;
 }
 
 Stiffened::Stiffened(const Triplets& A, Matrix S)

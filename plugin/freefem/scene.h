@@ -14,8 +14,6 @@ class Stiffened {
   Triplets less() const { return view(a_.size()); }
   /// b of A u = b at u = U, for A - S.
   Vector load(const Vector& b, const Vector& U) const { return b - S_ * U; }
-  /// S v
-  Vector force(const Vector& v) const { return S_ * v; }
 
  private:
   Triplets view(std::size_t size) const;
@@ -58,6 +56,7 @@ struct Geometry {
   mortar::Options facing;                 ///< of the two bodies, as the script has chosen them
   std::optional<MovingObstacles> moving;  ///< none where all obstacles stand still
   Displacement at;                        ///< of the geometry (ndof)
+  Vector force;                           ///< of contact, that turns with it; or empty
   /// The nodes and faces of the same spaces at another displacement.
   std::function<std::shared_ptr<Scene>(const Stage&)> moved_to;
   /// Of its bodies, by the mesh; found when it is first asked for.
@@ -116,6 +115,11 @@ struct Scene : Geometry {
     }
   }
 };
+
+/// S (n x n) of A - S, between free dofs: what forces of contact change by where the geometry turns
+/// and moves. Of pairs the symmetric part of d(G'y)/dU; before an obstacle -p dn/dx, p the pressing
+/// force of a node: 0 where that is flat. Empty where the scene has no force.
+Matrix stiffness_of_force(const Triplets& A, const Scene& scene);
 
 /// What bodies and obstacles may do that A does not resist, body by body, for its points on
 /// obstacles: motions that their normals let slip, as far as the mesh can tell, they let slip to

@@ -167,7 +167,7 @@ TEST(Obstacles, TheBorderedHierarchyIsSymmetricDefiniteAndZeroOnWhatIsFixed) {
     const auto hierarchy = make_hierarchy(system, options);
     Vector product;
     ASSERT_FALSE(hierarchy->multiply(system.D, product));  // others keep A
-    ASSERT_EQ(hierarchy->levels(), 3);  // two cycles on the one between
+    ASSERT_EQ(hierarchy->levels(), 3);                     // two cycles on the one between
     const Index n = system.dofs(), interior = system.interior();
     for (int round = 0; round < 3; ++round) {
       std::vector<char> fixed(system.contact_dofs(), 0);
