@@ -84,16 +84,17 @@ struct Slip {
 
 /// Screws as the rotations about their axes: where all facets are cut alike, the errors of a
 /// cone's normals have one sign, and a screw follows them, which the load along the axis drives.
-/// Without columns where some of the motions turn nothing: those of a cylinder have any pitch.
+/// Without columns where some of the motions hardly turn: those of a cylinder have any pitch.
+/// motions: of a mean square of 1.
 DenseMatrix without_pitch(const DenseMatrix& motions) {
   if (motions.rows() != rigid_components(3) || motions.cols() == 0) return DenseMatrix(0, 0);
-  constexpr Real turning = 0.01;  // square of the least turn over the largest
-  const DenseMatrix T = motions.topRows(3), R = motions.bottomRows(3), pitch = R.transpose() * T;
-  Index rank = 0;
+  constexpr Real turning = 0.1;  // of the motion
+  const DenseMatrix T = motions.topRows(3), R = motions.bottomRows(3), RR = R.transpose() * R,
+                    pitch = R.transpose() * T;
+  if (eigenpairs(RR).values[0] < turning * turning) return DenseMatrix(0, 0);
   DenseMatrix rotations = motions;
-  rotations.topRows(3) -=
-      R * least_squares(R.transpose() * R, (pitch + pitch.transpose()) / 2, turning, &rank);
-  return rank < motions.cols() ? DenseMatrix(0, 0) : rotations;
+  rotations.topRows(3) -= R * solve(RR, (pitch + pitch.transpose()) / 2);
+  return rotations;
 }
 
 }  // namespace
