@@ -92,9 +92,11 @@ class Contacts {
     const Vec3 axis = turn.motion.w.normalized();
     const Index count = static_cast<Index>(V.cols());
     StandAgainst as_given(count), as_turned(count);  // where the body was, and where it has come
+    bool touches = false;
     for (std::size_t k = 0; k < nodes_.size(); ++k) {
       const std::set<Index>& joined = joined_[k];  // one before an obstacle or on a crack, else two
       if (joined.empty() || group_of(*joined.begin()) != group_of(turn.body)) continue;
+      touches = true;
       const bool acts =
           joined.count(turn.body) && (joined.size() >= 2 || scene_.on_obstacle(nodes_[k]));
       const BoundaryNode& node = scene_.contact_point(nodes_[k]);
@@ -115,6 +117,8 @@ class Contacts {
       for (StandAgainst* contact : {&as_given, &as_turned})
         if (acts) contact->add_way(axis.cross(node.x - turn.motion.c));
     }
+    // what nothing presses is held by supports, though with a motion to spare
+    if (system_.largest(touches) == 0) return Hold::lasts;
     as_given.sum(system_);
     as_turned.sum(system_);
     if (!as_given.holds(turn.motion.w.norm())) return turn.large ? Hold::none : Hold::lasts;
