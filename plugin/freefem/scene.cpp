@@ -1,8 +1,7 @@
 #include "scene.h"
 
-#include "../core/assembly/turning_normals.h"
-
 #include "../core/assembly/triplets.h"
+#include "../core/assembly/turning_normals.h"
 #include "../core/clock.h"
 
 namespace frictioncg {
@@ -102,6 +101,34 @@ std::shared_ptr<Scene> scene_at(const Stage& stage, const Make& make) {
   scene->at = stage.at;
   scene->moved_to = [make](const Stage& other) { return scene_at(other, make); };
   return scene;
+}
+
+/// -p dn/dx of each node before an obstacle, in the dofs of the script.
+EntryList turning_forces(const Scene& scene) {
+  const std::size_t first = scene.paired();
+  std::vector<ObstaclePoint> points;
+  for (std::size_t k = first; k < scene.nodes.size(); ++k) {
+    const BoundaryNode& n = scene.nodes[k];
+    points.push_back({n.x, n.point.normal, {}});
+    for (const AdjacentFacet& f : n.facets) points.back().facets.push_back({f.place, f.share});
+  }
+  const std::vector<Eigen::Matrix3d> turning = turning_of_normals(points);
+  const auto same_node = [&](std::size_t one, std::size_t other) {
+    return other < points.size() &&
+           scene.nodes[first + one].point.dof == scene.nodes[first + other].point.dof;
+  };
+  EntryList entries;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const bool in_corner = same_node(k, k - 1) || same_node(k, k + 1);  // which normal presses?
+    if (in_corner || turning[k].isZero(0)) continue;
+    const std::array<Index, 3>& dof = scene.nodes[first + k].point.dof;
+    Real pressing = 0;
+    for (int c = 0; c < scene.d; ++c) pressing -= scene.force[dof[c]] * points[k].normal[c];
+    for (int a = 0; a < scene.d && pressing > 0; ++a)
+      for (int b = 0; b < scene.d; ++b)
+        entries.emplace_back(dof[a], dof[b], -pressing * turning[k](a, b));
+  }
+  return entries;
 }
 
 }  // namespace
@@ -257,29 +284,13 @@ void follow_free_motions(Scene& scene, const std::vector<NodePlace>& places, con
 
 Matrix stiffness_of_force(const Triplets& A, const Scene& scene) {
   if (scene.force.size() == 0) return Matrix();
-  const std::vector<BoundaryNode> on_obstacle(
-      scene.nodes.begin() + static_cast<long>(scene.paired()), scene.nodes.end());
-  std::vector<ObstaclePoint> points;
-  for (const BoundaryNode& n : on_obstacle) {
-    points.push_back({n.x, n.point.normal, {}});
-    for (const AdjacentFacet& f : n.facets) points.back().facets.push_back({f.place, f.share});
-  }
-  const std::vector<Eigen::Matrix3d> turning = turning_of_normals(points);
-  const Dirichlet dirichlet(A, points_of(on_obstacle));
-  EntryList entries;
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    const std::array<Index, 3>& dof = on_obstacle[k].point.dof;
-    const auto is_here = [&](std::size_t other) {
-      return other < points.size() && on_obstacle[other].point.dof == dof;
+  EntryList entries = turning_forces(scene);
+  if (!entries.empty()) {
+    const Dirichlet dirichlet(A, points_of(scene.nodes));
+    const auto is_held = [&](const Eigen::Triplet<Real, Index>& e) {
+      return dirichlet.holds(e.row()) || dirichlet.holds(e.col());
     };
-    const bool in_corner = is_here(k - 1) || is_here(k + 1);  // which normal has the force?
-    if (in_corner || turning[k].isZero(0)) continue;
-    Real pressing = 0;
-    for (int c = 0; c < scene.d; ++c) pressing -= scene.force[dof[c]] * points[k].normal[c];
-    for (int a = 0; a < scene.d && pressing > 0; ++a)
-      for (int b = 0; b < scene.d; ++b)
-        if (!dirichlet.holds(dof[a]) && !dirichlet.holds(dof[b]))
-          entries.emplace_back(dof[a], dof[b], -pressing * turning[k](a, b));
+    entries.erase(std::remove_if(entries.begin(), entries.end(), is_held), entries.end());
   }
   Matrix S = sparse(A.n, A.n, entries);
   if (scene.pairing) S += scene.pairing->stiffness(A.n, scene.d);
