@@ -149,8 +149,7 @@ void refuse_order(const DofCount& dofs) {
 void check_vector(const Vector& v, const char* name, const DofCount& dofs) {
   if (v.size() == 0 && dofs.count > 0)
     refuse(name, " has 0 entries but ", dofs.in_words(),
-           "; FreeFEM assigns nothing to a real[int] without a size: write real[int] ", name,
-           " = ... in one");
+           "; FreeFEM assigns nothing to a real[int] without a size: declare it with its value");
   if (v.size() != dofs.count)
     refuse(name, " has ", v.size(), " entries but ", dofs.in_words(),
            "; was the mesh changed after ", name, " was computed?");

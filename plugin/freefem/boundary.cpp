@@ -227,8 +227,8 @@ void follow_by_body(int d, const std::vector<Index>& body, Index bodies, bool ha
       normals.push_back(as_normal(points[k]));
       if (has_begun) begun.push_back(as_normal(*points[k].begun));
     }
-    DecidedCount decided;
-    if (has_begun) decided = follow(b, begun, DecidedCount());
+    DecidedSlips decided;
+    if (has_begun) decided = follow(b, begun, DecidedSlips());
     if (follow(b, normals, decided) == 0) continue;
     for (std::size_t k = 0; k < own.size(); ++k)
       points[own[k]].point.normal.head(d) = normals[k].normal.head(d);
@@ -238,7 +238,7 @@ void follow_by_body(int d, const std::vector<Index>& body, Index bodies, bool ha
 void follow_motions(int d, const std::vector<Index>& body, Index bodies, bool has_begun,
                     std::vector<BoundaryNode>& points, const SumOverProcesses& sum) {
   follow_by_body(d, body, bodies, has_begun, points,
-                 [&](Index, std::vector<PointNormal>& own, DecidedCount decided) {
+                 [&](Index, std::vector<PointNormal>& own, DecidedSlips decided) {
                    return follow_slippable_motions(d, own, decided, sum);
                  });
 }

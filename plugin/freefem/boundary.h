@@ -119,9 +119,9 @@ bool any_curved(const std::vector<BoundaryNode>& points);
 /// Whether any of them has been elsewhere where the increment began.
 bool any_begun(const std::vector<BoundaryNode>& points);
 
-/// follow(body, points, decided): how many motions the points of the body have been made tangential
+/// follow(body, points, decided): which motions the points of the body have been made tangential
 /// to.
-using Follow = std::function<Index(Index, std::vector<PointNormal>&, DecidedCount)>;
+using Follow = std::function<Slips(Index, std::vector<PointNormal>&, DecidedSlips)>;
 
 /// Makes motions that each body's points do not resist, as far as the mesh can tell, tangential
 /// exactly, by `follow` (slippable.h).   body: of each point, 0 .. bodies - 1; has_begun: the

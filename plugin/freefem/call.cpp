@@ -186,7 +186,7 @@ Solution newton_step(Solution s, const Vector& u0, const Settings& settings, con
   if (scene.system->nodes() == 0) return s;
   const Pairing& pairing = *scene.pairing;
   const Vector slip_from = scene.slip_from(u_old);
-  const Matrix S = pairing.stiffness(static_cast<Index>(b.size()), scene.d);
+  const Matrix of_pairs = pairing.stiffness(static_cast<Index>(b.size()), scene.d);
   const auto trace = [&](const Solution& of) {
     return pairing.at_nodes(scene.system->to_global(of.x, u0), scene.d);
   };
@@ -195,7 +195,7 @@ Solution newton_step(Solution s, const Vector& u0, const Settings& settings, con
     PointLaws of_pass = laws;
     if (!laws.given_gap) of_pass.gap.head(change.gap.size()) += change.gap;
     const Vector rest = b + pairing.on_free_dofs(change.force, b.size(), scene.d) -
-                        S * pairing.on_free_dofs(v, b.size(), scene.d);
+                        of_pairs * pairing.on_free_dofs(v, b.size(), scene.d);
     const LocalLoad load = scene.system->load_from(rest, slip_from);
     return scene.solver->solve(scene.increment(load, of_pass).increment, settings, x0);
   };
@@ -337,7 +337,7 @@ Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws)
     problem = {scene.system->system(), now.increment};
     solution = after(solution, answer(rest));
   }
-  if (!scene.facing.force.empty() && scene.stiffened && solution.status == Status::converged)
+  if (scene.pairing && scene.stiffened && solution.status == Status::converged)
     solution = newton_step(std::move(solution), now.u0, call.settings, scene, vectors.b,
                            vectors.u_old, laws);
   const Vector moved = scene.system->to_global(solution.x, now.u0),

@@ -103,30 +103,40 @@ std::shared_ptr<Scene> scene_at(const Stage& stage, const Make& make) {
   return scene;
 }
 
-/// -p dn/dx of each node before an obstacle, in the dofs of the script.
+/// -p dn/dx of each node before an obstacle, in the dofs of the script. Of the mesh's own normals,
+/// which turn as the body bends, its stiffness alone: on humps two states of a step take turns
+/// where it takes stiffness off. None of obstacles that move: what body and obstacle do together
+/// turns nothing.
 EntryList turning_forces(const Scene& scene) {
+  const std::vector<BoundaryNode>& nodes = scene.nodes;
   const std::size_t first = scene.paired();
+  if (scene.moving || first == nodes.size()) return {};
   std::vector<ObstaclePoint> points;
-  for (std::size_t k = first; k < scene.nodes.size(); ++k) {
-    const BoundaryNode& n = scene.nodes[k];
-    points.push_back({n.x, n.point.normal, {}});
-    for (const AdjacentFacet& f : n.facets) points.back().facets.push_back({f.place, f.share});
+  for (std::size_t k = first; k < nodes.size(); ++k) {
+    points.push_back({nodes[k].x, nodes[k].point.normal, {}});
+    for (const AdjacentFacet& f : nodes[k].facets) {
+      const std::size_t of_both_meshes = 2 * f.place + static_cast<std::size_t>(nodes[k].space);
+      points.back().facets.push_back({of_both_meshes, f.share});
+    }
   }
   const std::vector<Eigen::Matrix3d> turning = turning_of_normals(points);
   const auto same_node = [&](std::size_t one, std::size_t other) {
-    return other < points.size() &&
-           scene.nodes[first + one].point.dof == scene.nodes[first + other].point.dof;
+    return nodes[one].point.dof == nodes[other].point.dof;
   };
   EntryList entries;
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    const bool in_corner = same_node(k, k - 1) || same_node(k, k + 1);  // which normal presses?
-    if (in_corner || turning[k].isZero(0)) continue;
-    const std::array<Index, 3>& dof = scene.nodes[first + k].point.dof;
+  for (std::size_t k = first; k < nodes.size(); ++k) {
+    // the force of a node in a corner does not tell which of its normals has it
+    const bool in_corner =
+        (k > first && same_node(k, k - 1)) || (k + 1 < nodes.size() && same_node(k, k + 1));
+    const ContactPoint& p = nodes[k].point;
     Real pressing = 0;
-    for (int c = 0; c < scene.d; ++c) pressing -= scene.force[dof[c]] * points[k].normal[c];
-    for (int a = 0; a < scene.d && pressing > 0; ++a)
+    for (int c = 0; c < scene.d; ++c) pressing -= scene.force[p.dof[c]] * p.normal[c];
+    Eigen::Matrix3d dn = turning[k - first];
+    if (in_corner || !(pressing > 0) || dn.isZero(0)) continue;
+    if (!scene.given_normals) dn = positive_part(dn);
+    for (int a = 0; a < scene.d; ++a)
       for (int b = 0; b < scene.d; ++b)
-        entries.emplace_back(dof[a], dof[b], -pressing * turning[k](a, b));
+        if (dn(a, b) != 0) entries.emplace_back(p.dof[a], p.dof[b], -pressing * dn(a, b));
   }
   return entries;
 }
@@ -274,7 +284,7 @@ void follow_free_motions(Scene& scene, const std::vector<NodePlace>& places, con
     of_obstacles.rightCols(1) = generators.about(scene.moving->pivot[q / each], q % each);
   }
   follow_by_body(scene.d, body, bodies, has_begun, scene.nodes,
-                 [&](Index b, std::vector<PointNormal>& points, DecidedCount decided) {
+                 [&](Index b, std::vector<PointNormal>& points, DecidedSlips decided) {
                    const DenseMatrix& own = freedom.of_body[b];
                    DenseMatrix relative(own.rows(), own.cols() + of_obstacles.cols());
                    relative << own, of_obstacles;

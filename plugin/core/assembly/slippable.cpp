@@ -82,6 +82,12 @@ struct Slip {
   Real weight = 0;
 };
 
+/// t.r of screws t + r x, between each two of them alike: 0 of rotations about axes that meet.
+DenseMatrix pitch_of(const DenseMatrix& motions) {
+  const DenseMatrix pitch = motions.bottomRows(3).transpose() * motions.topRows(3);
+  return (pitch + pitch.transpose()) / 2;
+}
+
 /// Screws as the rotations about their axes: where all facets are cut alike, the errors of a
 /// cone's normals have one sign, and a screw follows them, which the load along the axis drives.
 /// Without columns where some of the motions hardly turn: those of a cylinder have any pitch.
@@ -89,12 +95,17 @@ struct Slip {
 DenseMatrix without_pitch(const DenseMatrix& motions) {
   if (motions.rows() != rigid_components(3) || motions.cols() == 0) return DenseMatrix(0, 0);
   constexpr Real turning = 0.1;  // of the motion
-  const DenseMatrix T = motions.topRows(3), R = motions.bottomRows(3), RR = R.transpose() * R,
-                    pitch = R.transpose() * T;
+  const DenseMatrix R = motions.bottomRows(3), RR = R.transpose() * R;
   if (eigenpairs(RR).values[0] < turning * turning) return DenseMatrix(0, 0);
   DenseMatrix rotations = motions;
-  rotations.topRows(3) -= R * solve(RR, (pitch + pitch.transpose()) / 2);
+  rotations.topRows(3) -= R * solve(RR, pitch_of(motions));
   return rotations;
+}
+
+/// Whether motions are combinations of those of V: what supports leave free may be a screw alone.
+bool spans(const DenseMatrix& V, const DenseMatrix& motions) {
+  constexpr Real rounding = 1e-9;
+  return (V * least_squares(V, motions) - motions).norm() <= rounding * motions.norm();
 }
 
 }  // namespace
@@ -116,17 +127,24 @@ Vector RigidGenerators::about(const Vec3& pivot, Index c) const {
 
 DenseMatrix tangential_motions(const RigidGenerators& generators, const DenseMatrix& V,
                                const std::vector<PointNormal>& points, Real allowed,
-                               DecidedCount decided, const SumOverProcesses& sum) {
+                               DecidedSlips decided, const SumOverProcesses& sum) {
   const Slip slip(generators, V, points, sum);
   const Real bound = decided ? clearly * allowed : allowed;
-  const Index most = std::min(slip.count(), decided.value_or(slip.count()));
+  const Index most = decided ? std::min(slip.count(), decided->count) : slip.count();
   Index count = 0;
   while (count < most && slip.found.values[count] <= bound) ++count;
   const DenseMatrix motions = slip.motions(V, count), rotations = without_pitch(motions);
-  if (rotations.cols() == 0) return motions;
-  const Slip of_rotations(generators, rotations, points, sum);
-  return of_rotations.found.values[count - 1] <= allowed ? of_rotations.motions(rotations, count)
-                                                         : motions;
+  if (rotations.cols() == 0 || !spans(V, rotations)) return motions;
+  const Slip turning(generators, rotations, points, sum);
+  if (turning.count() < count) return motions;  // all points lie on the axis
+  const bool slips = decided ? decided->rotations : turning.found.values[count - 1] <= allowed;
+  return slips ? turning.motions(rotations, count) : motions;
+}
+
+Slips slips_of(const DenseMatrix& motions) {
+  constexpr Real rounding = 1e-9;
+  const bool turns = motions.rows() == rigid_components(3) && motions.cols() > 0;
+  return {static_cast<Index>(motions.cols()), turns && pitch_of(motions).norm() < rounding};
 }
 
 void make_tangential(int d, const RigidGenerators& generators, const DenseMatrix& motions,
@@ -136,26 +154,26 @@ void make_tangential(int d, const RigidGenerators& generators, const DenseMatrix
       make_tangential(d, generators.at(p.x) * motions, where, p);
 }
 
-Index follow_slippable_motions(int d, std::vector<PointNormal>& points, DecidedCount decided,
+Slips follow_slippable_motions(int d, std::vector<PointNormal>& points, DecidedSlips decided,
                                const SumOverProcesses& sum) {
   const Spread spread(points, sum);
-  if (!(spread.allowed > 0 && spread.size > 0)) return 0;
+  if (!(spread.allowed > 0 && spread.size > 0)) return {};
   const RigidGenerators generators(d, spread.centre, spread.size);
   const Index k = generators.count();
   const DenseMatrix c = tangential_motions(generators, DenseMatrix::Identity(k, k), points,
                                            spread.allowed, decided, sum);
   make_tangential(d, generators, c, points, to_slippable);
-  return static_cast<Index>(c.cols());
+  return slips_of(c);
 }
 
-Index follow_free_motions(int d, const RigidGenerators& generators, const DenseMatrix& V,
-                          std::vector<PointNormal>& points, DecidedCount decided,
+Slips follow_free_motions(int d, const RigidGenerators& generators, const DenseMatrix& V,
+                          std::vector<PointNormal>& points, DecidedSlips decided,
                           const SumOverProcesses& sum) {
   const Spread spread(points, sum);
-  if (V.cols() == 0 || !(spread.allowed > 0)) return 0;
+  if (V.cols() == 0 || !(spread.allowed > 0)) return {};
   const DenseMatrix c = tangential_motions(generators, V, points, spread.allowed, decided, sum);
   make_tangential(d, generators, c, points, to_free_motions);
-  return static_cast<Index>(c.cols());
+  return slips_of(c);
 }
 
 }  // namespace frictioncg

@@ -34,18 +34,23 @@ class RigidGenerators {
   Real size_;
 };
 
-/// How many motions normals leave tangential is decided once an increment, where that began; none:
-/// it is decided here.
-using DecidedCount = std::optional<Index>;
+/// Which motions normals leave tangential, as decided once an increment, where that began.
+struct Slips {
+  Index count = 0;
+  bool rotations = false;  ///< in place of screws
+  operator Index() const { return count; }
+};
+using DecidedSlips = std::optional<Slips>;  ///< none: it is decided here
+Slips slips_of(const DenseMatrix& motions);
 
 /// Of motions V (generators x k) the combinations, as columns of generators, that normals leave
 /// tangential:   Q c = lambda M c,  lambda <= allowed,  Q = sum m (w'n)(w'n)',  M = sum m w'w,
-/// with a mean square of w of 1. Screws among them are rotations where those are allowed, too. Of
-/// the number decided where fewer points were, those are none that the points of now resist
-/// clearly.
+/// with a mean square of w of 1. In place of screws they are rotations, where those are
+/// combinations of V and allowed, too. Of the number decided where fewer points were, those are
+/// none that the points of now resist clearly.
 DenseMatrix tangential_motions(const RigidGenerators& generators, const DenseMatrix& V,
                                const std::vector<PointNormal>& points, Real allowed,
-                               DecidedCount decided = {}, const SumOverProcesses& sum = {});
+                               DecidedSlips decided = {}, const SumOverProcesses& sum = {});
 
 /// Where normals are made tangential to motions.
 struct Tangential {
@@ -62,16 +67,15 @@ void make_tangential(int d, const RigidGenerators& generators, const DenseMatrix
 /// nothing else resists holds any load.
 ///
 /// Motions w(x) = c + r x (x - x0)/L with   rms n.w <= e rms |w|,  e = rms (turn^2/4): the sagitta
-/// of the facets over the radius. Returns their number.
-Index follow_slippable_motions(int d, std::vector<PointNormal>& points, DecidedCount decided = {},
+/// of the facets over the radius.
+Slips follow_slippable_motions(int d, std::vector<PointNormal>& points, DecidedSlips decided = {},
                                const SumOverProcesses& sum = {});
 
 /// Where supports leave free motions V (generators x k) alone, those of them that normals leave
 /// tangential as far as the mesh can tell are left so to rounding: the axis that the normals tell
-/// by themselves is tilted by their errors, and the supports resist what it adds. Returns their
-/// number.
-Index follow_free_motions(int d, const RigidGenerators& generators, const DenseMatrix& V,
-                          std::vector<PointNormal>& points, DecidedCount decided = {},
+/// by themselves is tilted by their errors, and the supports resist what it adds.
+Slips follow_free_motions(int d, const RigidGenerators& generators, const DenseMatrix& V,
+                          std::vector<PointNormal>& points, DecidedSlips decided = {},
                           const SumOverProcesses& sum = {});
 /// The axis is that of the motions, exactly.
 constexpr Tangential to_free_motions{1e-6, 0.5};

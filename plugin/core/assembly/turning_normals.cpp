@@ -6,20 +6,24 @@ namespace frictioncg {
 
 namespace {
 
-/// dn/dx along a facet, with nothing across it: n - mean = dn/dx (x - mean) by least squares.
+/// sym(dn/dx) along a facet, with nothing across it: n = dn/dx (x - mean) by least squares, and a
+/// constant.
 Eigen::Matrix3d slope(const std::vector<const ObstaclePoint*>& points) {
-  constexpr Real flat = 1e-6;  // of the largest distance: what lies across the facet is rounding
-  Vec3 x = Vec3::Zero(), n = Vec3::Zero();
-  for (const ObstaclePoint* p : points) {
-    x += p->x / static_cast<Real>(points.size());
-    n += p->normal / static_cast<Real>(points.size());
-  }
-  DenseMatrix from_x(points.size(), 3), from_n(points.size(), 3);
+  constexpr Real across = 1e-6;     // of the largest distance: what leaves the facet is rounding
+  constexpr Real rounding = 1e-12;  // of normals that are those of a plane
+  const auto alike = [&](const ObstaclePoint* p) {
+    return (p->normal - points.front()->normal).norm() <= rounding;
+  };
+  if (std::all_of(points.begin(), points.end(), alike)) return Eigen::Matrix3d::Zero();
+  Vec3 mean = Vec3::Zero();
+  for (const ObstaclePoint* p : points) mean += p->x / static_cast<Real>(points.size());
+  DenseMatrix x(points.size(), 3), n(points.size(), 3);
   for (std::size_t k = 0; k < points.size(); ++k) {
-    from_x.row(Index(k)) = (points[k]->x - x).transpose();
-    from_n.row(Index(k)) = (points[k]->normal - n).transpose();
+    x.row(Index(k)) = (points[k]->x - mean).transpose();
+    n.row(Index(k)) = points[k]->normal.transpose();
   }
-  return least_squares(from_x, from_n, flat).transpose();
+  const Eigen::Matrix3d slope = least_squares(x, n, across);
+  return (slope + slope.transpose()) / 2;
 }
 
 }  // namespace
@@ -39,9 +43,14 @@ std::vector<Eigen::Matrix3d> turning_of_normals(const std::vector<ObstaclePoint>
       total += f.share;
     }
     const Eigen::Matrix3d along = Eigen::Matrix3d::Identity() - p.normal * p.normal.transpose();
-    turning.push_back(along * (sum + sum.transpose()) * along / (2 * (total > 0 ? total : 1)));
+    turning.push_back(along * sum * along / (total > 0 ? total : 1));
   }
   return turning;
+}
+
+Eigen::Matrix3d positive_part(const Eigen::Matrix3d& M) {
+  const Eigenpairs found = eigenpairs(M);
+  return found.vectors * found.values.cwiseMax(0).asDiagonal() * found.vectors.transpose();
 }
 
 }  // namespace frictioncg

@@ -17,5 +17,7 @@ struct ObstaclePoint {
 /// leaves, [1/length], > 0 where the body lies in a hollow. Of a facet it is the slope of least
 /// squares of the normals at its points; of a point the mean over its facets.
 std::vector<Eigen::Matrix3d> turning_of_normals(const std::vector<ObstaclePoint>& points);
+/// Of a symmetric matrix, what its eigenvalues > 0 make of it.
+Eigen::Matrix3d positive_part(const Eigen::Matrix3d& M);
 
 }  // namespace frictioncg

@@ -511,6 +511,42 @@ TEST(SlippableMotions, OfAConeAreRotationsAndOfAThreadScrews) {
   }
 }
 
+TEST(SlippableMotions, AreThoseThatAreLeftFreeWhereTheseAreScrewsAlone) {
+  std::vector<PointNormal> tube = points(cylinder(24, 5, 1, true, 6));
+  const RigidGenerators generators(3, Vec3(0, 0, 0.5), 1);
+  Vector screw = generators.about(Vec3::Zero(), 5);
+  screw[2] = 0.01;
+  EXPECT_EQ(follow_slippable_motions(3, tube), 2);
+  tube[3].normal = (tube[3].normal + 1e-4 * Vec3::UnitZ()).normalized();
+  EXPECT_EQ(follow_free_motions(3, generators, screw, tube), 1);
+  for (const PointNormal& p : tube)
+    EXPECT_LT(std::abs(p.normal.dot(generators.at(p.x) * screw)), 1e-14);
+}
+
+TEST(SlippableMotions, AreRotationsAsItWasDecided) {
+  const auto x = [](Real u, Real v) {
+    return Vec3((1 + v / 2) * on_circle(6 * u) + v * Vec3::UnitZ());
+  };
+  const auto normal = [](Real u, Real) { return Vec3(on_circle(6 * u) - 0.5 * Vec3::UnitZ()); };
+  const std::vector<PointNormal> cone = points(sheet(24, 6, 1, x, normal, false));
+  const auto rotate = [&](DecidedSlips decided, Real turn) {
+    std::vector<PointNormal> all = cone;
+    for (PointNormal& p : all) p.turn = turn;
+    const Slips found = follow_slippable_motions(3, all, decided);
+    EXPECT_EQ(found.count, 1);
+    return found.rotations;
+  };
+  EXPECT_TRUE(rotate({}, 0.2));
+  for (bool rotations : {false, true})
+    for (Real turn : {0.2, 0.03}) EXPECT_EQ(rotate(Slips{1, rotations}, turn), rotations) << turn;
+}
+
+TEST(SlippableMotions, OfPointsOnALineAreThoseThatMoveThem) {
+  std::vector<PointNormal> line;
+  for (int k = 0; k <= 10; ++k) line.push_back({Vec3(0, 0, k / 10.), Vec3::UnitX(), 1, 0.1});
+  EXPECT_GE(follow_slippable_motions(3, line), 1);
+}
+
 TEST(SlippableMotions, ThatSupportsLeaveFreeAreThoseOfTheSupports) {
   // a tube whose axis the vertices tell with a tilt, about which supports do not let it turn
   std::mt19937 random(7);

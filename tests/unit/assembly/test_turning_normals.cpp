@@ -71,11 +71,23 @@ TEST(TurningOfNormals, OfASphereIsThatOfAllDirectionsAndOfACylinderOfOne) {
   }
 }
 
+TEST(TurningOfNormals, AreSymmetricAndInTheTangentPlane) {
+  const auto saddle = grid(
+      6, 5, [](Real u, Real v) { return Vec3(2 * u, v, 0.3 * u * u - 0.4 * u * v); },
+      [](Real u, Real v) { return Vec3(-0.3 * u + 0.2 * v, 0.4 * u, 1).normalized(); });
+  const std::vector<Eigen::Matrix3d> turning = turning_of_normals(saddle);
+  for (std::size_t k = 0; k < saddle.size(); ++k) {
+    EXPECT_GT(turning[k].norm(), 0.1);
+    EXPECT_LT((turning[k] - turning[k].transpose()).norm(), 1e-15);
+    EXPECT_LT((turning[k] * saddle[k].normal).norm(), 1e-15);
+  }
+}
+
 TEST(TurningOfNormals, OfAPlaneAndOfAPointAloneIsNone) {
   const auto flat = grid(
       5, 4, [](Real u, Real v) { return Vec3(u, v, 0.3 * u); },
-      [](Real, Real) { return Vec3(-0.3, 0, 1).normalized(); });
-  for (const Eigen::Matrix3d& turning : turning_of_normals(flat)) EXPECT_LT(turning.norm(), 1e-14);
+      [](Real u, Real) { return Vec3(-0.3, 1e-15 * u, 1).normalized(); });
+  for (const Eigen::Matrix3d& turning : turning_of_normals(flat)) EXPECT_EQ(turning.norm(), 0);
   const std::vector<ObstaclePoint> alone = {{Vec3(1, 2, 0), Vec3::UnitX(), {{7, 0.5}}},
                                             {Vec3(2, 2, 0), Vec3::UnitY(), {}}};
   for (const Eigen::Matrix3d& turning : turning_of_normals(alone)) EXPECT_EQ(turning.norm(), 0);

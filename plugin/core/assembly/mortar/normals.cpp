@@ -53,9 +53,9 @@ void follow_motions(int d, Index pair, const std::vector<Index>& body, Meetings&
   for (const auto& [number, own] : of_body) {
     std::vector<PointNormal> points;
     for (Index i : own) points.push_back(all[i].point);
-    const auto [count, is_new] = slipping.try_emplace({pair, number}, 0);
+    const auto [count, is_new] = slipping.try_emplace({pair, number}, Slips());
     count->second =
-        follow_slippable_motions(d, points, is_new ? DecidedCount() : DecidedCount(count->second));
+        follow_slippable_motions(d, points, is_new ? DecidedSlips() : DecidedSlips(count->second));
     for (std::size_t k = 0; k < own.size(); ++k) all[own[k]].point = points[k];
   }
 }
@@ -83,7 +83,7 @@ std::vector<Vec3> slave_normals(const Sides& of, const Options& options, const O
   std::vector<Vec3> normal(of.nodes.X.size(), Vec3::Zero());
   for (Index p = 0; p < static_cast<Index>(all.size()); ++p) {
     Meetings& found = all[p];
-    if (!found.empty() && !any_curved(found)) slipping.try_emplace({p, -1}, 0);
+    if (!found.empty() && !any_curved(found)) slipping.try_emplace({p, -1}, Slips());
     if (slipping.count({p, -1}) == 0) follow_motions(of.nodes.dimension, p, body, found, slipping);
     for (const auto& [i, at] : found) normal[i] = at.point.normal;
   }
@@ -219,7 +219,7 @@ std::map<std::pair<Index, Index>, Group> facing_nodes(const Sides& of, std::size
 
 /// Of the relative motions of two bodies those that normals let slip.
 DenseMatrix slipping(const Freedom& freedom, const DenseMatrix& relative,
-                     const std::vector<PointNormal>& points, DecidedCount decided = {}) {
+                     const std::vector<PointNormal>& points, DecidedSlips decided = {}) {
   Real total = 0, allowed = 0;
   for (const PointNormal& p : points) {
     total += p.weight;
@@ -351,11 +351,11 @@ CommonNormals choose_common_normals(const Sides& of, const Options& options, con
       else
         choice.master =
             master_counts(*freedom, group, slave, master, relative, !of.nodes.reference.empty());
-      const auto slip = [&](const DenseMatrix& all, Index& count) {
+      const auto slip = [&](const DenseMatrix& all, Slips& slips) {
         const DenseMatrix motions =
             slipping(*freedom, all, choice.master ? group.other : group.own(),
-                     decided ? DecidedCount(count) : DecidedCount());
-        count = static_cast<Index>(motions.cols());
+                     decided ? DecidedSlips(slips) : DecidedSlips());
+        slips = slips_of(motions);
         return motions;
       };
       const DenseMatrix free = slip(relative, choice.free);

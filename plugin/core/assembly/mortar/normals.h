@@ -14,9 +14,9 @@ bool can_press(const Nodes& nodes, Index i, const Vec3& normal);
 /// Whether facet f of the slave of pair p belongs to the patch that owns node i.
 using Owns = std::function<bool(std::size_t p, Index f, Index i)>;
 
-/// How many motions a slave's normals let slip, by pair and body; none, by body -1, where all of
-/// the slave is flat.
-using Slipping = std::map<std::array<Index, 2>, Index>;
+/// Which motions a slave's normals let slip, by pair and body; none, by body -1, where all of the
+/// slave is flat.
+using Slipping = std::map<std::array<Index, 2>, Slips>;
 
 /// The normals of the laws, per node: of the smooth surface of the owning patch, where several of
 /// its surfaces meet their mean; 0 where none owns the node. Motions that keep a body's slave in
@@ -37,9 +37,9 @@ struct PairShapes {
 struct CommonNormals {
   struct Choice {
     bool master = false;
-    /// How many motions the normals that count let slip: of all, where they are the master's, and
+    /// Which motions the normals that count let slip: of all, where they are the master's, and
     /// of those that A leaves free.
-    Index motions = 0, free = 0;
+    Slips motions, free;
   };
   std::vector<char> of_master;                    ///< per node
   std::map<std::array<Index, 3>, Choice> choice;  ///< by pair, and by the bodies of both sides
