@@ -2,6 +2,8 @@
 
 #include "../core/clock.h"
 #include "../core/gradient/anderson.h"
+#include "../core/statics/floating.h"
+#include "../core/statics/uncertain_work.h"
 #include "checks.h"
 #include "motions.h"
 #include "node_values.h"
@@ -293,7 +295,18 @@ Vectors::Vectors(const Call& call, const Scene& scene)
 
 LocalIncrement increment(const Vectors& vectors, const Scene& scene, PointLaws laws) {
   if (scene.system->nodes() == 0) laws.law = Law::frictionless;  // supports hold every normal
-  return scene.increment(scene.system->load_from(vectors.b, scene.slip_from(vectors.u_old)), laws);
+  LocalIncrement now =
+      scene.increment(scene.system->load_from(vectors.b, scene.slip_from(vectors.u_old)), laws);
+  Real told = scene.pairing ? scene.pairing->told() : 0;
+  if (has_curved_obstacle(scene)) {
+    const auto [weight, off] = told_by_mesh(scene.nodes, scene.paired());
+    if (off > 0) told = std::max(told, off / weight);
+  }
+  const System& system = *scene.system->system();
+  if (laws.law == Law::frictionless && told > 0)
+    now.left_out =
+        leave_out_uncertain_work(system, floating_motions(system), told, now.increment.F);
+  return now;
 }
 
 void accept_rounding(Solution& s, Real contrast) {
@@ -308,6 +321,7 @@ Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws)
   Vectors vectors(call, scene);
   LocalIncrement now = increment(vectors, scene, laws);
   report_leftover(check_data(scene, call.b, now.u0), call.verb);
+  report_left_out(now.left_out, call.verb);
   check_one_value(scene, call.b, call.verb);
   check_load_for_data(scene, call.b, call.verb);
   ContactProblem problem{scene.system->system(), now.increment};

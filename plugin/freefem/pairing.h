@@ -112,6 +112,7 @@ class Pairing {
   /// The symmetric part of the derivative of mortar::Options::force (n x n), between free dofs: a
   /// step does not change others.
   Matrix stiffness(Index n, int d) const;
+  Real told() const { return mortar_->told(); }
   /// Where U grows by v at the nodes.
   mortar::Change change(const std::vector<Vec3>& v, int d) const;
   /// Values at the nodes by all n dofs: 0 where Dirichlet conditions hold, and elsewhere.

@@ -248,6 +248,12 @@ void report_leftover(Real most, long verb) {
          << std::endl;
 }
 
+void report_left_out(Real share, long verb) {
+  if (verb <= 0 || share == 0) return;
+  line() << "b drives what no normal resists by " << share
+         << " of itself, less than the mesh tells of normals: left out" << std::endl;
+}
+
 void report_end(const Solution& solution, const std::string& motion) {
   std::string reason = solution.status == Status::converged ? " at rest" : "";
   if (solution.layer != Layer::none) reason = std::string(" by ") + name_of(solution.layer);

@@ -24,6 +24,7 @@ constexpr Real felt_contrast = 1e10;
 
 /// What b has beside the data of tgv = 1e30, 0 being nothing.
 void report_leftover(Real most, long verb);
+void report_left_out(Real share, long verb);
 
 /// Why a call by method auto has no factor: no factor of its scene fits in memory.
 void report_memory(double needed, const Settings& s);

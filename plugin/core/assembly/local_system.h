@@ -42,6 +42,7 @@ void set_load(const LocalLoad& load, const System& system, Increment& increment)
 struct LocalIncrement {
   Increment increment;
   Vector u0;
+  Real left_out = 0;  ///< of the load, by leave_out_uncertain_work
 };
 
 /// From the assembled system to the contact problem in local dofs, and back: Dirichlet conditions

@@ -144,7 +144,7 @@ DenseMatrix tangential_motions(const RigidGenerators& generators, const DenseMat
 Slips slips_of(const DenseMatrix& motions) {
   constexpr Real rounding = 1e-9;
   const bool turns = motions.rows() == rigid_components(3) && motions.cols() > 0;
-  return {static_cast<Index>(motions.cols()), turns && pitch_of(motions).norm() < rounding};
+  return {static_cast<Index>(motions.cols()), turns && pitch_of(motions).norm() < rounding, 0};
 }
 
 void make_tangential(int d, const RigidGenerators& generators, const DenseMatrix& motions,
@@ -163,7 +163,9 @@ Slips follow_slippable_motions(int d, std::vector<PointNormal>& points, DecidedS
   const DenseMatrix c = tangential_motions(generators, DenseMatrix::Identity(k, k), points,
                                            spread.allowed, decided, sum);
   make_tangential(d, generators, c, points, to_slippable);
-  return slips_of(c);
+  Slips slips = slips_of(c);
+  if (slips.count > 0) slips.told = spread.allowed;
+  return slips;
 }
 
 Slips follow_free_motions(int d, const RigidGenerators& generators, const DenseMatrix& V,

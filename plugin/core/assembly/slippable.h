@@ -38,6 +38,7 @@ class RigidGenerators {
 struct Slips {
   Index count = 0;
   bool rotations = false;  ///< in place of screws
+  Real told = 0;           ///< mean square of n.w over that of w, up to which they may be any
   operator Index() const { return count; }
 };
 using DecidedSlips = std::optional<Slips>;  ///< none: it is decided here

@@ -70,6 +70,8 @@ class Assembly {
     const Crossings crossed = crossings(mortar.G_, mortar.nodes_, nodes_, options_.smooth, faced_);
     take(across_gap(mortar.P_, mortar.G_, mortar.nodes_, nodes_.X, crossed));
     set_statistics(mortar);
+    for (const auto& [where, slips] : ownership_.slipping)
+      mortar.told_ = std::max(mortar.told_, slips.told);
     const auto sloped = slopes_.rows([this](Index i, Index r) { return takes(i, r); });
     mortar.stiffness_ = geometric_stiffness(mortar, of_, sloped, crossed, options_);
   }

@@ -140,6 +140,8 @@ class Mortar {
   /// Of Options::force, whose y turn with the normals; see geometric_stiffness.h.
   const GeometricStiffness& stiffness() const { return stiffness_; }
   const Statistics& statistics(Index pair = 0) const { return statistics_[pair]; }
+  /// Slips::told of the slaves' normals, the largest; 0 where they let nothing slip.
+  Real told() const { return told_; }
 
   /// T, nodes x nodes, with rows of the identity where held (empty: nowhere): for the components
   /// with Dirichlet conditions at some nodes.
@@ -162,6 +164,7 @@ class Mortar {
   Matrix S_, G_;                        ///< m x nodes: (I + N) C^-1, and S - P
   std::vector<Statistics> statistics_;  ///< per pair
   std::vector<Vec3> slip_;
+  Real told_ = 0;
   GeometricStiffness stiffness_;
 
   friend class Assembly;
