@@ -208,15 +208,6 @@ bool any_curved(const std::vector<BoundaryNode>& points) {
                      [](const auto& p) { return p.deciding().turn > 0; });
 }
 
-std::array<Real, 2> told_by_mesh(const std::vector<BoundaryNode>& points, std::size_t first) {
-  std::array<Real, 2> sums{0, 0};
-  for (std::size_t k = first; k < points.size(); ++k) {
-    sums[0] += points[k].weight;
-    sums[1] += points[k].weight * std::pow(points[k].turn, 4) / 16;
-  }
-  return sums;
-}
-
 bool any_begun(const std::vector<BoundaryNode>& points) {
   return std::any_of(points.begin(), points.end(),
                      [](const auto& p) { return p.begun != nullptr; });

@@ -116,10 +116,6 @@ void merge_equal_normals(std::vector<BoundaryNode>& points);
 /// Whether points are on a curved surface, where that is decided.
 bool any_curved(const std::vector<BoundaryNode>& points);
 
-/// Slips::told of points on obstacles: sums of their weights, and of those times what facets are
-/// off.
-std::array<Real, 2> told_by_mesh(const std::vector<BoundaryNode>& points, std::size_t first);
-
 /// Whether any of them has been elsewhere where the increment began.
 bool any_begun(const std::vector<BoundaryNode>& points);
 

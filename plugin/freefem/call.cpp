@@ -297,13 +297,10 @@ LocalIncrement increment(const Vectors& vectors, const Scene& scene, PointLaws l
   if (scene.system->nodes() == 0) laws.law = Law::frictionless;  // supports hold every normal
   LocalIncrement now =
       scene.increment(scene.system->load_from(vectors.b, scene.slip_from(vectors.u_old)), laws);
-  Real told = scene.pairing ? scene.pairing->told() : 0;
-  if (has_curved_obstacle(scene)) {
-    const auto [weight, off] = told_by_mesh(scene.nodes, scene.paired());
-    if (off > 0) told = std::max(told, off / weight);
-  }
+  if (laws.law != Law::frictionless) return now;
+  const Real told = told_by_mesh(scene, scene.pairing ? scene.pairing->told() : 0);
   const System& system = *scene.system->system();
-  if (laws.law == Law::frictionless && told > 0)
+  if (told > 0)
     now.left_out =
         leave_out_uncertain_work(system, floating_motions(system), told, now.increment.F);
   return now;

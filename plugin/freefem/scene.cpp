@@ -292,6 +292,17 @@ void follow_free_motions(Scene& scene, const std::vector<NodePlace>& places, con
                  });
 }
 
+Real told_by_mesh(const Scene& scene, Real of_pairs, const SumOverProcesses& sum) {
+  Real curved_weight_untold[] = {Real(has_curved_obstacle(scene)), 0, 0};
+  auto& [curved, weight, all] = curved_weight_untold;
+  for (std::size_t k = scene.paired(); k < scene.nodes.size(); ++k) {
+    weight += scene.nodes[k].weight;
+    all += scene.nodes[k].weight * untold(scene.nodes[k].turn);
+  }
+  if (sum) sum(curved_weight_untold, 3);
+  return curved > 0 && all > 0 ? std::max(of_pairs, all / weight) : of_pairs;
+}
+
 Matrix stiffness_of_force(const Triplets& A, const Scene& scene) {
   if (scene.force.size() == 0) return Matrix();
   EntryList entries = turning_forces(scene);

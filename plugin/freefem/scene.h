@@ -134,6 +134,9 @@ inline bool has_curved_obstacle(const Scene& scene) {
   return !scene.given_normals && any_curved(scene.nodes);
 }
 
+/// Slips::told of the points on obstacles, or what is told of pairs, whichever is more.
+Real told_by_mesh(const Scene& scene, Real of_pairs, const SumOverProcesses& sum = {});
+
 /// Of one space, or of two.
 DofCount dofs_of(const Space& V1, const Space* V2 = nullptr);
 

@@ -2,7 +2,6 @@
 #include "../freefem/freefem.h"
 
 #include "../core/answer.h"
-#include "../core/statics/floating.h"
 #include "../core/statics/uncertain_work.h"
 #include "../freefem/motions.h"
 #include "../freefem/outputs.h"
@@ -88,15 +87,6 @@ inline Vector slip_from(const Call& call, const SharedScene& shared) {
   return shared.A->on_local(shared.A->own_part(local));
 }
 
-/// As in one process.   Collective.
-inline Real told_of_all(const SharedScene& shared) {
-  const Scene& scene = *shared.scene;
-  std::array<Real, 2> sums = told_by_mesh(scene.nodes, scene.paired());
-  shared.domain->sum(sums.data(), 2);
-  const Real of_pairs = shared.mortar ? shared.mortar->told() : 0;
-  return sums[1] > 0 && !scene.given_normals ? std::max(of_pairs, sums[1] / sums[0]) : of_pairs;
-}
-
 /// Poses the increment under a load (patched), over the own dofs and nodes; returns that of the
 /// local system.   Collective.
 inline LocalIncrement pose(const SharedScene& shared, const Vector& b, const Vector& w_old,
@@ -116,9 +106,11 @@ inline LocalIncrement pose(const SharedScene& shared, const Vector& b, const Vec
   own_load.F = shared.A->own_part(load.F);
   own_load.sizes = shared.A->own_part(load.sizes);
   set_load(own_load, *shared.A, own);
-  const Real told = told_of_all(shared);
-  if (laws.law == Law::frictionless && told > 0)
-    local.left_out = leave_out_uncertain_work(*shared.A, floating_motions(*shared.A), told, own.F);
+  if (laws.law != Law::frictionless) return local;
+  const Real told = told_by_mesh(*shared.scene, shared.mortar ? shared.mortar->told() : 0,
+                                 [&](Real* values, Index n) { shared.domain->sum(values, n); });
+  if (told > 0)
+    local.left_out = leave_out_uncertain_work(*shared.A, shared.solver->floating(), told, own.F);
   return local;
 }
 

@@ -20,13 +20,13 @@ struct Spread {
     for (const PointNormal& p : points) {
       for (int c = 0; c < 3; ++c) of_all[c] += p.weight * p.x[c];
       of_all[3] += p.weight;
-      of_all[4] += p.weight * std::pow(p.turn, 4);
+      of_all[4] += p.weight * untold(p.turn);
     }
     if (sum) sum(of_all, 5);
     total = of_all[3];
     if (!(total > 0)) return;
     centre = Vec3(of_all[0], of_all[1], of_all[2]) / total;
-    allowed = of_all[4] / (16 * total);
+    allowed = of_all[4] / total;
     Real inertia = 0;
     for (const PointNormal& p : points) inertia += p.weight * (p.x - centre).squaredNorm();
     if (sum) sum(&inertia, 1);

@@ -13,6 +13,10 @@ struct PointNormal {
   Real turn = 0;    ///< angle between the normal and the facets there; exactly 0: it is left alone
 };
 
+/// Mean square of n.w over that of w that facets at such an angle to the normal leave unknown: of
+/// (turn^2/4), their sagitta over the radius.
+inline Real untold(Real turn) { return std::pow(turn, 4) / 16; }
+
 /// Adds numbers over all processes, in place.
 using SumOverProcesses = std::function<void(Real* values, Index count)>;
 

@@ -223,7 +223,7 @@ DenseMatrix slipping(const Freedom& freedom, const DenseMatrix& relative,
   Real total = 0, allowed = 0;
   for (const PointNormal& p : points) {
     total += p.weight;
-    allowed += p.weight * std::pow(p.turn, 4) / 16;
+    allowed += p.weight * untold(p.turn);
   }
   return tangential_motions(freedom.generators, relative, points,
                             std::max(allowed / total, of_flats), decided);
