@@ -188,7 +188,6 @@ Solution newton_step(Solution s, const Vector& u0, const Settings& settings, con
   if (scene.system->nodes() == 0) return s;
   const Pairing& pairing = *scene.pairing;
   const Vector slip_from = scene.slip_from(u_old);
-  const Matrix of_pairs = pairing.stiffness(static_cast<Index>(b.size()), scene.d);
   const auto trace = [&](const Solution& of) {
     return pairing.at_nodes(scene.system->to_global(of.x, u0), scene.d);
   };
@@ -197,7 +196,7 @@ Solution newton_step(Solution s, const Vector& u0, const Settings& settings, con
     PointLaws of_pass = laws;
     if (!laws.given_gap) of_pass.gap.head(change.gap.size()) += change.gap;
     const Vector rest = b + pairing.on_free_dofs(change.force, b.size(), scene.d) -
-                        of_pairs * pairing.on_free_dofs(v, b.size(), scene.d);
+                        scene.stiffened->force_of_pairs(pairing.on_free_dofs(v, b.size(), scene.d));
     const LocalLoad load = scene.system->load_from(rest, slip_from);
     return scene.solver->solve(scene.increment(load, of_pass).increment, settings, x0);
   };
@@ -224,8 +223,8 @@ void report_plain(long verb) {
 
 void assemble(const Triplets& A, Scene& scene, long verb,
               const std::function<void(const Triplets&)>& pose) {
-  if (Matrix S = stiffness_of_force(A, scene); S.nonZeros() > 0) {
-    scene.stiffened = std::make_unique<Stiffened>(A, std::move(S));
+  scene.stiffened = stiffened_by_force(A, scene);
+  if (scene.stiffened) {
     try {
       return pose(scene.stiffened->less());
     } catch (const IllegalInput&) {

@@ -303,8 +303,8 @@ Real told_by_mesh(const Scene& scene, Real of_pairs, const SumOverProcesses& sum
   return curved > 0 && all > 0 ? std::max(of_pairs, all / weight) : of_pairs;
 }
 
-Matrix stiffness_of_force(const Triplets& A, const Scene& scene) {
-  if (scene.force.size() == 0) return Matrix();
+std::unique_ptr<Stiffened> stiffened_by_force(const Triplets& A, const Scene& scene) {
+  if (scene.force.size() == 0) return nullptr;
   EntryList entries = turning_forces(scene);
   if (!entries.empty()) {
     const Dirichlet dirichlet(A, points_of(scene.nodes));
@@ -313,20 +313,27 @@ Matrix stiffness_of_force(const Triplets& A, const Scene& scene) {
     };
     entries.erase(std::remove_if(entries.begin(), entries.end(), is_held), entries.end());
   }
-  Matrix S = sparse(A.n, A.n, entries);
-  if (scene.pairing) S += scene.pairing->stiffness(A.n, scene.d);
-  return S;
+  Matrix of_pairs(A.n, A.n);
+  if (scene.pairing) of_pairs = scene.pairing->stiffness(A.n, scene.d);
+  if (of_pairs.nonZeros() == 0 && entries.empty()) return nullptr;
+  return std::make_unique<Stiffened>(A, std::move(of_pairs), sparse(A.n, A.n, entries));
 }
 
-Stiffened::Stiffened(const Triplets& A, Matrix S)
-    : view_(A), i_(A.i, A.i + A.size), j_(A.j, A.j + A.size), a_(A.a, A.a + A.size), S_(S) {
-  for (Index r = 0; r < S_.rows(); ++r)
-    for (Matrix::InnerIterator e(S_, r); e; ++e) {
-      if (A.half && e.col() > r) continue;
-      i_.push_back(r + A.base);
-      j_.push_back(e.col() + A.base);
-      a_.push_back(-e.value());
-    }
+Stiffened::Stiffened(const Triplets& A, Matrix of_pairs, Matrix of_obstacles)
+    : view_(A),
+      i_(A.i, A.i + A.size),
+      j_(A.j, A.j + A.size),
+      a_(A.a, A.a + A.size),
+      of_pairs_(std::move(of_pairs)),
+      of_obstacles_(std::move(of_obstacles)) {
+  for (const Matrix* S : {&of_pairs_, &of_obstacles_})
+    for (Index r = 0; r < S->rows(); ++r)
+      for (Matrix::InnerIterator e(*S, r); e; ++e) {
+        if (A.half && e.col() > r) continue;
+        i_.push_back(r + A.base);
+        j_.push_back(e.col() + A.base);
+        a_.push_back(-e.value());
+      }
 }
 
 Triplets Stiffened::view(std::size_t size) const {

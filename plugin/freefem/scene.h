@@ -5,15 +5,20 @@
 
 namespace frictioncg {
 
-/// A script's matrix A, copied, and beside it A - S.
+/// A script's matrix A, copied, and beside it A - S: S (n x n) is what forces of contact change by
+/// where the geometry turns and moves, between free dofs. Of pairs the symmetric part of d(G'y)/dU;
+/// before an obstacle -p dn/dx, p the pressing force of a node: 0 where that is flat.
 class Stiffened {
  public:
-  /// S (n x n): symmetric.
-  Stiffened(const Triplets& A, Matrix S);
+  Stiffened(const Triplets& A, Matrix of_pairs, Matrix of_obstacles);
   Triplets plain() const { return view(view_.size); }
   Triplets less() const { return view(a_.size()); }
   /// b of A u = b at u = U, for A - S.
-  Vector load(const Vector& b, const Vector& U) const { return b - S_ * U; }
+  Vector load(const Vector& b, const Vector& U) const {
+    return b - of_pairs_ * U - of_obstacles_ * U;
+  }
+  /// S v of pairs alone: before an obstacle nothing is added in passes.
+  Vector force_of_pairs(const Vector& v) const { return of_pairs_ * v; }
 
  private:
   Triplets view(std::size_t size) const;
@@ -21,7 +26,7 @@ class Stiffened {
   Triplets view_;
   std::vector<Index> i_, j_;
   std::vector<Real> a_;
-  Matrix S_;
+  Matrix of_pairs_, of_obstacles_;
 };
 
 /// The obstacles of a scene that move, each of a label, or one of all labels.
@@ -116,10 +121,8 @@ struct Scene : Geometry {
   }
 };
 
-/// S (n x n) of A - S, between free dofs: what forces of contact change by where the geometry turns
-/// and moves. Of pairs the symmetric part of d(G'y)/dU; before an obstacle -p dn/dx, p the pressing
-/// force of a node: 0 where that is flat. Empty where the scene has no force.
-Matrix stiffness_of_force(const Triplets& A, const Scene& scene);
+/// S of the scene's force, where it has one that turns; or null.
+std::unique_ptr<Stiffened> stiffened_by_force(const Triplets& A, const Scene& scene);
 
 /// What bodies and obstacles may do that A does not resist, body by body, for its points on
 /// obstacles: motions that their normals let slip, as far as the mesh can tell, they let slip to
