@@ -67,11 +67,25 @@ void System::product(const Matrix& M, const VisitRow& visit) const {
 
 void AssembledSystem::multiply(const Vector& x, Vector& Ax) const { Ax.noalias() = A * x; }
 
+/// Of so many columns, the motions of one body, all are summed up: telling those that are 0 takes
+/// longer.
+constexpr Index few_columns = 6;
+
 void AssembledSystem::product(const Matrix& M, const VisitRow& visit) const {
   const auto [row, col, a] = arrays_of(A);
   const auto [begin, at, m] = arrays_of(M);
   Vector sum = Vector::Zero(M.cols());
-  std::vector<Index> columns, seen(M.cols(), -1);
+  std::vector<Index> columns(M.cols()), seen(M.cols(), -1);
+  if (M.cols() <= few_columns) {
+    std::iota(columns.begin(), columns.end(), 0);
+    for (Index i = 0; i < A.rows(); ++i) {
+      sum.setZero();
+      for (Index k = row[i]; k < row[i + 1]; ++k)
+        for (Index q = begin[col[k]]; q < begin[col[k] + 1]; ++q) sum[at[q]] += a[k] * m[q];
+      visit(i, columns, sum);
+    }
+    return;
+  }
   for (Index i = 0; i < A.rows(); ++i) {
     columns.clear();
     for (Index k = row[i]; k < row[i + 1]; ++k)

@@ -127,6 +127,7 @@ class RigidMotions {
   std::vector<std::vector<Index>> add(const std::vector<Matrix>& c) {
     std::vector<std::vector<Index>> accepted(c.size());
     Matrix T = combined(c);
+    if (T.cols() == 0) return accepted;
     DenseMatrix size = DenseMatrix::Zero(T.cols(), all_.bodies.count), energy = size;
     system_.product(T, [&](Index i, const std::vector<Index>&, const Vector& AT) {
       const Index body = all_.bodies.of[i];
