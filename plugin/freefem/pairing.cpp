@@ -33,7 +33,8 @@ constexpr const char* pair_inside =
 /// Fills an Interface from the two sides, which have the labels of all pairs.
 class InterfaceBuilder {
  public:
-  explicit InterfaceBuilder(const PairLabels& labels) : labels_(labels) {
+  InterfaceBuilder(const PairLabels& labels, bool in_one_space)
+      : labels_(labels), in_one_space_(in_one_space) {
     all_.pairs = labels.pairs;
   }
   void add_slave(const SpacePtr& space, const SpaceInWords& words) {
@@ -65,6 +66,7 @@ class InterfaceBuilder {
     const int d = space.d;
     all_.is_moved = space.is_moved();
     std::map<long, std::set<std::size_t>> of_label = pairs_of_labels(all_.pairs, which);
+    const std::vector<Index> body = in_one_space_ ? space.body_of_element() : std::vector<Index>();
     std::vector<Index> number;
     for (const SharedNode& n : side.nodes) {
       number.push_back(node(n, d, dof_offset));
@@ -80,6 +82,7 @@ class InterfaceBuilder {
       mortar::Facet facet;
       facet.label = f.label;
       facet.outward = f.normal;
+      if (in_one_space_) facet.body = body[f.element];
       for (std::size_t k = 0; k < f.node.size(); ++k) facet.node[k] = number[f.node[k]];
       for (std::size_t p : of_label[f.label]) {
         mortar::Surface& surface = all_.pairs[p].*which;
@@ -120,23 +123,19 @@ class InterfaceBuilder {
     for (const auto& [i, elements] : around)
       all_.body_count[i] = mortar::facet_connected_groups(space.d, elements);
   }
-  /// Of the elements behind a master that is moved, or one body with its slave: the faces of a
-  /// crack. What joins the bodies may be in another process's part.
+  /// Of the elements behind a master, and whether they are one body with its slave, such as the
+  /// faces of a crack.
   void add_vertices_behind(const Space& space, const Boundary& master, Index dof_offset) {
-    if (dof_offset > 0 && !space.is_moved()) return;
     std::vector<std::set<Index>> of_slave(all_.pairs.size());
-    const std::vector<Index> body = dof_offset > 0 ? std::vector<Index>() : space.body_of_element();
-    for (std::size_t p = 0; p < all_.pairs.size() && !body.empty(); ++p)
-      for (const mortar::Facet& f : all_.pairs[p].slave.facets)
-        of_slave[p].insert(body[all_.slave[f.node[0]].facets.front().element]);
+    for (std::size_t p = 0; p < all_.pairs.size() && in_one_space_; ++p)
+      for (const mortar::Facet& f : all_.pairs[p].slave.facets) of_slave[p].insert(f.body);
     std::map<long, std::set<std::size_t>> of_label =
         pairs_of_labels(all_.pairs, &mortar::Pair::master);
     std::vector<std::size_t> next(all_.pairs.size(), 0);
     for (const BoundaryFacet& f : master.facets)
       for (std::size_t p : of_label[f.label]) {
         mortar::Facet& facet = all_.pairs[p].master.facets[next[p]++];
-        facet.one_body = !body.empty() && of_slave[p].count(body[f.element]) > 0;
-        if (!labels_.of_part && !space.is_moved() && !facet.one_body) continue;
+        facet.one_body = of_slave[p].count(facet.body) > 0;
         const SharedNode n = space.node_at_vertex(f.element, f.facet);
         const Index i = node(n, space.d, dof_offset);
         if (!is_elsewhere(n.x, all_.X[i], f.normal, space.d)) facet.behind = i;  // not over a seam
@@ -144,6 +143,7 @@ class InterfaceBuilder {
   }
 
   const PairLabels& labels_;
+  const bool in_one_space_;
   Interface all_;
   std::map<Index, Index> number_;  ///< first dof of a node -> its number
 };
@@ -151,7 +151,7 @@ class InterfaceBuilder {
 }  // namespace
 
 Interface interface_of(const SpacePtr& V1, const SpacePtr& V2, const PairLabels& labels) {
-  InterfaceBuilder faces(labels);
+  InterfaceBuilder faces(labels, !V2);
   if (V2) {
     faces.add_slave(V1, {"V1", "the mesh of V1", pair_inside});
     faces.add_master(*V2, {"V2", "the mesh of V2", pair_inside}, V1->dofs());

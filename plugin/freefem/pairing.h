@@ -21,7 +21,6 @@ struct Interface {
 struct PairLabels {
   std::vector<long> slave, master;
   std::vector<mortar::Pair> pairs = mortar::label_pairs(slave, master);
-  bool of_part = false;  ///< of meshes that other processes have parts of
 };
 
 /// The faces of two bodies in spaces of their own, the dofs of V2 after those of V1, or in one: V2

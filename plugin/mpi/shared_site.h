@@ -91,7 +91,6 @@ inline std::shared_ptr<Scene> pair_part(const SpacePtr& V1, const SpacePtr& V2,
     PairLabels labels{opening.labels, opening.masters};
     labels.slave = slave;
     labels.master = master;
-    labels.of_part = true;
     scene = pair_scene(V1->at(stage), V2 ? V2->at(stage, V1->dofs()) : nullptr, labels);
     scene->at = stage.at;
     places = scene->places();

@@ -17,7 +17,7 @@ WholeInterface::WholeInterface(const Domain& domain, const NodeNumbers& numbers,
     for (mortar::Surface* side : {&pair.slave, &pair.master}) side->facets.clear();
   gather_nodes(domain, numbers, part);
   gather_facets(domain, numbers, part);
-  find_one_body(part.is_moved);
+  find_one_body();
   find_own(domain, numbers);
 }
 
@@ -105,16 +105,14 @@ void WholeInterface::gather_facets(const Domain& domain, const NodeNumbers& numb
   }
 }
 
-/// A part does not know whether a master is one body with its slave. Where it is not, what lies
-/// behind counts if it is moved.
-void WholeInterface::find_one_body(bool is_moved) {
+/// A part does not know which facets are of one body.
+void WholeInterface::find_one_body() {
   for (mortar::Pair& pair : pairs) {
+    for (mortar::Surface* side : {&pair.slave, &pair.master})
+      for (mortar::Facet& f : side->facets) f.body = body[f.node[0]];
     std::set<Index> of_slave;
-    for (const mortar::Facet& f : pair.slave.facets) of_slave.insert(body[f.node[0]]);
-    for (mortar::Facet& f : pair.master.facets) {
-      f.one_body = of_slave.count(body[f.node[0]]) > 0;
-      if (!f.one_body && !is_moved) f.behind = -1;
-    }
+    for (const mortar::Facet& f : pair.slave.facets) of_slave.insert(f.body);
+    for (mortar::Facet& f : pair.master.facets) f.one_body = of_slave.count(f.body) > 0;
   }
 }
 

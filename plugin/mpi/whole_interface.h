@@ -56,7 +56,7 @@ struct WholeInterface {
  private:
   void gather_nodes(const Domain& domain, const NodeNumbers& numbers, const InterfacePart& part);
   void gather_facets(const Domain& domain, const NodeNumbers& numbers, const InterfacePart& part);
-  void find_one_body(bool is_moved);
+  void find_one_body();
   void find_own(const Domain& domain, const NodeNumbers& numbers);
 
   std::vector<Index> own_slaves_;  ///< of the part, that this process owns

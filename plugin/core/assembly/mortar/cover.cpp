@@ -17,6 +17,9 @@ constexpr Real overlapping = 1e-11;
 /// two facets is to lie in one of them at least.
 constexpr Real inside_facet = -1e-9;
 
+/// Overlaps up to this share of a facet are looked at no further: no body is so thin.
+constexpr Real thinnest = 1e-3;
+
 /// A master facet before a slave facet.
 struct Candidate {
   Index master;
@@ -169,15 +172,17 @@ class Covering {
       if (extent(part) > vanishing) cells.push_back({candidates_[k].master, std::move(part)});
   }
   /// A cell deeper behind the slave than a facet is long is an overlap, or, past the other side of
-  /// the master, no partner at all: true for the latter.
+  /// the master, or of the slave's own body, no partner at all: true for the latter, however thin
+  /// the body is.
   bool overlap_refused(Index f, const Cell& cell) {
     const Plane& base = slave_.planes[f];
     const Vec2 xi = centroid(cell.part);
     const Projection p = project(d_, base, master_.facet(cell.master), X_);
     const Real depth = -p.distance(xi);
     const Real size = std::max(base.size, master_.planes[cell.master].size);
-    if (depth <= size) return false;
+    if (depth <= thinnest * size) return false;
     if (shielded(f, xi, depth)) return true;
+    if (depth <= size) return false;
     const Vec3 lambda = slave_coordinates(d_, xi);
     Vec3 x = Vec3::Zero();
     for (int v = 0; v < d_; ++v) x += lambda[v] * X_[slave_.facet(f).node[v]];
@@ -185,16 +190,18 @@ class Covering {
            ", deeper than their facets are long (", size,
            "); move the bodies apart, or, where this is no overlap, give maxgap below ", depth);
   }
-  /// Does a master facet that faces away lie between the slave and what is `depth` behind it?
+  /// Does a master facet that faces away, or the other face of the slave's body, lie between the
+  /// slave and what is `depth` behind it?
   bool shielded(Index f, const Vec2& xi, Real depth) {
     const Plane& base = slave_.planes[f];
     tree_.find({base, -depth, 0, false}, found_);
     for (Index m : found_) {
       ++pairs_;
-      if (master_.planes[m].normal.dot(base.normal) < facing) continue;
       const Projection p = project(d_, base, master_.facet(m), X_);
       if (!p.inverts) continue;
       const Real distance = p.distance(xi);
+      const bool away = master_.planes[m].normal.dot(base.normal) >= facing;
+      if (!away && !(own_ && own_->is_through_body(slave_, f, master_.facet(m), xi))) continue;
       if (p.at(xi).head(d_).minCoeff() >= inside_facet && distance < 0 && distance > -depth)
         return true;
     }

@@ -240,7 +240,7 @@ FacedFacets::value_type summed(const FacedFacets::value_type& faced) {
 }  // namespace
 
 Crossings crossings(const Matrix& G, const std::vector<SlaveNode>& nodes, const Nodes& all,
-                    bool smooth, const FacedFacets& faced) {
+                    bool smooth, const std::vector<char>& turns, const FacedFacets& faced) {
   const bool apart = smooth && !all.before.empty();
   std::vector<Index> pair_of(all.X.size(), -1);  // whose law a node has
   for (const SlaveNode& node : nodes) pair_of[node.node] = node.pair;
@@ -250,7 +250,8 @@ Crossings crossings(const Matrix& G, const std::vector<SlaveNode>& nodes, const 
     const Vec3 arm = Arm(G, static_cast<Index>(k), i, all.X).sum;
     Real whole = 0;
     for (const auto& [facet, weight] : summed(faced[i])) {
-      if (facet->behind < 0 || !(apart || facet->one_body)) continue;
+      const bool one_body = facet->one_body || (!apart && turns[i]);
+      if (facet->behind < 0 || !(apart || one_body)) continue;
       std::vector<Index> vertices(facet->node.begin(), facet->node.begin() + all.dimension);
       vertices.push_back(facet->behind);
       const auto later = [&, of = pair](Index l) { return pair_of[l] >= of; };
@@ -258,7 +259,7 @@ Crossings crossings(const Matrix& G, const std::vector<SlaveNode>& nodes, const 
       whole += weight;
       const DenseMatrix gradients = gradients_of(vertices, all.X);
       Crossing& here =
-          found[k].emplace_back(Crossing{std::move(vertices), gradients, facet->one_body, weight});
+          found[k].emplace_back(Crossing{std::move(vertices), gradients, one_body, weight});
       const Real change = (gradients * here.e(arm, n, g)).lpNorm<Eigen::Infinity>();
       here.share *= std::clamp<Real>((widest - change) / (widest - narrow), 0, 1);
     }

@@ -56,7 +56,7 @@ using FacedFacets = std::vector<std::vector<std::pair<const Facet*, Real>>>;
 struct Crossing {
   std::vector<Index> vertices;
   DenseMatrix gradients;  ///< of their barycentric coordinates, as rows [1/length]
-  bool one_body;          ///< with the slave
+  bool one_body;          ///< with the slave, or as good as one
   Real share;             ///< of the facet in the row, times what does not fade out
 
   /// g: the node's gap along n; arm: sum_l G_il (X_l - X_i)
@@ -66,15 +66,16 @@ struct Crossing {
 };
 using Crossings = std::vector<std::vector<Crossing>>;  ///< per contact node
 
-/// Facets without a vertex behind them, or of two bodies but for a path along smooth surfaces, and
-/// elements with a vertex that has a law of this pair or a later one, add nothing; shares are those
-/// of the others.
+/// Facets without a vertex behind them, or of two bodies but for a path along smooth surfaces and
+/// for nodes that `turns` names, of two bodies that are free to turn as one, and elements with a
+/// vertex that has a law of this pair or a later one, add nothing; shares are those of the others.
 Crossings crossings(const Matrix& G, const std::vector<SlaveNode>& nodes, const Nodes& all,
-                    bool smooth, const FacedFacets& faced);
+                    bool smooth, const std::vector<char>& turns, const FacedFacets& faced);
 
-/// P with rows that see no rotation of a body that has both faces, such as one with a crack. Where
-/// the faces are a hair apart, forces G'y act at X_i on the slave and at sum_l P_il X_l on the
-/// master, and turn a free body by the couple of friction and the gap, which nothing balances:
+/// P with rows that see no rotation of a body that has both faces, such as one with a crack, or of
+/// two that turn as one, such as a shaft in a hub that nothing holds. Where the faces are a hair
+/// apart, forces G'y act at X_i on the slave and at sum_l P_il X_l on the master, and turn a free
+/// body by the couple of friction and the gap, which nothing balances:
 ///
 ///   e = sum_l G_il (X_l - X_i)
 ///

@@ -67,7 +67,8 @@ class Assembly {
     take(balanced(mortar.P_, mortar.G_, mortar.nodes_, nodes_.X, of_.choices));
     take(along_normals(mortar.P_, mortar.G_, mortar.nodes_, ownership_.common.of_master,
                        of_.masters, nodes_.X, of_.choices));
-    const Crossings crossed = crossings(mortar.G_, mortar.nodes_, nodes_, options_.smooth, faced_);
+    const Crossings crossed = crossings(mortar.G_, mortar.nodes_, nodes_, options_.smooth,
+                                        ownership_.common.turns, faced_);
     take(across_gap(mortar.P_, mortar.G_, mortar.nodes_, nodes_.X, crossed));
     set_statistics(mortar);
     for (const auto& [where, slips] : ownership_.slipping)

@@ -41,7 +41,9 @@ struct CommonNormals {
     /// of those that A leaves free.
     Slips motions, free;
   };
-  std::vector<char> of_master;                    ///< per node
+  std::vector<char> of_master;  ///< per node
+  std::vector<char>
+      turns;  ///< per node, whether its body and what it faces are free to turn as one
   std::map<std::array<Index, 3>, Choice> choice;  ///< by pair, and by the bodies of both sides
   std::vector<PairShapes> shapes;                 ///< per pair
 };

@@ -132,7 +132,7 @@ void spread(const Side& side, std::vector<Index> decided, std::vector<char>& is_
 /// Which facets are slaves; none where nothing faces itself.
 std::vector<char> slaves_of(const Nodes& nodes, const Pair& pair, Real maxgap) {
   const Side side(nodes.dimension, pair.slave, nodes.X);
-  const OwnSurface own(side, nodes.X, nodes.reference);
+  const OwnSurface own(side, nodes.X, nodes.reference, true);
   const Eigen::Matrix3d axes = own_axes(side, own);
   std::vector<char> is_slave(side.facets(), 0);
   std::vector<Index> decided;
@@ -157,21 +157,30 @@ bool touches_itself(const Pair& pair) {
 
 }  // namespace
 
+bool OwnSurface::is_through_body(const Side& side, Index f, const Facet& m, const Vec2& xi) const {
+  const Facet& own = side.facet(f);
+  if (!touches_itself && (own.body < 0 || own.body != m.body || m.behind < 0)) return false;
+  const Projection p = project(side.d, planes[f], m, X);
+  if (!p.inverts || p.at(xi).head(side.d).minCoeff() < 0) return false;
+  const Real depth = -p.distance(xi);
+  if (touches_itself) return depth > 0;
+  const Plane plane = plane_of(side.d, m, X);
+  return depth > std::abs(plane.normal.dot(X[m.behind] - plane.origin)) / 2;
+}
+
 bool OwnSurface::excludes(const Side& side, Index f, const Facet& m, const Vec2& xi, Real distance,
                           Real deepest) const {
   const Facet& own = side.facet(f);
-  for (int v = 0; v < side.d; ++v)
-    if (std::count(m.node.begin(), m.node.begin() + side.d, own.node[v]) > 0) return true;
+  if (touches_itself)
+    for (int v = 0; v < side.d; ++v)
+      if (std::count(m.node.begin(), m.node.begin() + side.d, own.node[v]) > 0) return true;
   if (distance >= 0) return false;
-  if (-distance > deepest) return true;
-  const Projection p = project(side.d, planes[f], m, X);
-  return p.inverts && p.distance(xi) < 0 && p.at(xi).head(side.d).minCoeff() >= 0;
+  return (touches_itself && -distance > deepest) || is_through_body(side, f, m, xi);
 }
 
 Cover cover(const Nodes& nodes, const Pair& given, const Side& slave, const Side& master,
             Real maxgap, const std::optional<Earlier>& earlier) {
-  if (!touches_itself(given)) return cover(slave, master, nodes.X, maxgap, nullptr, earlier);
-  const OwnSurface own(slave, nodes.X, nodes.reference);
+  const OwnSurface own(slave, nodes.X, nodes.reference, touches_itself(given));
   return cover(slave, master, nodes.X, maxgap, &own, earlier);
 }
 

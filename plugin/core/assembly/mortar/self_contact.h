@@ -5,20 +5,27 @@
 
 namespace frictioncg::mortar {
 
-/// What a surface that may touch itself knows of its body: where its facets are before deformation.
+/// What a surface knows of its body: where its facets are before deformation.
 struct OwnSurface {
   std::vector<Plane> planes;
   const std::vector<Vec3>& X;
+  bool touches_itself;
 
   /// The side is at Y; reference: nodes without deformation, or empty, which is Y.
-  OwnSurface(const Side& side, const std::vector<Vec3>& Y, const std::vector<Vec3>& reference)
+  OwnSurface(const Side& side, const std::vector<Vec3>& Y, const std::vector<Vec3>& reference,
+             bool itself)
       : planes(reference.empty() ? side.planes
                                  : planes_at(side.d, side.surface, side.planes, Y, reference)),
-        X(reference.empty() ? Y : reference) {}
+        X(reference.empty() ? Y : reference),
+        touches_itself(itself) {}
 
-  /// Whether facet m of another side is none that facet f can touch: they share a vertex, or m lies
-  /// behind f, `distance` < 0 away from xi, through the thickness of the body or deeper than an
-  /// overlap is.   deepest: the size of the facets
+  /// Whether facet m of the master lies behind f, below xi, as the other face of the same body.
+  /// Faces of a crack may overlap by up to half an element, and the other face is beyond one.
+  bool is_through_body(const Side& side, Index f, const Facet& m, const Vec2& xi) const;
+
+  /// Whether facet m of the master is none that facet f can touch: m lies behind f, `distance` < 0
+  /// away from xi, through the thickness of the body, or, of a surface that touches itself, they
+  /// share a vertex, or it is deeper than an overlap is.   deepest: the size of the facets
   bool excludes(const Side& side, Index f, const Facet& m, const Vec2& xi, Real distance,
                 Real deepest) const;
 };

@@ -17,10 +17,10 @@ struct Facet {
   std::array<Index, 6> node{{-1, -1, -1, -1, -1, -1}};
   Vec3 outward = Vec3::Zero();  ///< any vector towards the outside: it chooses the normal's sign
   long label = 0;
-  /// The vertex of the element opposite a facet of a master that is moved, or one body with its
-  /// slave; -1 otherwise.
+  /// The vertex of the element opposite a facet of a master; -1 where it lies over a seam.
   Index behind = -1;
-  bool one_body = false;  ///< of a facet with a vertex behind
+  bool one_body = false;  ///< of a master: with its slave
+  Index body = -1;        ///< its number, where both sides are in one space, else -1
 };
 
 /// One side of a contact pair, as a mesh has it.
