@@ -10,11 +10,11 @@ WARN      := -Wall -Wextra -Wshadow -Wno-array-bounds
 ifdef CI
 WARN      += -Werror
 endif
-INCLUDE   := -Iplugin/core -Iplugin -DEIGEN_USE_BLAS -isystem /usr/include/eigen3 -isystem /usr/include/suitesparse
+INCLUDE   := -Iplugin/core -Iplugin -DEIGEN_USE_BLAS -DEIGEN_DONT_PARALLELIZE -isystem /usr/include/eigen3 -isystem /usr/include/suitesparse
 # GCC collects its garbage from 1 GB on: sooner, that takes a quarter of its time. clang has none.
 HEAP      := $(if $(findstring clang,$(CXX)),,--param ggc-min-heapsize=1000000)
-FLAGS      = -std=c++17 -fPIC $(HEAP) $(CXXFLAGS) $(WARN) $(INCLUDE)
-LIBS      := -lcholmod -lblas
+FLAGS      = -std=c++17 -fPIC -fopenmp $(HEAP) $(CXXFLAGS) $(WARN) $(INCLUDE)
+LIBS      := -lcholmod -lblas -lgomp
 PACKAGES  := libeigen3-dev libsuitesparse-dev libopenblas0-pthread libopenblas-dev libgtest-dev \
              gnuplot-nox ghostscript g++
 

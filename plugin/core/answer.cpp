@@ -36,7 +36,7 @@ Status concluded(Status status, const Certificate& certificate, const Settings& 
 Solution answer(const ContactProblem& problem, const Settings& settings,
                 const std::function<Eigen::MatrixXd()>& floating,
                 const std::function<Solution()>& solve) {
-  const Threads one;
+  const Threads threads(settings.threads);
   Solution s;
   if (at_rest(problem)) {
     s.x = Vector::Zero(problem.dofs());

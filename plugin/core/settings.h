@@ -31,6 +31,7 @@ struct Settings {
   Method method = Method::automatic;
   bool newton = true;   ///< condensed: semismooth Newton on the unregularized laws
   double memory = 8e9;  ///< [bytes] that a factor and the dense matrices may take
+  Index threads = 0;    ///< of multigrid; 0: as many as OpenMP has
   Regularization reg = Regularization::polynomial;
   Real regeps = 0;  ///< [length]; 0: from the scene, 1e-8 max|x| and less if tol asks for it
   Precon precon = Precon::hessian_ssor;

@@ -1,9 +1,13 @@
 #pragma once
+#include <exception>
+
+#include "types.h"
 
 // OpenMP's own, where CHOLMOD brings it along, and OpenBLAS's, where that is the BLAS.
 extern "C" {
 int omp_get_max_active_levels() __attribute__((weak));
 int omp_get_max_threads() __attribute__((weak));
+int omp_in_parallel() __attribute__((weak));
 void omp_set_num_threads(int threads) __attribute__((weak));
 void omp_set_max_active_levels(int levels) __attribute__((weak));
 int openblas_get_parallel() __attribute__((weak));  // 2: its threads are OpenMP's
@@ -20,6 +24,8 @@ namespace frictioncg {
 /// time.
 class Threads {
  public:
+  /// Of a call: own of them for what is done side by side, below; 0: as many as OpenMP has.
+  explicit Threads(Index own) : Threads() { own_ = own > 0 ? own : std::max(1, omp_threads_); }
   /// of_blas: as many as where the outermost of these began. Where they are OpenMP's there is one
   /// all the same: parts of a product that wait for each other would run on one thread, for ever.
   explicit Threads(bool of_blas = false) {
@@ -45,12 +51,53 @@ class Threads {
       omp_set_max_active_levels(levels_);
     }
   }
+  static Index own() { return own_; }
   Threads(const Threads&) = delete;
   Threads& operator=(const Threads&) = delete;
 
  private:
-  inline static int depth_ = 0, given_ = 1;
+  inline static int depth_ = 0, given_ = 1, own_ = 1;
   int levels_ = -1, omp_threads_ = -1, blas_threads_ = -1;  ///< of before; -1: not changed
 };
+
+/// task(k) for k = 0 .. count-1, on the threads of the call; within a task, on those that are idle.
+/// What one of them throws is thrown here.
+template <class Task>
+void side_by_side(Index count, const Task& task) {
+  const int threads = std::min(count, Threads::own());
+  std::exception_ptr thrown;
+  const auto run = [&](Index k) {
+    try {
+      task(k);
+    } catch (...) {
+#pragma omp critical
+      thrown = std::current_exception();
+    }
+  };
+  if (threads < 2 || !omp_in_parallel) {
+    for (Index k = 0; k < count; ++k) task(k);
+  } else if (omp_in_parallel()) {
+#pragma omp taskloop grainsize(1)
+    for (Index k = 0; k < count; ++k) run(k);
+  } else {
+    const int levels = omp_get_max_active_levels();
+    omp_set_max_active_levels(1);
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+    for (Index k = 0; k < count; ++k) run(k);
+    omp_set_max_active_levels(levels);
+  }
+  if (thrown) std::rethrow_exception(thrown);
+}
+
+/// work(first, end) on ranges of 0 .. n-1
+template <class Work>
+void in_ranges(Index n, const Work& work) {
+  constexpr Index least = 4096;  // below it threads take longer to meet than to work
+  const Index count = std::max(1, std::min(n / least, 4 * Threads::own()));
+  side_by_side(count, [&](Index k) {
+    work(static_cast<Index>(std::int64_t(n) * k / count),
+         static_cast<Index>(std::int64_t(n) * (k + 1) / count));
+  });
+}
 
 }  // namespace frictioncg

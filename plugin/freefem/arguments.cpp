@@ -118,9 +118,9 @@ Labels labels_of(const C_F0& argument) {
 /// core sees values alone; here what is given counts, be it the default.
 void refuse_without_effect(const Arguments& args, const Settings& s) {
   constexpr std::pair<Parameter, Option> options[] = {
-      {p_reg, Option::reg},      {p_regeps, Option::regeps}, {p_precon, Option::precon},
-      {p_omega, Option::omega},  {p_step, Option::step},     {p_newton, Option::newton},
-      {p_memory, Option::memory}};
+      {p_reg, Option::reg},       {p_regeps, Option::regeps},  {p_precon, Option::precon},
+      {p_omega, Option::omega},   {p_step, Option::step},      {p_newton, Option::newton},
+      {p_memory, Option::memory}, {p_threads, Option::threads}};
   for (const auto& [p, option] : options) {
     const char* const because = args.has(p) ? without_effect(option, s) : nullptr;
     if (!because) continue;
@@ -341,6 +341,11 @@ Settings read_settings(Stack stack, const Arguments& args) {
   s.tol = args.value(stack, p_tol, s.tol);
   if (args.has(p_nbiter)) s.nbiter = bound_on_iterations(args.value(stack, p_nbiter, 0.0));
   s.memory = 1e9 * args.value(stack, p_memory, s.memory / 1e9);
+  // processes share the machine already; mpisize is 0 in FreeFem++ itself
+  const long threads = args.value<long>(stack, p_threads, mpisize > 1 ? 1 : s.threads);
+  require(!args.has(p_threads) || (threads >= 1 && threads <= 1024), p_threads, threads,
+          "threads are 1 to 1024; leave it out to have as many as OMP_NUM_THREADS or the machine");
+  s.threads = static_cast<Index>(threads);
   require(!args.has(p_regeps) || s.regeps != 0, p_regeps, 0, "leave it out to have the default");
   require(!args.has(p_omega) || s.omega != 0, p_omega, 0, "leave it out to have the default");
   refuse_without_effect(args, s);

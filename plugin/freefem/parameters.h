@@ -43,6 +43,7 @@ constexpr const char* constructor_name = "contactProblem";
   X(tol, double)                                                                        \
   X(nbiter, double) /* a whole number */                                                \
   X(memory, double) /* [GB] */                                                          \
+  X(threads, long)  /* of multigrid */                                                  \
   X(verb, long)                                                                         \
   X(status, long*)              /* out */                                               \
   X(residual, double*)          /* out */                                               \

@@ -1,5 +1,7 @@
 #include "scene.h"
 
+#include <mutex>
+
 #include "../core/assembly/triplets.h"
 #include "../core/assembly/turning_normals.h"
 #include "../core/clock.h"
@@ -8,13 +10,17 @@ namespace frictioncg {
 
 namespace {
 
-/// make(), by whichever copy is called first, for all of them.
+/// make(), by whichever copy is called first, on whichever thread, for all of them.
 template <class Make>
 auto once(Make make) {
-  const auto made = std::make_shared<std::optional<decltype(make())>>();
+  struct Made {
+    std::once_flag flag;
+    decltype(make()) value;
+  };
+  const auto made = std::make_shared<Made>();
   return [make = std::move(make), made]() -> const decltype(make())& {
-    if (!*made) *made = make();
-    return **made;
+    std::call_once(made->flag, [&] { made->value = make(); });
+    return made->value;
   };
 }
 

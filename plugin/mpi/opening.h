@@ -31,7 +31,7 @@ inline void refuse_obstacles(const Arguments& args) {
 
 /// What several processes do not do is refused by name.
 inline void refuse_options(const Arguments& args, bool two_bodies) {
-  args.refuse({p_newton, p_reg, p_regeps, p_precon, p_omega, p_step, p_memory},
+  args.refuse({p_newton, p_reg, p_regeps, p_precon, p_omega, p_step, p_memory, p_threads},
               "belongs to methods of one process; with domain= there is multigrid alone");
   if (!two_bodies)
     args.refuse({p_distance}, "is that of two bodies; there is one, and an obstacle");

@@ -65,6 +65,7 @@ void refuse_without_effect(const Settings& s) {
   rule(s.omega != standard.omega, "omega", Option::omega);
   rule(s.newton != standard.newton, "newton", Option::newton);
   rule(s.memory != standard.memory, "memory", Option::memory);
+  rule(s.threads > 1, "threads", Option::threads);
   if (s.precon == Precon::multigrid && condenses(s))
     refuse(
         "precon=\"multigrid\" preconditions A, and this method iterates on the contact dofs; take "
@@ -83,6 +84,11 @@ const char* without_effect(Option option, const Settings& s) {
   const char* const none = nullptr;
   if (option == Option::newton) return condensed ? none : "; leave it out, or the method";
   if (option == Option::memory) return may_factor(s) ? none : "; leave it out, or the method";
+  if (option == Option::threads) {
+    const bool cycles = s.method == Method::automatic || s.method == Method::multigrid ||
+                        s.precon == Precon::multigrid;
+    return cycles ? none : ", which takes one; leave it out, or the method";
+  }
   if (takes_newton_steps(s))
     return condensed ? ", whose answer is not regularized; leave it out, or add method=\"GC3\" or "
                        "newton=false"
@@ -161,6 +167,8 @@ void validate(const Settings& s) {
            "; the bound on the iterations is >= 1: leave it out (0) to take that of the scene");
   if (!(s.memory > 0))
     refuse("memory = ", s.memory / 1e9, "; the memory bound is a number of GB > 0");
+  if (s.threads < 0)
+    refuse("threads = ", s.threads, "; threads are 1 or more, or 0 for as many as OpenMP has");
   if (!(s.partial >= 1) || !std::isfinite(s.partial))
     refuse("partial = ", s.partial, "; partial convergence is looser than tol: a factor >= 1");
   if (!(s.stop_on_step >= 0 && s.stop_on_step < 1))

@@ -25,7 +25,7 @@ void validate(const System& system);
 void validate(const Increment& increment, const System& system);
 
 /// Options that some methods do not heed.
-enum class Option { reg, regeps, precon, omega, step, newton, memory };
+enum class Option { reg, regeps, precon, omega, step, newton, memory, threads };
 
 /// What is wrong with giving the option, after "... has no effect with this method"; null where it
 /// has one.

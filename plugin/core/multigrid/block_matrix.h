@@ -3,7 +3,7 @@
 #include <type_traits>
 
 #include "multigrid/lanes.h"
-#include "types.h"
+#include "multigrid/parts.h"
 
 namespace frictioncg {
 
@@ -114,6 +114,7 @@ struct SymmetricBlocks {
   std::vector<float> value;     ///< entries per col
   std::vector<float> diagonal;  ///< entries per row
   std::vector<float> inverse;   ///< of the diagonal blocks, 0 on slots that are fixed or empty
+  Parts parts;                  ///< of the rows, for sweeps
 
   Index rows() const { return static_cast<Index>(row.size()) - 1; }
   float* at(std::size_t k) { return value.data() + k * entries; }
@@ -133,7 +134,7 @@ template <int R, int C>
 struct Prolongation {
   static constexpr int entries = R * C;
   std::vector<Index> row{0};  ///< rows + 1, into col
-  std::vector<Index> col;     ///< sorted in each row
+  std::vector<Index> col;     ///< in each row in any order
   std::vector<float> value;   ///< entries per col
   Index columns = 0;
 

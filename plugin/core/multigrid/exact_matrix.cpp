@@ -37,28 +37,34 @@ bool ExactMatrix<D>::multiply(const SymmetricBlocks<D>& places, const std::vecto
   const Index n = static_cast<Index>(slot.size());
   if (diagonal.empty()) return false;
   if (x_.size() == 0) x_ = y_ = Vector::Zero(Eigen::Index(places.rows()) * D);
-  for (Index p = 0; p < n; ++p) x_[slot[p]] = x[p];
-  for (std::size_t i = 0; i < std::size_t(places.rows()); ++i) {
-    const Real* x_i = x_.data() + i * D;
-    Reals<D> sum[D] = {};
-    for (int r = 0; r < D; ++r)
-      sum[r].add(Reals<D>::load(diagonal.data() + (i * D + r) * D), Reals<D>::load(x_i));
-    for (Index k = places.row[i]; k < places.row[i + 1]; ++k) {
-      const Real* a = lower.data() + std::size_t(k) * D * D;
-      const std::size_t j = std::size_t(places.col[k]) * D;
-      const Reals<D> x_j = Reals<D>::load(x_.data() + j);
-      Reals<D> y_j = Reals<D>::load(y_.data() + j);
-      for (int r = 0; r < D; ++r) {
-        const Reals<D> row = Reals<D>::load(row_of<D>(a, r));
-        sum[r].add(row, x_j);
-        y_j.add(row, x_i[r]);
+  in_ranges(n, [&](Index first, Index end) {
+    for (Index p = first; p < end; ++p) x_[slot[p]] = x[p];
+  });
+  places.parts.upwards(places.rows(), [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) {
+      const Real* x_i = x_.data() + i * D;
+      Reals<D> sum[D] = {};
+      for (int r = 0; r < D; ++r)
+        sum[r].add(Reals<D>::load(diagonal.data() + (i * D + r) * D), Reals<D>::load(x_i));
+      for (Index k = places.row[i]; k < places.row[i + 1]; ++k) {
+        const Real* a = lower.data() + std::size_t(k) * D * D;
+        const std::size_t j = std::size_t(places.col[k]) * D;
+        const Reals<D> x_j = Reals<D>::load(x_.data() + j);
+        Reals<D> y_j = Reals<D>::load(y_.data() + j);
+        for (int r = 0; r < D; ++r) {
+          const Reals<D> row = Reals<D>::load(row_of<D>(a, r));
+          sum[r].add(row, x_j);
+          y_j.add(row, x_i[r]);
+        }
+        y_j.store(y_.data() + j);
       }
-      y_j.store(y_.data() + j);
+      for (int r = 0; r < D; ++r) y_[Eigen::Index(i) * D + r] = sum[r].sum();
     }
-    for (int r = 0; r < D; ++r) y_[Eigen::Index(i) * D + r] = sum[r].sum();
-  }
+  });
   Ax.resize(n);
-  for (Index p = 0; p < n; ++p) Ax[p] = y_[slot[p]];
+  in_ranges(n, [&](Index first, Index end) {
+    for (Index p = first; p < end; ++p) Ax[p] = y_[slot[p]];
+  });
   return true;
 }
 
@@ -79,6 +85,7 @@ SymmetricBlocks<D> make_fine_matrix(const Matrix& A, const NodeBlocks& blocks, R
                                     ExactMatrix<D>& exact) {
   const Arrays of_A = arrays_of(A);
   SymmetricBlocks<D> M;
+  M.parts = blocks.parts;
   M.diagonal.assign(std::size_t(blocks.blocks) * D * D, 0);
   M.inverse.assign(std::size_t(blocks.blocks) * D * D, 0);
   exact.diagonal.assign(std::size_t(blocks.blocks) * D * D, 0);

@@ -77,10 +77,28 @@ struct Touched {
   }
 };
 
-/// The places of P' A P, zero.
+/// Of each row of a level, B rows of its near-kernel, and where it lies.
+template <int B>
+struct Grid {
+  Modes<B> modes;
+  Eigen::MatrixXd place;  ///< rows x dimension
+
+  /// Row i becomes number[i].
+  void renumber(const std::vector<Index>& number) {
+    const Grid old = *this;
+    for (std::size_t i = 0; i < number.size(); ++i) {
+      place.row(number[i]) = old.place.row(Index(i));
+      modes.template middleRows<B>(Eigen::Index(number[i]) * B) =
+          old.modes.template middleRows<B>(Eigen::Index(i) * B);
+    }
+  }
+};
+
+/// The places of P' A P, zero, in parts. The columns of P, at `place`, become the rows `number`.
 template <int B, int K>
-SymmetricBlocks<K> galerkin_pattern(const SymmetricBlocks<B>& A, const Prolongation<B, K>& P) {
-  std::vector<std::vector<Index>> lower(P.columns);
+SymmetricBlocks<K> galerkin_pattern(const SymmetricBlocks<B>& A, const Prolongation<B, K>& P,
+                                    const Eigen::MatrixXd& place, std::vector<Index>& number) {
+  std::vector<std::vector<Index>> beside(P.columns);
   std::vector<Index> reached, seen_by(P.columns, -1);
   for (Index i = 0; i < A.rows(); ++i) {
     reached.clear();
@@ -93,15 +111,26 @@ SymmetricBlocks<K> galerkin_pattern(const SymmetricBlocks<B>& A, const Prolongat
     for (Index q = P.row[i]; q < P.row[i + 1]; ++q)
       for (Index J : reached) {
         const Index I = P.col[q];
-        if (I != J) lower[std::max(I, J)].push_back(std::min(I, J));
+        if (I != J) beside[std::max(I, J)].push_back(std::min(I, J));
       }
   }
+  Dissection halves(place);
+  for (Index I = 0; I < P.columns; ++I) {
+    sort_once(beside[I]);
+    for (const Index J : beside[I]) halves.couple(I, J);
+  }
   SymmetricBlocks<K> coarse;
+  coarse.parts = halves.numbered(number);
+  std::vector<std::vector<Index>> lower(P.columns);
+  for (Index I = 0; I < P.columns; ++I) {
+    for (const Index J : beside[I])
+      lower[std::max(number[I], number[J])].push_back(std::min(number[I], number[J]));
+    std::vector<Index>().swap(beside[I]);
+  }
   for (std::vector<Index>& columns : lower) {
-    sort_once(columns);
+    std::sort(columns.begin(), columns.end());
     coarse.col.insert(coarse.col.end(), columns.begin(), columns.end());
     coarse.row.push_back(to_block_index(coarse.col.size()));
-    std::vector<Index>().swap(columns);
   }
   coarse.value.assign(coarse.col.size() * K * K, 0);
   coarse.diagonal.assign(std::size_t(P.columns) * K * K, 0);

@@ -58,11 +58,13 @@ class HierarchyOf final : public Hierarchy {
     Modes<K> B = Modes<K>::Zero(blocks.slots(), K);
     for (std::size_t p = 0; p < blocks.slot.size(); ++p) B.row(blocks.slot[p]) = modes.row(p);
     fine_.allocate();
-    build_coarse(fine_.coarsen(B, coarsening(D, true)), options.coarsest);
-    contact_diagonal_.assign(fine_.A.diagonal.begin() + std::ptrdiff_t(blocks.interior) * D * D,
-                             fine_.A.diagonal.end());
-    contact_P_.assign(fine_.P.at(fine_.P.row[blocks.interior]),
-                      fine_.P.value.data() + fine_.P.value.size());
+    build_coarse(fine_.coarsen(B, blocks.place, coarsening(D, true)), options.coarsest);
+    for (const Index i : blocks.contact) {
+      contact_diagonal_.insert(contact_diagonal_.end(), fine_.A.diagonal_at(i),
+                               fine_.A.diagonal_at(i + 1));
+      contact_P_.insert(contact_P_.end(), fine_.P.at(fine_.P.row[i]),
+                        fine_.P.at(fine_.P.row[i + 1]));
+    }
     factor_coarsest();
   }
 
@@ -120,10 +122,14 @@ class HierarchyOf final : public Hierarchy {
       const std::size_t slot = blocks_.slot[p];
       return slot / D * stride<D> + slot % D;
     };
-    for (Index p = 0; p < blocks_.dofs(); ++p) fine_.r[at(p)] = static_cast<float>(r[p] / size);
+    in_ranges(blocks_.dofs(), [&](Index first, Index end) {
+      for (Index p = first; p < end; ++p) fine_.r[at(p)] = static_cast<float>(r[p] / size);
+    });
     fine_.border.r = r.tail(k) / size;
     cycle(fine_, 0);
-    for (Index p = 0; p < blocks_.dofs(); ++p) z[p] = size * scale_ * fine_.z[at(p)];
+    in_ranges(blocks_.dofs(), [&](Index first, Index end) {
+      for (Index p = first; p < end; ++p) z[p] = size * scale_ * fine_.z[at(p)];
+    });
     z.tail(k) = size * scale_ * fine_.border.z;
   }
 
@@ -159,24 +165,30 @@ class HierarchyOf final : public Hierarchy {
  private:
   using Coarse = Level<K, K>;
 
-  void build_coarse(Modes<K> modes, Index coarsest) {
-    // on the fine level the contact part is all rows of contact nodes, and their base is 0
-    for (Index i = blocks_.interior; i < blocks_.blocks; ++i) {
+  void build_coarse(Grid<K> grid, Index coarsest) {
+    // on the fine level the contact part is all rows and columns of contact nodes, and the diagonal
+    // blocks of rows that have such columns; their base is 0
+    std::vector<char> touches(blocks_.blocks, 0);
+    for (const Index i : blocks_.contact) touches[i] = 1;
+    for (Index i = 0; i < blocks_.blocks; ++i) {
+      for (Index k = fine_.A.row[i]; k < fine_.A.row[i + 1]; ++k)
+        if (touches[i] || touches[fine_.A.col[k]]) fine_.touched.lower.push_back(k);
+      const Index end = static_cast<Index>(fine_.touched.lower.size());
+      if (!touches[i] && end == fine_.touched.begin.back()) continue;
       fine_.touched.rows.push_back(i);
-      for (Index k = fine_.A.row[i]; k < fine_.A.row[i + 1]; ++k) fine_.touched.lower.push_back(k);
-      fine_.touched.begin.push_back(static_cast<Index>(fine_.touched.lower.size()));
+      fine_.touched.begin.push_back(end);
     }
     std::vector<float> contact = fine_.touched.read(fine_.A);
     fine_.base.assign(contact.size(), 0);
     coarse_.emplace_back();
-    fine_.make_next(coarse_.back(), contact);
+    fine_.make_next(coarse_.back(), grid, contact);
     std::vector<float>().swap(fine_.base);
     while (coarse_.back().A.rows() * K > coarsest) {
       Coarse& level = coarse_.back();
-      modes = level.coarsen(modes, coarsening(D, false));
+      grid = level.coarsen(grid.modes, grid.place, coarsening(D, false));
       if (level.P.columns > stalled * level.A.rows()) break;
       Coarse next;
-      level.make_next(next, contact);
+      level.make_next(next, grid, contact);
       coarse_.push_back(std::move(next));
     }
   }
@@ -185,8 +197,14 @@ class HierarchyOf final : public Hierarchy {
   void set_contact_rows(const std::vector<char>& fixed, const std::vector<TangentialStiffness>& W,
                         const Vector& springs) {
     const Index first_contact = static_cast<Index>(blocks_.slot.size() - fixed.size());
-    std::copy(contact_diagonal_.begin(), contact_diagonal_.end(),
-              fine_.A.diagonal_at(blocks_.interior));
+    const float *diagonal = contact_diagonal_.data(), *P = contact_P_.data();
+    for (const Index i : blocks_.contact) {
+      const std::ptrdiff_t entries = std::ptrdiff_t(fine_.P.row[i + 1] - fine_.P.row[i]) * D * K;
+      std::copy_n(diagonal, D * D, fine_.A.diagonal_at(i));
+      std::copy_n(P, entries, fine_.P.at(fine_.P.row[i]));
+      diagonal += D * D;
+      P += entries;
+    }
     const auto add = [&](Index i, Index j, Real stiffness) {  // of dofs of one node
       const Index p = blocks_.slot[i], q = blocks_.slot[j];
       fine_.A.diagonal_at(p / D)[p % D * D + q % D] += static_cast<float>(scale_ * stiffness);
@@ -196,7 +214,6 @@ class HierarchyOf final : public Hierarchy {
     for (const TangentialStiffness& w : W)
       for (int k = 0; k < 2; ++k)
         for (int l = 0; l < 2; ++l) add(w.first + k, w.first + l, w.M(k, l));
-    std::copy(contact_P_.begin(), contact_P_.end(), fine_.P.at(fine_.P.row[blocks_.interior]));
     for (std::size_t c = 0; c < fixed.size(); ++c) {
       if (!fixed[c]) continue;
       const Index slot = blocks_.slot[first_contact + c], i = slot / D, place = slot % D;
@@ -205,7 +222,7 @@ class HierarchyOf final : public Hierarchy {
       for (Index q = fine_.P.row[i]; q < fine_.P.row[i + 1]; ++q)
         std::fill(fine_.P.at(q) + place * K, fine_.P.at(q) + (place + 1) * K, 0.0f);
     }
-    for (Index i = blocks_.interior; i < blocks_.blocks; ++i) invert_diagonal(fine_.A, i);
+    for (const Index i : blocks_.contact) invert_diagonal(fine_.A, i);
   }
 
   void factor_coarsest() {

@@ -71,9 +71,9 @@ struct Level {
       v->assign(std::size_t(A.rows()) * stride<B>, 0);
   }
 
-  /// Builds P by smoothed aggregation; returns the modes of the next level. Thin layers of elements
+  /// Builds P by smoothed aggregation; returns the grid of the next level. Thin layers of elements
   /// are not aggregated across.
-  Modes<K> coarsen(const Modes<K>& modes, Coarsening how) {
+  Grid<K> coarsen(const Modes<K>& modes, const Eigen::MatrixXd& place, Coarsening how) {
     // so many power steps tell the spectral radius, from below, to some percent: the damping stays
     // stable with that
     constexpr int power_steps = 8;
@@ -84,13 +84,23 @@ struct Level {
     const Tentative<B, K> tentative = make_tentative<B, K>(aggregates, modes);
     const float omega = damping / spectral_radius(A, power_steps);
     P = smooth<B, K>(A, graph, aggregates, tentative.value, omega);
-    return tentative.coarse;
+    Eigen::MatrixXd middle = Eigen::MatrixXd::Zero(aggregates.count, place.cols());
+    Vector members = Vector::Zero(aggregates.count);
+    for (Index i = 0; i < A.rows(); ++i) {
+      middle.row(aggregates.of[i]) += place.row(i);
+      ++members[aggregates.of[i]];
+    }
+    return {tentative.coarse, members.cwiseInverse().asDiagonal() * middle};
   }
 
   /// next.A = P' A P, its base apart: A holds its own base in turn, and then, in the touched
-  /// blocks, the contact part alone. contact: that part of A, replaced by that of next.A.
-  void make_next(Level<K, K>& next, std::vector<float>& contact) {
-    next.A = galerkin_pattern(A, P);
+  /// blocks, the contact part alone. contact: that part of A, replaced by that of next.A. The rows
+  /// of `grid` and the columns of P are renumbered for threads.
+  void make_next(Level<K, K>& next, Grid<K>& grid, std::vector<float>& contact) {
+    std::vector<Index> number;
+    next.A = galerkin_pattern(A, P, grid.place, number);
+    for (Index& column : P.col) column = number[column];
+    grid.renumber(number);
     next.touched = Touched<K>::reached(A, touched, P, next.A);
     GalerkinProduct<B, K> product;
     touched.add(0, base, A);

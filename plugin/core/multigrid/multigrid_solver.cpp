@@ -5,6 +5,7 @@
 #include "statics/undetermined.h"
 #include "multigrid/inexact_newton.h"
 #include "statics/floating.h"
+#include "threads.h"
 
 namespace frictioncg {
 
@@ -35,8 +36,12 @@ void MultigridSolver::renew(SystemPtr system) {
 
 void MultigridSolver::set_up() {
   const double start = cpu_seconds();
-  hierarchy_ = make_hierarchy(*system_);
-  if (hierarchy_) motions_ = floating_motions(*system_);
+  side_by_side(2, [&](Index k) {
+    if (k == 0)
+      hierarchy_ = make_hierarchy(*system_);
+    else
+      motions_ = floating_motions(*system_);
+  });
   set_up_ = true;
   setup_ = cpu_seconds() - start;
 }

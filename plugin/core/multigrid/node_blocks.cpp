@@ -1,26 +1,34 @@
 #include "multigrid/node_blocks.h"
 
 #include "multigrid/block_matrix.h"
+#include "statics/rigid_motions.h"
 
 namespace frictioncg {
 
-NodeBlocks make_node_blocks(const std::vector<Index>& mesh_node, int dimension,
-                            Index first_contact_dof) {
+NodeBlocks make_node_blocks(const Matrix& A, const std::vector<Index>& mesh_node,
+                            const Eigen::MatrixXd& modes, int dimension, Index first_contact_dof) {
   const Index n = static_cast<Index>(mesh_node.size());
-  const Index nodes = n == 0 ? 0 : 1 + *std::max_element(mesh_node.begin(), mesh_node.end());
-  std::vector<char> touches(nodes, 0);
-  for (Index p = first_contact_dof; p < n; ++p) touches[mesh_node[p]] = 1;
-
+  const Eigen::MatrixXd at = places_of(mesh_node, dimension, modes);
   NodeBlocks b;
   b.size = dimension;
-  std::vector<Index> block(nodes, -1);
-  for (const char contact : {0, 1}) {
-    for (Index p = 0; p < n; ++p) {
-      const Index node = mesh_node[p];
-      if (touches[node] == contact && block[node] < 0) block[node] = b.blocks++;
-    }
-    if (!contact) b.interior = b.blocks;
+  std::vector<Index> block(at.rows(), -1), node, number;
+  for (Index p = 0; p < n; ++p) {
+    if (block[mesh_node[p]] >= 0) continue;
+    block[mesh_node[p]] = b.blocks++;
+    node.push_back(mesh_node[p]);
   }
+  Dissection halves(at(node, Eigen::all));
+  for (Index p = 0; p < n; ++p)
+    for (Matrix::InnerIterator e(A, p); e && e.col() < p; ++e)
+      halves.couple(block[mesh_node[p]], block[mesh_node[e.col()]]);
+  b.parts = halves.numbered(number);
+  b.place.resize(b.blocks, dimension);
+  for (Index k = 0; k < b.blocks; ++k) {
+    block[node[k]] = number[k];
+    b.place.row(number[k]) = at.row(node[k]);
+  }
+  for (Index p = first_contact_dof; p < n; ++p) b.contact.push_back(block[mesh_node[p]]);
+  sort_once(b.contact);
   to_block_index(std::size_t(b.blocks) * dimension);
   b.dof.assign(b.slots(), -1);
   b.slot.resize(n);

@@ -52,37 +52,43 @@ inline void scatter(const SymmetricBlocks<B>& A, std::size_t i, const float* min
 
 template <int B>
 void sweep_forward(const SymmetricBlocks<B>& A, float* residual, float* z) {
-  float minus[B];
-  for (std::size_t i = 0; i < std::size_t(A.rows()); ++i) {
-    relax<Order::up>(A, i, residual, z, minus);
-    std::fill_n(residual + i * stride<B>, stride<B>, 0.0f);
-    scatter<Order::up>(A, i, minus, residual);
-  }
+  A.parts.upwards(A.rows(), [&](std::size_t first, std::size_t end) {
+    float minus[B];
+    for (std::size_t i = first; i < end; ++i) {
+      relax<Order::up>(A, i, residual, z, minus);
+      std::fill_n(residual + i * stride<B>, stride<B>, 0.0f);
+      scatter<Order::up>(A, i, minus, residual);
+    }
+  });
 }
 
 template <int B>
 void sweep_backward(const SymmetricBlocks<B>& A, float* r, float* z) {
-  float minus[B];
-  for (std::size_t i = A.rows(); i-- > 0;) {
-    relax<Order::down>(A, i, r, z, minus);
-    scatter<Order::down>(A, i, minus, r);
-  }
+  A.parts.downwards(A.rows(), [&](std::size_t first, std::size_t end) {
+    float minus[B];
+    for (std::size_t i = end; i-- > first;) {
+      relax<Order::down>(A, i, r, z, minus);
+      scatter<Order::down>(A, i, minus, r);
+    }
+  });
 }
 
 template <int B>
 void subtract_product(const SymmetricBlocks<B>& A, const float* r, const float* z,
                       float* residual) {
-  for (std::size_t i = 0; i < std::size_t(A.rows()); ++i) {
-    const std::size_t first = i * stride<B>;
-    BlockSum<B, B> sum = lower_product<Order::up>(A, i, z);
-    sum.add(A.diagonal_at(i), z + first);
-    float minus[B];
-    for (int e = 0; e < B; ++e) {
-      residual[first + e] = r[first + e] - sum[e];
-      minus[e] = -z[first + e];
+  A.parts.upwards(A.rows(), [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) {
+      const std::size_t at = i * stride<B>;
+      BlockSum<B, B> sum = lower_product<Order::up>(A, i, z);
+      sum.add(A.diagonal_at(i), z + at);
+      float minus[B];
+      for (int e = 0; e < B; ++e) {
+        residual[at + e] = r[at + e] - sum[e];
+        minus[e] = -z[at + e];
+      }
+      scatter<Order::up>(A, i, minus, residual);
     }
-    scatter<Order::up>(A, i, minus, residual);
-  }
+  });
 }
 
 template <int R, int C>
@@ -96,12 +102,14 @@ void restrict_to(const Prolongation<R, C>& P, const float* fine, std::vector<flo
 
 template <int R, int C>
 void prolong(const Prolongation<R, C>& P, const float* coarse, float* fine) {
-  for (std::size_t i = 0; i < std::size_t(P.rows()); ++i) {
-    BlockSum<R, C> sum;
-    for (Index q = P.row[i]; q < P.row[i + 1]; ++q)
-      sum.add(P.at(q), coarse + std::size_t(P.col[q]) * stride<C>);
-    for (int r = 0; r < R; ++r) fine[i * stride<R> + r] += sum[r];
-  }
+  in_ranges(P.rows(), [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) {
+      BlockSum<R, C> sum;
+      for (Index q = P.row[i]; q < P.row[i + 1]; ++q)
+        sum.add(P.at(q), coarse + std::size_t(P.col[q]) * stride<C>);
+      for (int r = 0; r < R; ++r) fine[i * stride<R> + r] += sum[r];
+    }
+  });
 }
 
 #define FRICTIONCG_INSTANTIATE(B)                                          \

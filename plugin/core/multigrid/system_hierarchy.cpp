@@ -151,19 +151,20 @@ std::unique_ptr<Hierarchy> make_hierarchy(const System& system, const HierarchyO
     return nullptr;
   const Index k = static_cast<Index>(system.border.cols()), end = system.interior();
   if (k == 0 || system.dofs() <= options.dense) {
-    const NodeBlocks blocks = make_node_blocks(system.mesh_node, system.dimension, end);
+    const NodeBlocks blocks =
+        make_node_blocks(system.entries(), system.mesh_node, modes, system.dimension, end);
     return make_hierarchy(system.entries(), blocks, modes, options);
   }
   std::vector<Index> mesh_node = system.mesh_node;
   mesh_node.erase(mesh_node.begin() + end - k, mesh_node.begin() + end);
   Eigen::MatrixXd of_bodies(system.dofs() - k, modes.cols());
   of_bodies << modes.topRows(end - k), modes.bottomRows(system.contact_dofs());
-  const NodeBlocks blocks = make_node_blocks(mesh_node, system.dimension, end - k);
+  const Matrix A = without_border(system);
+  const NodeBlocks blocks = make_node_blocks(A, mesh_node, of_bodies, system.dimension, end - k);
   HierarchyOptions within = options;
   within.multiplies = false;  // by the whole of A alone
   within.dense = 0;           // levels join a border
-  return std::make_unique<BorderedHierarchy>(
-      system, make_hierarchy(without_border(system), blocks, of_bodies, within));
+  return std::make_unique<BorderedHierarchy>(system, make_hierarchy(A, blocks, of_bodies, within));
 }
 
 }  // namespace frictioncg

@@ -7,29 +7,6 @@ namespace frictioncg {
 
 namespace {
 
-/// Places of the mesh nodes, a row each, in some unit, from the modes. Along a node's translation
-/// into y its rotation about z goes as x, in any frame. A node that a support holds may lack it.
-Eigen::MatrixXd places_of(const System& system, const Eigen::MatrixXd& modes) {
-  const int d = system.dimension;
-  const std::size_t nodes = 1 + *std::max_element(system.mesh_node.begin(), system.mesh_node.end());
-  std::vector<Index> count(nodes, 0), row(nodes, -1);
-  Index whole = 0;
-  for (const Index node : system.mesh_node)
-    if (++count[node] == d) row[node] = whole++;
-  Eigen::MatrixXd place = Eigen::MatrixXd::Zero(whole, d);
-  for (Index i = 0; i < system.dofs(); ++i) {
-    const Index r = row[system.mesh_node[i]];
-    if (r < 0) continue;
-    if (d == 2) {
-      place(r, 0) += modes(i, 2) * modes(i, 1);
-      place(r, 1) -= modes(i, 2) * modes(i, 0);
-      continue;
-    }
-    for (int k = 0; k < d; ++k) place(r, k) += modes(i, 3 + (k + 2) % d) * modes(i, (k + 1) % d);
-  }
-  return place;
-}
-
 constexpr Real rounding_of_S = 1e3;  ///< over that of A: S is a difference of matrices of size D
 constexpr Real first_shift = 1e-9;   ///< of inverse iteration, relative to D
 constexpr Real greatest_shift = 1e-5;
@@ -110,12 +87,33 @@ DenseMatrix rigid_motions(const System& system, Index max_iterations) {
   return scale.asDiagonal() * W;
 }
 
+/// By t x (x x t) = x - t t'x: along an axis e_k, a dof that moves along t tells 1 - t_k^2 of x_k.
+Eigen::MatrixXd places_of(const std::vector<Index>& mesh_node, int dimension,
+                          const Eigen::MatrixXd& modes) {
+  const Index nodes = 1 + *std::max_element(mesh_node.begin(), mesh_node.end());
+  Eigen::MatrixXd place = Eigen::MatrixXd::Zero(nodes, dimension), told = place;
+  for (std::size_t i = 0; i < mesh_node.size(); ++i) {
+    Vec3 t = Vec3::Zero(), x_t = Vec3::Zero();
+    t.head(dimension) = modes.row(Index(i)).head(dimension);
+    x_t.tail(modes.cols() - dimension) = modes.row(Index(i)).tail(modes.cols() - dimension);
+    place.row(mesh_node[i]) += t.cross(x_t).head(dimension);
+    told.row(mesh_node[i]).array() +=
+        t.head(dimension).squaredNorm() - t.head(dimension).array().square().transpose();
+  }
+  return (told.array() > 0).select(place.array() / told.array(), 0);
+}
+
 Real slenderness(const System& system) {
   if (!system.rigid_modes || system.mesh_node.empty()) return 1;
   const Eigen::MatrixXd modes = system.rigid_modes();
   if (modes.rows() != system.dofs() || modes.cols() != rigid_components(system.dimension)) return 1;
-  Eigen::MatrixXd place = places_of(system, modes);
-  if (place.rows() < 2) return 1;
+  std::vector<Index> whole, count;  // a node that a support holds may lack its place
+  for (const Index node : system.mesh_node) {
+    if (node >= static_cast<Index>(count.size())) count.resize(node + 1, 0);
+    if (++count[node] == system.dimension) whole.push_back(node);
+  }
+  if (whole.size() < 2) return 1;
+  Eigen::MatrixXd place = places_of(system.mesh_node, system.dimension, modes)(whole, Eigen::all);
   place.rowwise() -= place.colwise().mean().eval();
   const Vector extent = eigenpairs(place.transpose() * place).values;
   return extent[0] > 0 ? std::sqrt(extent.tail(1)[0] / extent[0]) : 1;

@@ -13,6 +13,11 @@ DenseMatrix rigid_motions(const DenseMatrix& S, const Vector& D);
 /// n x k; what costs more than max_iterations products with A is not found.
 DenseMatrix rigid_motions(const System& system, Index max_iterations);
 
+/// Where the mesh nodes lie, nodes x dimension, in some unit, from rigid modes (n x 3 or 6) in any
+/// frames. mesh_node: n. 0 for what the dofs of a node that a support holds do not tell.
+Eigen::MatrixXd places_of(const std::vector<Index>& mesh_node, int dimension,
+                          const Eigen::MatrixXd& modes);
+
 /// How slender all bodies together are: the longest over the shortest radius of gyration of the
 /// mesh nodes, about L/t of a beam or a plate. 1 where the system does not tell its rigid modes.
 Real slenderness(const System& system);

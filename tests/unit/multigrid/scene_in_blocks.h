@@ -18,7 +18,8 @@ struct SceneInBlocks {
       : posed(scene.system(scene.node_of_dof)),
         system(posed.problem().system),
         modes(system->rigid_modes()),
-        blocks(make_node_blocks(system->mesh_node, scene.d, system->interior())),
+        blocks(make_node_blocks(system->entries(), system->mesh_node, modes, scene.d,
+                                system->interior())),
         hierarchy(make_hierarchy(system->entries(), blocks, modes, how)) {}
 };
 
