@@ -13,7 +13,9 @@ endif
 INCLUDE   := -Iplugin/core -Iplugin -DEIGEN_USE_BLAS -DEIGEN_DONT_PARALLELIZE -isystem /usr/include/eigen3 -isystem /usr/include/suitesparse
 # GCC collects its garbage from 1 GB on: sooner, that takes a quarter of its time. clang has none.
 HEAP      := $(if $(findstring clang,$(CXX)),,--param ggc-min-heapsize=1000000)
-FLAGS      = -std=c++17 -fPIC -fopenmp $(HEAP) $(CXXFLAGS) $(WARN) $(INCLUDE)
+# clang's own OpenMP is another library than CHOLMOD's: by clang multigrid has one thread.
+OPENMP    := $(if $(findstring clang,$(CXX)),,-fopenmp)
+FLAGS      = -std=c++17 -fPIC $(OPENMP) $(HEAP) $(CXXFLAGS) $(WARN) $(INCLUDE)
 LIBS      := -lcholmod -lblas -lgomp
 PACKAGES  := libeigen3-dev libsuitesparse-dev libopenblas0-pthread libopenblas-dev libgtest-dev \
              gnuplot-nox ghostscript g++

@@ -60,31 +60,42 @@ class Threads {
   int levels_ = -1, omp_threads_ = -1, blas_threads_ = -1;  ///< of before; -1: not changed
 };
 
-/// task(k) for k = 0 .. count-1, on the threads of the call; within a task, on those that are idle.
-/// What one of them throws is thrown here.
+/// work(), whose tasks side by side the threads of the call share. While it has none they wait, and
+/// it never waits for one that the system does not run.
+template <class Work>
+void with_threads(const Work& work) {
+  if (Threads::own() < 2 || !omp_in_parallel || omp_in_parallel()) return work();
+  std::exception_ptr thrown;
+  const int levels = omp_get_max_active_levels();
+  omp_set_max_active_levels(1);
+#pragma omp parallel num_threads(Threads::own())
+#pragma omp master
+  try {
+    work();
+  } catch (...) {
+    thrown = std::current_exception();
+  }
+  omp_set_max_active_levels(levels);
+  if (thrown) std::rethrow_exception(thrown);
+}
+
+/// task(k) for k = 0 .. count-1, within with_threads() on several of them. What one of them throws
+/// is thrown here.
 template <class Task>
 void side_by_side(Index count, const Task& task) {
-  const int threads = std::min(count, Threads::own());
+  if (count < 2 || !omp_in_parallel || !omp_in_parallel()) {
+    for (Index k = 0; k < count; ++k) task(k);
+    return;
+  }
   std::exception_ptr thrown;
-  const auto run = [&](Index k) {
+#pragma omp taskloop grainsize(1) shared(task, thrown)
+  for (Index k = 0; k < count; ++k) {
     try {
       task(k);
     } catch (...) {
 #pragma omp critical
       thrown = std::current_exception();
     }
-  };
-  if (threads < 2 || !omp_in_parallel) {
-    for (Index k = 0; k < count; ++k) task(k);
-  } else if (omp_in_parallel()) {
-#pragma omp taskloop grainsize(1)
-    for (Index k = 0; k < count; ++k) run(k);
-  } else {
-    const int levels = omp_get_max_active_levels();
-    omp_set_max_active_levels(1);
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
-    for (Index k = 0; k < count; ++k) run(k);
-    omp_set_max_active_levels(levels);
   }
   if (thrown) std::rethrow_exception(thrown);
 }

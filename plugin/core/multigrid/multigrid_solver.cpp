@@ -36,11 +36,13 @@ void MultigridSolver::renew(SystemPtr system) {
 
 void MultigridSolver::set_up() {
   const double start = cpu_seconds();
-  side_by_side(2, [&](Index k) {
-    if (k == 0)
-      hierarchy_ = make_hierarchy(*system_);
-    else
-      motions_ = floating_motions(*system_);
+  with_threads([&] {
+    side_by_side(2, [&](Index k) {
+      if (k == 0)
+        hierarchy_ = make_hierarchy(*system_);
+      else
+        motions_ = floating_motions(*system_);
+    });
   });
   set_up_ = true;
   setup_ = cpu_seconds() - start;
@@ -96,7 +98,9 @@ void MultigridSolver::iterate(const ContactProblem& problem, const Settings& set
   const Vector going_on = past_.next(*system_, problem.increment);
   const Start start = best_of(problem, x0, going_on);
   const bool own_faces = past_.has_direction() && start.goes_on;
-  s.status = newton.solve(settings.tol, bound, start.x, start.b, own_faces ? Branches() : last_);
+  with_threads([&] {
+    s.status = newton.solve(settings.tol, bound, start.x, start.b, own_faces ? Branches() : last_);
+  });
   s.x = newton.x();
   s.negative = newton.negative();
   s.iterations = newton.iterations();

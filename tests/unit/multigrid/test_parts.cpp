@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <thread>
+
 namespace frictioncg::test {
 
 namespace {
@@ -86,21 +89,37 @@ TEST(SideBySide, ThrowsWhatATaskThrows) {
   for (Index threads : {1, 2}) {
     const Threads given(threads);
     std::vector<int> done(100, 0);
-    side_by_side(100, [&](Index k) { done[k] = 1; });
+    with_threads([&] { side_by_side(100, [&](Index k) { done[k] = 1; }); });
     EXPECT_EQ(std::count(done.begin(), done.end(), 1), 100);
-    EXPECT_THROW(side_by_side(8,
-                              [](Index k) {
-                                if (k == 5) throw IllegalInput("five");
-                              }),
-                 IllegalInput);
+    const auto fail = [](Index k) {
+      if (k == 5) throw IllegalInput("five");
+    };
+    EXPECT_THROW(with_threads([&] { side_by_side(8, fail); }), IllegalInput);
+    EXPECT_THROW(with_threads([&] { fail(5); }), IllegalInput);
   }
 }
 
 TEST(SideBySide, TasksShareTasksOfTheirOwn) {
   const Threads two(2);
   std::vector<std::array<int, 10>> done(2);
-  side_by_side(2, [&](Index k) { side_by_side(10, [&](Index j) { done[k][j] = 1; }); });
+  with_threads([&] {
+    side_by_side(2, [&](Index k) { side_by_side(10, [&](Index j) { done[k][j] = 1; }); });
+  });
   for (const auto& tasks : done) EXPECT_EQ(std::count(tasks.begin(), tasks.end(), 1), 10);
+}
+
+TEST(SideBySide, TakesThreads) {
+  if (!omp_in_parallel) GTEST_SKIP() << "compiled without OpenMP";
+  const Threads two(2);
+  // each waits for the other
+  std::atomic<int> met{0};
+  with_threads([&] {
+    side_by_side(2, [&](Index) {
+      ++met;
+      while (met < 2) std::this_thread::yield();
+    });
+  });
+  EXPECT_EQ(met, 2);
 }
 
 TEST(Hierarchy, GivesTheSameOnAnyNumberOfThreads) {
@@ -109,15 +128,17 @@ TEST(Hierarchy, GivesTheSameOnAnyNumberOfThreads) {
   std::vector<Vector> z, Az;
   for (Index threads : {1, 2, 3}) {
     const Threads given(threads);
-    SceneInBlocks s(o);
-    EXPECT_EQ(s.blocks.parts.leaves, 4);
-    std::vector<char> fixed(s.system->contact_dofs(), 0);
-    for (std::size_t c = 0; c < fixed.size(); c += 2) fixed[c] = 1;
-    s.hierarchy->truncate(fixed, {});
-    const Vector r = Vector::LinSpaced(s.system->dofs(), 1, 7).array().sin();
-    s.hierarchy->apply(r, z.emplace_back());
-    ASSERT_TRUE(s.hierarchy->multiply(r, Az.emplace_back()));
-    EXPECT_LT((Az.back() - s.system->entries() * r).norm(), 1e-12 * Az.back().norm());
+    with_threads([&] {
+      SceneInBlocks s(o);
+      EXPECT_EQ(s.blocks.parts.leaves, 4);
+      std::vector<char> fixed(s.system->contact_dofs(), 0);
+      for (std::size_t c = 0; c < fixed.size(); c += 2) fixed[c] = 1;
+      s.hierarchy->truncate(fixed, {});
+      const Vector r = Vector::LinSpaced(s.system->dofs(), 1, 7).array().sin();
+      s.hierarchy->apply(r, z.emplace_back());
+      EXPECT_TRUE(s.hierarchy->multiply(r, Az.emplace_back()));
+      EXPECT_LT((Az.back() - s.system->entries() * r).norm(), 1e-12 * Az.back().norm());
+    });
   }
   for (const std::vector<Vector>& all : {z, Az})
     for (const Vector& v : all) EXPECT_EQ((v - all.front()).lpNorm<Eigen::Infinity>(), 0);
