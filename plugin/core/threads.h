@@ -44,7 +44,7 @@ class Threads {
     ++depth_;
   }
   ~Threads() {
-    --depth_;
+    if (--depth_ == 0) own_ = 1;
     if (blas_threads_ >= 0) openblas_set_num_threads(blas_threads_);
     if (levels_ >= 0) {
       omp_set_num_threads(omp_threads_);

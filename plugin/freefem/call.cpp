@@ -318,8 +318,6 @@ Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws)
   LocalIncrement now = increment(vectors, scene, laws);
   report_leftover(check_data(scene, call.b, now.u0), call.verb);
   report_left_out(now.left_out, call.verb);
-  if (call.verb > 0 && now.increment.law != Law::frictionless)
-    report_held_friction(scene, now.u0, vectors.u_old);
   check_one_value(scene, call.b, call.verb);
   check_load_for_data(scene, call.b, call.verb);
   ContactProblem problem{scene.system->system(), now.increment};
@@ -360,6 +358,7 @@ Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws)
   if (call.verb > 0) {
     report_memory(scene.solver->memory_needed(), call.settings);
     report_end(solution, blamed);
+    report_held_friction(scene, problem, solution, now.u0, vectors.u_old);
     report_undetermined(scene, solution, call.verb);
   }
   if (call.verb > 2) report_phases(scene, solution);

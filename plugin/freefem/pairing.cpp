@@ -136,6 +136,7 @@ class InterfaceBuilder {
       for (std::size_t p : of_label[f.label]) {
         mortar::Facet& facet = all_.pairs[p].master.facets[next[p]++];
         facet.one_body = of_slave[p].count(facet.body) > 0;
+        if (in_one_space_) facet.thickness = space.thickness(f.element, f.facet);
         const SharedNode n = space.node_at_vertex(f.element, f.facet);
         const Index i = node(n, space.d, dof_offset);
         if (!is_elsewhere(n.x, all_.X[i], f.normal, space.d)) facet.behind = i;  // not over a seam

@@ -275,25 +275,29 @@ void report_end(const Solution& solution, const std::string& motion) {
   line() << of_motion << motion << std::endl;
 }
 
-void report_held_friction(const Scene& scene, const Vector& u0, const Vector& u_old) {
+void report_held_friction(const Scene& scene, const ContactProblem& problem,
+                          const Solution& solution, const Vector& u0, const Vector& u_old) {
   constexpr Real rounding = 1e-12;
   const Real least = rounding * u0.lpNorm<Eigen::Infinity>();
-  Index count = 0;
+  std::set<Index> moved;  // first dofs
   const BoundaryNode* first = nullptr;
-  for (const BoundaryNode& n : scene.nodes) {
-    Vec3 moved = Vec3::Zero();
+  for (Index i = 0; i < problem.nodes(); ++i) {
+    const BoundaryNode& n = scene.nodes[i];
+    const bool rubs = law_of(problem.increment, i).has_friction();
+    if (solution.state[i] == NodeState::separated || !rubs) continue;
+    Vec3 by = Vec3::Zero();
     for (int c = 0; c < scene.d; ++c)
-      if (const Index i = n.point.dof[c]; scene.held[i])
-        moved[c] = u0[i] - (u_old.size() > 0 ? u_old[i] : 0);
-    const Vec3& normal = n.point.normal;
-    if (!((moved - normal.dot(moved) * normal).norm() > least)) continue;
-    if (count++ == 0) first = &n;
+      if (const Index k = n.point.dof[c]; scene.held[k])
+        by[c] = u0[k] - (u_old.size() > 0 ? u_old[k] : 0);
+    if (!((by - n.point.normal.dot(by) * n.point.normal).norm() > least)) continue;
+    if (moved.empty()) first = &n;
+    moved.insert(n.point.dof[0]);
   }
-  if (count > 0)
-    line() << "note: Dirichlet data move " << counted(count, "contact node") << ", as at "
-           << place(*first, scene.d)
-           << ", along the contact: their friction is left to the supports, "
-           << "and force has none" << std::endl;
+  if (moved.empty()) return;
+  line() << "note: Dirichlet data move " << counted(Index(moved.size()), "contact node")
+         << ", as at " << place(*first, scene.d)
+         << ", along the contact: their friction is left to the supports, "
+         << "and force has none" << std::endl;
 }
 
 void report_memory(double needed, const Settings& s) {

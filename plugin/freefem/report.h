@@ -26,8 +26,9 @@ constexpr Real felt_contrast = 1e10;
 void report_leftover(Real most, long verb);
 void report_left_out(Real share, long verb);
 
-/// Where data move contact nodes along the contact. u0: the data; u_old: or empty
-void report_held_friction(const Scene& scene, const Vector& u0, const Vector& u_old);
+/// Where data move closed contact nodes along the contact. u0: the data; u_old: or empty
+void report_held_friction(const Scene& scene, const ContactProblem& problem,
+                          const Solution& solution, const Vector& u0, const Vector& u_old);
 /// Why a call by method auto has no factor: no factor of its scene fits in memory.
 void report_memory(double needed, const Settings& s);
 

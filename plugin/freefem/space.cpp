@@ -239,6 +239,41 @@ class SpaceOn final : public Space {
     node.moved = as_vector(moved(node.dof));
     return node;
   }
+  double thickness(Index element, int facet) const override {
+    constexpr double thick = 4;  // deeper overlaps are none, whatever is there
+    constexpr int n = D::d + 1;
+    using Square = Eigen::Matrix<double, n, n>;
+    const auto vertices = [&](Index k) {  // columns (x, 1)
+      Square V;
+      for (int v = 0; v < n; ++v) {
+        const R3 hat(v == 1, v == 2, v == 3);
+        V.col(v) << as_vector(D::position(mesh(), k, hat)).template head<D::d>(), 1;
+      }
+      return V;
+    };
+    const Square first = vertices(element);
+    const Square lambda = first.inverse();  // barycentric coordinates of (x, 1), by rows
+    const Eigen::Matrix<double, n, 1> middle = (first.rowwise().sum() - first.col(facet)) / D::d;
+    Eigen::Matrix<double, n, 1> inward = Eigen::Matrix<double, n, 1>::Zero();
+    inward.template head<D::d>() = lambda.row(facet).template head<D::d>().normalized();
+    const double most = thick * 2 * (first.col((facet + 1) % n) - middle).norm();
+    double depth = 0;
+    for (int from = facet; depth < most;) {
+      const Square at = vertices(element).inverse();
+      const Eigen::Matrix<double, n, 1> here = at * (middle + depth * inward), rate = at * inward;
+      int out = -1;
+      double step = infinity;
+      for (int v = 0; v < n; ++v)
+        if (v != from && rate[v] < 0 && -here[v] / rate[v] < step)
+          out = v, step = -here[v] / rate[v];
+      if (out < 0) break;
+      depth += std::max(0., step);
+      if (D::outer(mesh(), element, out)) return depth;
+      element = mesh().ElementAdj(element, out);
+      from = out;
+    }
+    return infinity;
+  }
   /// Elements with nothing new are passed over: most of them, in 3D.
   std::vector<NodePlace> places() const override {
     const std::vector<Index> body = body_of_element();

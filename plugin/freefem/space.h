@@ -46,6 +46,9 @@ class Space {
   virtual Boundary boundary(const std::vector<long>& labels,
                             const SpaceInWords& words = before_obstacle) const = 0;
   virtual SharedNode node_at_vertex(Index element, int vertex) const = 0;
+  /// How far it is from the middle of a facet through the mesh as given, along its normal, to where
+  /// the body ends; infinite beyond four times the facet's size.
+  virtual double thickness(Index element, int facet) const = 0;
   /// The nodes that carry values of every component of the displacement.
   virtual std::vector<NodePlace> places() const = 0;
   virtual std::vector<LabelledNode> labelled() const = 0;  ///< facet by facet, by all its labels

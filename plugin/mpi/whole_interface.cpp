@@ -82,7 +82,7 @@ void WholeInterface::gather_facets(const Domain& domain, const NodeNumbers& numb
         if (!domain.owns(part.dof[first][0])) continue;
         own.insert(own.end(),
                    {Real(p), Real(side), Real(f.label), f.outward[0], f.outward[1], f.outward[2],
-                    f.behind < 0 ? -1 : Real(number_at(f.behind)), Real(count)});
+                    f.behind < 0 ? -1 : Real(number_at(f.behind)), f.thickness, Real(count)});
         for (int k = 0; k < count; ++k) own.push_back(Real(number_at(f.node[k])));
       }
     }
@@ -97,8 +97,9 @@ void WholeInterface::gather_facets(const Domain& domain, const NodeNumbers& numb
     f.label = static_cast<long>(in[2]);
     f.outward = {in[3], in[4], in[5]};
     if (in[6] >= 0) f.behind = node(in[6]);
-    const int count = static_cast<int>(in[7]);
-    in += 8;
+    f.thickness = in[7];
+    const int count = static_cast<int>(in[8]);
+    in += 9;
     surface.quadratic = count > d;
     for (int k = 0; k < count; ++k) f.node[k] = node(*in++);
     surface.facets.push_back(f);

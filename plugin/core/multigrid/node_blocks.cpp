@@ -19,7 +19,7 @@ NodeBlocks make_node_blocks(const Matrix& A, const std::vector<Index>& mesh_node
   }
   Dissection halves(at(node, Eigen::all));
   for (Index p = 0; p < n; ++p)
-    for (Matrix::InnerIterator e(A, p); e && e.col() < p; ++e)
+    for (Matrix::InnerIterator e(A, p); e; ++e)
       halves.couple(block[mesh_node[p]], block[mesh_node[e.col()]]);
   b.parts = halves.numbered(number);
   b.place.resize(b.blocks, dimension);

@@ -28,8 +28,10 @@ Surfaces arms(int d, Real closed, int finer = 0) {
       return y;
     };
     const int cells = side == 2 ? 6 + finer : 6;
-    for (const Facet& f : s.sheet(cells, side % 2 ? 1 : -1, shape, 1).facets)
+    for (Facet f : s.sheet(cells, side % 2 ? 1 : -1, shape, 1).facets) {
+      f.thickness = thickness;
       all.facets.push_back(f);
+    }
   }
   all.labels = {1};
   s.pairs[0].slave = s.pairs[0].master = all;

@@ -18,6 +18,9 @@ constexpr Real on_normal = 1e-14, balanced_to = 1e-10;
 constexpr Real on_edge = 1e-9;
 /// Columns to search, as a share of the widest one, and how they grow: what is met costs little.
 constexpr Real narrowest = 1e-3, wider = 4;
+/// Gaps of two bodies that turn as one are closed up to this share of an element: beyond, forces
+/// would act within the master for want of friction.
+constexpr Real closed = 0.01;
 
 /// Weights move by up to `narrow` of a barycentric coordinate, which is about the gap over the
 /// height of the element; what asks for more fades out towards `widest`.
@@ -256,8 +259,10 @@ Crossings crossings(const Matrix& G, const std::vector<SlaveNode>& nodes, const 
       vertices.push_back(facet->behind);
       const auto later = [&, of = pair](Index l) { return pair_of[l] >= of; };
       if (std::any_of(vertices.begin(), vertices.end(), later)) continue;
-      whole += weight;
       const DenseMatrix gradients = gradients_of(vertices, all.X);
+      const bool open = g * (gradients * n).lpNorm<Eigen::Infinity>() > closed;
+      if (!apart && !facet->one_body && open) continue;
+      whole += weight;
       Crossing& here =
           found[k].emplace_back(Crossing{std::move(vertices), gradients, one_body, weight});
       const Real change = (gradients * here.e(arm, n, g)).lpNorm<Eigen::Infinity>();

@@ -158,14 +158,12 @@ bool touches_itself(const Pair& pair) {
 }  // namespace
 
 bool OwnSurface::is_through_body(const Side& side, Index f, const Facet& m, const Vec2& xi) const {
-  const Facet& own = side.facet(f);
-  if (!touches_itself && (own.body < 0 || own.body != m.body || m.behind < 0)) return false;
+  // before a deformation what is behind may lie so many facets aside
+  constexpr Real aside = 2;
+  if (side.facet(f).body != m.body || !std::isfinite(m.thickness)) return false;
   const Projection p = project(side.d, planes[f], m, X);
-  if (!p.inverts || p.at(xi).head(side.d).minCoeff() < 0) return false;
-  const Real depth = -p.distance(xi);
-  if (touches_itself) return depth > 0;
-  const Plane plane = plane_of(side.d, m, X);
-  return depth > std::abs(plane.normal.dot(X[m.behind] - plane.origin)) / 2;
+  return p.inverts && p.at(xi).head(side.d).minCoeff() >= -aside &&
+         -p.distance(xi) > m.thickness / 2;
 }
 
 bool OwnSurface::excludes(const Side& side, Index f, const Facet& m, const Vec2& xi, Real distance,

@@ -19,8 +19,9 @@ struct Facet {
   long label = 0;
   /// The vertex of the element opposite a facet of a master; -1 where it lies over a seam.
   Index behind = -1;
-  bool one_body = false;  ///< of a master: with its slave
-  Index body = -1;        ///< its number, where both sides are in one space, else -1
+  bool one_body = false;      ///< of a master: with its slave
+  Index body = -1;            ///< its number; -1 where the sides are in two spaces of one process
+  Real thickness = infinity;  ///< behind a master; infinite where that is unknown [length]
 };
 
 /// One side of a contact pair, as a mesh has it.
