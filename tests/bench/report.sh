@@ -7,7 +7,7 @@ mkdir -p "$root/report/examples"  # its pictures are the manual's own
 cd "$root/report" || exit 1
 rm -f ./*.csv ./*.txt ./*.png ./*.md
 # One thread, but where a script sets more by threads()
-export OPENBLAS_NUM_THREADS=1
+export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 quick=${QUICK:-0}
 script() { FreeFem++-nw -nw -v 0 "$root/tests/bench/$1.edp" -quick "$quick"; }
 step() { printf '%(%T)T %s ...\n' -1 "$1"; }

@@ -20,7 +20,7 @@ def output():
         return open(sys.argv[1], encoding="utf-8").read()
     script = os.path.join(os.path.dirname(os.path.abspath(__file__)), "routes.edp")
     program = os.environ.get("FF_PROGRAM", "FreeFem++-nw")
-    environment = dict(os.environ, OPENBLAS_NUM_THREADS="1")
+    environment = dict(os.environ, OPENBLAS_NUM_THREADS="1", OMP_NUM_THREADS="1")
     return subprocess.run([program, "-nw", "-v", "0", script], env=environment, check=True, text=True,
                           stdout=subprocess.PIPE).stdout
 
