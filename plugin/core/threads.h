@@ -3,7 +3,7 @@
 
 #include "types.h"
 
-// OpenMP's own, where CHOLMOD brings it along, and OpenBLAS's, where that is the BLAS.
+// OpenMP's own, without which there is one thread, and OpenBLAS's, where that is the BLAS.
 extern "C" {
 int omp_get_max_active_levels() __attribute__((weak));
 int omp_get_max_threads() __attribute__((weak));
@@ -17,11 +17,11 @@ void openblas_set_num_threads(int threads) __attribute__((weak));
 
 namespace frictioncg {
 
-/// As long as it lives, OpenMP's parallel regions run on the thread that meets them, and the BLAS
-/// has one thread. CHOLMOD 3 opens a region of four threads for every supernode, whatever
-/// OMP_NUM_THREADS says: on two cores that takes three times as long as the factorization itself.
-/// The second thread of OpenBLAS spins between small products: twice the CPU time, and no less
-/// time.
+/// As long as it lives, OpenMP's parallel regions, but for with_threads(), run on the thread that
+/// meets them, and the BLAS has one thread. CHOLMOD 3 opens a region of four threads for every
+/// supernode, whatever OMP_NUM_THREADS says: on two cores that takes three times as long as the
+/// factorization itself. The second thread of OpenBLAS spins between small products: twice the CPU
+/// time, and no less time.
 class Threads {
  public:
   /// Of a call: own of them for what is done side by side, below; 0: as many as OpenMP has.

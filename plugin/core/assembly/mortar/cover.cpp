@@ -172,8 +172,7 @@ class Covering {
       if (extent(part) > vanishing) cells.push_back({candidates_[k].master, std::move(part)});
   }
   /// A cell deeper behind the slave than a facet is long is an overlap, or, past the other side of
-  /// the master, or of the slave's own body, no partner at all: true for the latter, however thin
-  /// the body is.
+  /// the master, or of the slave's own body, no partner at all: true for the latter.
   bool overlap_refused(Index f, const Cell& cell) {
     const Plane& base = slave_.planes[f];
     const Vec2 xi = centroid(cell.part);
