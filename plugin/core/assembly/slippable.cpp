@@ -82,6 +82,15 @@ struct Slip {
   Real weight = 0;
 };
 
+/// An orthonormal basis of what motions span: two bodies have more motions between them than there
+/// are, and of columns that depend on each other every combination that is 0 would slip.
+DenseMatrix basis_of(DenseMatrix motions) {
+  constexpr Real told_apart = 1e-10;  // square of what A leaves unknown of a motion
+  motions.colwise().normalize();
+  const Eigenpairs made = eigenpairs(motions * motions.transpose());
+  return made.vectors.rightCols((made.values.array() > told_apart).count());
+}
+
 /// t.r of screws t + r x, between each two of them alike: 0 of rotations about axes that meet.
 DenseMatrix pitch_of(const DenseMatrix& motions) {
   const DenseMatrix pitch = motions.bottomRows(3).transpose() * motions.topRows(3);
@@ -125,9 +134,10 @@ Vector RigidGenerators::about(const Vec3& pivot, Index c) const {
   return motion;
 }
 
-DenseMatrix tangential_motions(const RigidGenerators& generators, const DenseMatrix& V,
+DenseMatrix tangential_motions(const RigidGenerators& generators, const DenseMatrix& among,
                                const std::vector<PointNormal>& points, Real allowed,
                                DecidedSlips decided, const SumOverProcesses& sum) {
+  const DenseMatrix V = basis_of(among);
   const Slip slip(generators, V, points, sum);
   const Real bound = decided ? clearly * allowed : allowed;
   const Index most = decided ? std::min(slip.count(), decided->count) : slip.count();

@@ -48,12 +48,12 @@ struct Slips {
 using DecidedSlips = std::optional<Slips>;  ///< none: it is decided here
 Slips slips_of(const DenseMatrix& motions);
 
-/// Of motions V (generators x k) the combinations, as columns of generators, that normals leave
-/// tangential:   Q c = lambda M c,  lambda <= allowed,  Q = sum m (w'n)(w'n)',  M = sum m w'w,
-/// with a mean square of w of 1. In place of screws they are rotations, where those are
-/// combinations of V and allowed, too. Of the number decided where fewer points were, those are
+/// Of what motions span (`among`, generators x k) the combinations, as columns of generators, that
+/// normals leave tangential:   Q c = lambda M c,  lambda <= allowed,  Q = sum m (w'n)(w'n)',  M =
+/// sum m w'w, with a mean square of w of 1. In place of screws they are rotations, where those are
+/// among them and allowed, too. Of the number decided where fewer points were, those are
 /// none that the points of now resist clearly.
-DenseMatrix tangential_motions(const RigidGenerators& generators, const DenseMatrix& V,
+DenseMatrix tangential_motions(const RigidGenerators& generators, const DenseMatrix& among,
                                const std::vector<PointNormal>& points, Real allowed,
                                DecidedSlips decided = {}, const SumOverProcesses& sum = {});
 

@@ -541,6 +541,17 @@ TEST(SlippableMotions, AreRotationsAsItWasDecided) {
     for (Real turn : {0.2, 0.03}) EXPECT_EQ(rotate(Slips{1, rotations}, turn), rotations) << turn;
 }
 
+TEST(SlippableMotions, AreNoMoreThanThereAreWhereThoseOfTwoBodiesDependOnEachOther) {
+  // a body and what it touches, both free in every way: 12 columns in a space of 6
+  std::vector<PointNormal> tube = points(cylinder(24, 5, 1, true, 6));
+  const RigidGenerators generators(3, Vec3(0, 0, 0.5), 1);
+  DenseMatrix both(6, 12);
+  both << DenseMatrix::Identity(6, 6), -DenseMatrix::Identity(6, 6);
+  EXPECT_EQ(follow_free_motions(3, generators, both, tube), 2);
+  EXPECT_EQ(follow_free_motions(3, generators, both.leftCols(9), tube), 2);
+  EXPECT_LT(wedge(tube, Vec3::Zero()), 1e-15);
+}
+
 TEST(SlippableMotions, OfPointsOnALineAreThoseThatMoveThem) {
   std::vector<PointNormal> line;
   for (int k = 0; k <= 10; ++k) line.push_back({Vec3(0, 0, k / 10.), Vec3::UnitX(), 1, 0.1});

@@ -233,23 +233,12 @@ DenseMatrix slipping(const Freedom& freedom, const DenseMatrix& relative,
 /// side that counts does not see is wrong by the contact's pressure over A's stiffness.
 constexpr Real clearly_stiffer = 10;
 
-/// An orthonormal basis of the relative motions of two bodies that are free to move along V and W:
-/// most of them both are, and with more of them than there are every combination would slip.
-DenseMatrix relative_motions(const DenseMatrix& V, const DenseMatrix& W) {
-  constexpr Real told_apart = 1e-10;  // square of what A leaves unknown of a motion
-  DenseMatrix both(V.rows(), V.cols() + W.cols());
-  both << V, W;
-  both.colwise().normalize();
-  const Eigenpairs made = eigenpairs(both * both.transpose());
-  return made.vectors.rightCols((made.values.array() > told_apart).count());
-}
-
 /// Whether V and W have a motion in common that is no translation.
 bool turn_as_one(int d, const DenseMatrix& V, const DenseMatrix& W) {
   constexpr Real alike = 1e-5;
   if (V.cols() == 0 || W.cols() == 0) return false;
   DenseMatrix both(V.rows(), V.cols() + W.cols());
-  both << V, -W;
+  both << V, W;
   both.colwise().normalize();
   const DenseMatrix common = both.leftCols(V.cols()) * null_space(both, alike).topRows(V.cols());
   return common.bottomRows(common.rows() - d).norm() > alike * common.norm();
@@ -349,9 +338,7 @@ void take_masters(int d, const Freedom& freedom, const Group& group, const Dense
 CommonNormals choose_common_normals(const Sides& of, const Options& options, const Owns& owns,
                                     const CommonNormals* begun, std::vector<Vec3>& normal) {
   const int d = of.nodes.dimension;
-  CommonNormals common;
-  common.of_master.assign(of.nodes.X.size(), 0);
-  common.turns = common.of_master;
+  CommonNormals common(of.nodes.X.size());
   if (!options.freedom) return common;
   std::optional<Freedom> freedom;
   for (std::size_t p = 0; p < of.slaves.size(); ++p) {
@@ -364,7 +351,8 @@ CommonNormals choose_common_normals(const Sides& of, const Options& options, con
       const auto [slave, master] = bodies;
       if (slave == master) continue;
       const DenseMatrix &V = freedom->of_body[slave], &W = freedom->of_body[master];
-      const DenseMatrix relative = relative_motions(V, W);
+      DenseMatrix relative(freedom->generators.count(), V.cols() + W.cols());
+      relative << V, W;
       if (turn_as_one(d, V, W))
         for (const auto& [i, here] : group.nodes) common.turns[i] = 1;
       const std::array<Index, 3> key{static_cast<Index>(p), slave, master};

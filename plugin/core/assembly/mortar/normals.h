@@ -41,9 +41,10 @@ struct CommonNormals {
     /// of those that A leaves free.
     Slips motions, free;
   };
-  std::vector<char> of_master;  ///< per node
-  std::vector<char>
-      turns;  ///< per node, whether its body and what it faces are free to turn as one
+  explicit CommonNormals(std::size_t nodes) : of_master(nodes, 0), turns(nodes, 0) {}
+
+  std::vector<char> of_master;                    ///< per node
+  std::vector<char> turns;                        ///< as one with what it faces, if need be
   std::map<std::array<Index, 3>, Choice> choice;  ///< by pair, and by the bodies of both sides
   std::vector<PairShapes> shapes;                 ///< per pair
 };

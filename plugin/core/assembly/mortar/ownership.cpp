@@ -51,10 +51,7 @@ struct Patch {
 Ownership::Ownership(Sides& of, const Options& options, const Arrangement* begun)
     : state(of.nodes.X.size(), State::uncovered),
       label(of.nodes.X.size(), 0),
-      common{std::vector<char>(of.nodes.X.size(), 0),
-             std::vector<char>(of.nodes.X.size(), 0),
-             {},
-             {}} {
+      common(of.nodes.X.size()) {
   const Nodes& nodes = of.nodes;
   if (begun) {
     static_cast<Ranked&>(*this) = *begun->ownership;
