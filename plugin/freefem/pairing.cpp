@@ -33,11 +33,12 @@ constexpr const char* pair_inside =
 /// Fills an Interface from the two sides, which have the labels of all pairs.
 class InterfaceBuilder {
  public:
-  InterfaceBuilder(const PairLabels& labels, bool in_one_space)
-      : labels_(labels), in_one_space_(in_one_space) {
+  explicit InterfaceBuilder(const PairLabels& labels) : labels_(labels) {
     all_.pairs = labels.pairs;
   }
-  void add_slave(const SpacePtr& space, const SpaceInWords& words) {
+  /// alone: the master is in the same space
+  void add_slave(const SpacePtr& space, const SpaceInWords& words, bool alone) {
+    if (alone) body_ = space->body_of_element();
     const Boundary side = space->boundary(labels_.slave, words);
     all_.slave = side.nodes;
     add(*space, side, words, 0, &mortar::Pair::slave);
@@ -66,7 +67,6 @@ class InterfaceBuilder {
     const int d = space.d;
     all_.is_moved = space.is_moved();
     std::map<long, std::set<std::size_t>> of_label = pairs_of_labels(all_.pairs, which);
-    const std::vector<Index> body = in_one_space_ ? space.body_of_element() : std::vector<Index>();
     std::vector<Index> number;
     for (const SharedNode& n : side.nodes) {
       number.push_back(node(n, d, dof_offset));
@@ -82,7 +82,7 @@ class InterfaceBuilder {
       mortar::Facet facet;
       facet.label = f.label;
       facet.outward = f.normal;
-      if (in_one_space_) facet.body = body[f.element];
+      if (!body_.empty()) facet.body = body_[f.element];
       for (std::size_t k = 0; k < f.node.size(); ++k) facet.node[k] = number[f.node[k]];
       for (std::size_t p : of_label[f.label]) {
         mortar::Surface& surface = all_.pairs[p].*which;
@@ -127,24 +127,27 @@ class InterfaceBuilder {
   /// faces of a crack.
   void add_vertices_behind(const Space& space, const Boundary& master, Index dof_offset) {
     std::vector<std::set<Index>> of_slave(all_.pairs.size());
-    for (std::size_t p = 0; p < all_.pairs.size() && in_one_space_; ++p)
+    for (std::size_t p = 0; p < all_.pairs.size() && !body_.empty(); ++p)
       for (const mortar::Facet& f : all_.pairs[p].slave.facets) of_slave[p].insert(f.body);
     std::map<long, std::set<std::size_t>> of_label =
         pairs_of_labels(all_.pairs, &mortar::Pair::master);
     std::vector<std::size_t> next(all_.pairs.size(), 0);
-    for (const BoundaryFacet& f : master.facets)
+    for (const BoundaryFacet& f : master.facets) {
+      const Real thickness = body_.empty() ? infinity : space.thickness(f.element, f.facet);
+      const SharedNode n = space.node_at_vertex(f.element, f.facet);
+      const Index i = node(n, space.d, dof_offset);
+      const bool over_a_seam = is_elsewhere(n.x, all_.X[i], f.normal, space.d);
       for (std::size_t p : of_label[f.label]) {
         mortar::Facet& facet = all_.pairs[p].master.facets[next[p]++];
         facet.one_body = of_slave[p].count(facet.body) > 0;
-        if (in_one_space_) facet.thickness = space.thickness(f.element, f.facet);
-        const SharedNode n = space.node_at_vertex(f.element, f.facet);
-        const Index i = node(n, space.d, dof_offset);
-        if (!is_elsewhere(n.x, all_.X[i], f.normal, space.d)) facet.behind = i;  // not over a seam
+        facet.thickness = thickness;
+        if (!over_a_seam) facet.behind = i;
       }
+    }
   }
 
   const PairLabels& labels_;
-  const bool in_one_space_;
+  std::vector<Index> body_;  ///< of each element, where both sides are in one space
   Interface all_;
   std::map<Index, Index> number_;  ///< first dof of a node -> its number
 };
@@ -152,13 +155,13 @@ class InterfaceBuilder {
 }  // namespace
 
 Interface interface_of(const SpacePtr& V1, const SpacePtr& V2, const PairLabels& labels) {
-  InterfaceBuilder faces(labels, !V2);
+  InterfaceBuilder faces(labels);
   if (V2) {
-    faces.add_slave(V1, {"V1", "the mesh of V1", pair_inside});
+    faces.add_slave(V1, {"V1", "the mesh of V1", pair_inside}, false);
     faces.add_master(*V2, {"V2", "the mesh of V2", pair_inside}, V1->dofs());
   } else {
     const SpaceInWords words{"Vh", "the mesh", pair_inside};
-    faces.add_slave(V1, words);
+    faces.add_slave(V1, words, true);
     faces.add_master(*V1, words, 0);
   }
   return faces.take();

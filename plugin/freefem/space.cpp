@@ -243,6 +243,7 @@ class SpaceOn final : public Space {
     constexpr double thick = 4;  // deeper overlaps are none, whatever is there
     constexpr int n = D::d + 1;
     using Square = Eigen::Matrix<double, n, n>;
+    using Point = Eigen::Matrix<double, n, 1>;
     const auto vertices = [&](Index k) {  // columns (x, 1)
       Square V;
       for (int v = 0; v < n; ++v) {
@@ -252,15 +253,14 @@ class SpaceOn final : public Space {
       return V;
     };
     const Square first = vertices(element);
-    const Square lambda = first.inverse();  // barycentric coordinates of (x, 1), by rows
-    const Eigen::Matrix<double, n, 1> middle = (first.rowwise().sum() - first.col(facet)) / D::d;
-    Eigen::Matrix<double, n, 1> inward = Eigen::Matrix<double, n, 1>::Zero();
+    Square lambda = first.inverse();  // barycentric coordinates of (x, 1), by rows
+    const Point middle = (first.rowwise().sum() - first.col(facet)) / D::d;
+    Point inward = Point::Zero();
     inward.template head<D::d>() = lambda.row(facet).template head<D::d>().normalized();
     const double most = thick * 2 * (first.col((facet + 1) % n) - middle).norm();
     double depth = 0;
     for (int from = facet; depth < most;) {
-      const Square at = vertices(element).inverse();
-      const Eigen::Matrix<double, n, 1> here = at * (middle + depth * inward), rate = at * inward;
+      const Point here = lambda * (middle + depth * inward), rate = lambda * inward;
       int out = -1;
       double step = infinity;
       for (int v = 0; v < n; ++v)
@@ -271,6 +271,7 @@ class SpaceOn final : public Space {
       if (D::outer(mesh(), element, out)) return depth;
       element = mesh().ElementAdj(element, out);
       from = out;
+      lambda = vertices(element).inverse();
     }
     return infinity;
   }

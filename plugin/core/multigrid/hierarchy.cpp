@@ -59,6 +59,7 @@ class HierarchyOf final : public Hierarchy {
     for (std::size_t p = 0; p < blocks.slot.size(); ++p) B.row(blocks.slot[p]) = modes.row(p);
     fine_.allocate();
     build_coarse(fine_.coarsen(B, blocks.place, coarsening(D, true)), options.coarsest);
+    blocks_.place.resize(0, 0);
     for (const Index i : blocks.contact) {
       contact_diagonal_.insert(contact_diagonal_.end(), fine_.A.diagonal_at(i),
                                fine_.A.diagonal_at(i + 1));

@@ -107,13 +107,12 @@ Real slenderness(const System& system) {
   if (!system.rigid_modes || system.mesh_node.empty()) return 1;
   const Eigen::MatrixXd modes = system.rigid_modes();
   if (modes.rows() != system.dofs() || modes.cols() != rigid_components(system.dimension)) return 1;
-  std::vector<Index> whole, count;  // a node that a support holds may lack its place
-  for (const Index node : system.mesh_node) {
-    if (node >= static_cast<Index>(count.size())) count.resize(node + 1, 0);
+  const Eigen::MatrixXd places = places_of(system.mesh_node, system.dimension, modes);
+  std::vector<Index> whole, count(places.rows(), 0);  // where a support holds, a place may lack
+  for (const Index node : system.mesh_node)
     if (++count[node] == system.dimension) whole.push_back(node);
-  }
   if (whole.size() < 2) return 1;
-  Eigen::MatrixXd place = places_of(system.mesh_node, system.dimension, modes)(whole, Eigen::all);
+  Eigen::MatrixXd place = places(whole, Eigen::all);
   place.rowwise() -= place.colwise().mean().eval();
   const Vector extent = eigenpairs(place.transpose() * place).values;
   return extent[0] > 0 ? std::sqrt(extent.tail(1)[0] / extent[0]) : 1;
