@@ -100,15 +100,37 @@ void side_by_side(Index count, const Task& task) {
   if (thrown) std::rethrow_exception(thrown);
 }
 
-/// work(first, end) on ranges of 0 .. n-1
+/// Below so many rows of a vector threads take longer to meet than to work.
+constexpr Index least_range = 4096;
+
+/// Where range k of `count` of 0 .. n-1 begins
+inline Index range_begin(Index n, Index k, Index count) {
+  return static_cast<Index>(std::int64_t(n) * k / count);
+}
+
+/// work(first, end) on ranges of 0 .. n-1, as many as the work is worth, which is that on `rows`
+/// rows of a vector.
+template <class Work>
+void in_ranges(Index n, Index rows, const Work& work) {
+  const Index count = std::clamp(std::min(n, rows / least_range), 1, 4 * Threads::own());
+  side_by_side(count,
+               [&](Index k) { work(range_begin(n, k, count), range_begin(n, k + 1, count)); });
+}
 template <class Work>
 void in_ranges(Index n, const Work& work) {
-  constexpr Index least = 4096;  // below it threads take longer to meet than to work
-  const Index count = std::max(1, std::min(n / least, 4 * Threads::own()));
+  in_ranges(n, n, work);
+}
+
+/// The sum of part(first, end) over ranges, which are those of any number of threads.
+template <class Part>
+auto sum_of_ranges(Index n, const Part& part) {
+  std::array<decltype(part(0, n)), 16> of_range;
+  const Index most = of_range.size(), count = std::clamp(n / least_range, 1, most);
   side_by_side(count, [&](Index k) {
-    work(static_cast<Index>(std::int64_t(n) * k / count),
-         static_cast<Index>(std::int64_t(n) * (k + 1) / count));
+    of_range[k] = part(range_begin(n, k, count), range_begin(n, k + 1, count));
   });
+  for (Index k = 1; k < count; ++k) of_range[0] += of_range[k];
+  return of_range[0];
 }
 
 }  // namespace frictioncg

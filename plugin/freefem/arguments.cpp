@@ -341,16 +341,20 @@ Settings read_settings(Stack stack, const Arguments& args) {
   s.tol = args.value(stack, p_tol, s.tol);
   if (args.has(p_nbiter)) s.nbiter = bound_on_iterations(args.value(stack, p_nbiter, 0.0));
   s.memory = 1e9 * args.value(stack, p_memory, s.memory / 1e9);
-  // processes share the machine already; mpisize is 0 in FreeFem++ itself
-  const long threads = args.value<long>(stack, p_threads, mpisize > 1 ? 1 : s.threads);
-  require(!args.has(p_threads) || (threads >= 1 && threads <= 1024), p_threads, threads,
-          "threads are 1 to 1024; leave it out to have as many as OMP_NUM_THREADS or the machine");
-  s.threads = static_cast<Index>(threads);
+  s.threads = read_threads(stack, args);
   require(!args.has(p_regeps) || s.regeps != 0, p_regeps, 0, "leave it out to have the default");
   require(!args.has(p_omega) || s.omega != 0, p_omega, 0, "leave it out to have the default");
   refuse_without_effect(args, s);
   validate(s);
   return s;
+}
+
+Index read_threads(Stack stack, const Arguments& args) {
+  // processes share the machine already; mpisize is 0 in FreeFem++ itself
+  const long threads = args.value<long>(stack, p_threads, mpisize > 1 ? 1 : 0);
+  require(!args.has(p_threads) || (threads >= 1 && threads <= 1024), p_threads, threads,
+          "threads are 1 to 1024; leave it out to have as many as OMP_NUM_THREADS or the machine");
+  return static_cast<Index>(threads);
 }
 
 long read_verb(Stack stack, const Arguments& args) {

@@ -109,6 +109,9 @@ void set_type_of_domain(const std::type_info& type);
 /// defaults in the core.
 Settings read_settings(Stack stack, const Arguments& args);
 
+/// 0: as many as OpenMP has.
+Index read_threads(Stack stack, const Arguments& args);
+
 /// 0 silent, 1 plan and end, 2 iterations, 3 phases and counters: FreeFEM's verbosity, unless verb
 /// is given.
 long read_verb(Stack stack, const Arguments& args);

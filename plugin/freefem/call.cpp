@@ -4,6 +4,7 @@
 #include "../core/gradient/anderson.h"
 #include "../core/statics/floating.h"
 #include "../core/statics/uncertain_work.h"
+#include "../core/threads.h"
 #include "checks.h"
 #include "motions.h"
 #include "node_values.h"
@@ -221,14 +222,15 @@ void report_plain(long verb) {
            << std::endl;
 }
 
-void assemble(const Triplets& A, Scene& scene, long verb,
+void assemble(Stack stack, const Arguments& args, const Triplets& A, Scene& scene,
               const std::function<void(const Triplets&)>& pose) {
+  const Threads threads(read_threads(stack, args));
   scene.stiffened = stiffened_by_force(A, scene);
   if (scene.stiffened) {
     try {
       return pose(scene.stiffened->less());
     } catch (const IllegalInput&) {
-      report_plain(verb);
+      report_plain(read_verb(stack, args));
       scene.stiffened.reset();
     }
   }
@@ -267,7 +269,7 @@ std::shared_ptr<Scene> read_scene(Stack stack, const Arguments& args, const Expr
   if (scene->pairing) face_bodies(stack, args, A, *scene);
   laws = read_point_laws(stack, args, lasts, *scene, begun_laws(stack, args));
   const Triplets matrix = matrix_of(stack, A, scene->dofs);
-  assemble(matrix, *scene, read_verb(stack, args), [&](const Triplets& M) { scene->assemble(M); });
+  assemble(stack, args, matrix, *scene, [&](const Triplets& M) { scene->assemble(M); });
   scene->unnamed_radius = unnamed_radius(args, *scene, matrix);
   if (!scene->tangents) laws.law = Law::frictionless;
   return scene;
@@ -435,7 +437,7 @@ PosedProblem renewed(Stack stack, const Arguments& args, const Expression A, con
     posed.laws.gap.tail(rest) = laws.gap.tail(rest);
   }
   const Triplets matrix = matrix_of(stack, A, scene.dofs);
-  assemble(matrix, scene, read_verb(stack, args),
+  assemble(stack, args, matrix, scene,
            [&](const Triplets& M) { scene.assemble(M, &before, alone); });
   return posed;
 }

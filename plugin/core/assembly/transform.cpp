@@ -1,5 +1,7 @@
 #include "assembly/transform.h"
 
+#include "threads.h"
+
 namespace frictioncg {
 
 namespace {
@@ -17,19 +19,41 @@ struct Image {
   Real factor = 1;
 };
 
+/// Rows 0 .. n-1 in ranges of one length, one for each thread of the call.
+struct Shares {
+  explicit Shares(Index n)
+      : count(std::clamp(n / least_range, 1, Threads::own())),
+        of_a_row((std::uint64_t(count) << 32) / std::max(1, n)) {}
+  Index of(Index p) const { return static_cast<Index>(of_a_row * std::uint64_t(p) >> 32); }
+
+  const Index count;
+  const std::uint64_t of_a_row;  ///< over 2^32
+};
+
+/// How many entries lie in each row, and in each column of the rows of a share, at [1 ..].
+struct Counts {
+  explicit Counts(Index n)
+      : shares(n), rows(n + 1, 0), columns(std::size_t(n) * shares.count + 1, 0) {}
+  void add(Index p, Index q) {
+    ++rows[p + 1];
+    ++columns[at(p, q) + 1];
+  }
+  std::size_t at(Index p, Index q) const { return first(shares.of(p)) + q; }
+  std::size_t first(Index share) const { return share * (rows.size() - 1); }
+
+  const Shares shares;
+  std::vector<Index> rows, columns;
+};
+
 /// What one pass over the triplets tells: those that touch a dof that is held or whose factor is
-/// not 1, in the local dofs, those of A_local and those of K; and how many entries lie in each row
-/// and column of A_local, at [1 ..].
+/// not 1, in the local dofs, those of A_local and those of K; and where entries of A_local lie.
 struct Split {
   std::vector<Index> plain;  ///< the local dof that a dof is, as nearly all are; negative otherwise
   EntryList local;
-  std::vector<Index> rows, columns;
+  Counts counts;
 
   Split(const Triplets& A, const Basis& basis, Matrix& K)
-      : plain(basis.T.rows(), -1),
-        rows(basis.local_dofs() + 1, 0),
-        columns(rows),
-        w_(basis.local_dofs()) {
+      : plain(basis.T.rows(), -1), counts(basis.local_dofs()), w_(basis.local_dofs()) {
     if (w_ == 0) throw IllegalInput("Dirichlet conditions hold every degree of freedom of A");
     const std::vector<Image> images = find_images(basis.T);
     EntryList couplings, B;  // B: what touches a row of T with several entries
@@ -37,8 +61,8 @@ struct Split {
       const Index i = A.row(k), j = A.col(k);
       if (A.a[k] == 0) continue;
       if (plain[i] >= 0 && plain[j] >= 0) {
-        count(plain[i], plain[j]);
-        if (A.half && i != j) count(plain[j], plain[i]);
+        counts.add(plain[i], plain[j]);
+        if (A.half && i != j) counts.add(plain[j], plain[i]);
         continue;
       }
       const Image &P = images[i], &Q = images[j];
@@ -53,7 +77,7 @@ struct Split {
       if (A.half && i != j) add(j, i, Q, P);
     }
     if (!B.empty()) add_product(B, basis.T, couplings);
-    for (const auto& e : local) count(e.row(), e.col());
+    for (const auto& e : local) counts.add(e.row(), e.col());
     if ((A.half ? 2 : 1) * A.size + local.size() >
         static_cast<std::size_t>(std::numeric_limits<Index>::max()))
       throw IllegalInput("A has more than 2^31 - 1 entries; this build indexes them by 32 bits");
@@ -70,10 +94,6 @@ struct Split {
       if (images[i].factor == 1 && images[i].dof < w_) plain[i] = images[i].dof;
     }
     return images;
-  }
-  void count(Index p, Index q) {
-    ++rows[p + 1];
-    ++columns[q + 1];
   }
   void sort(Index p, Index q, Real a, EntryList& couplings) {
     if (q < w_)
@@ -159,32 +179,38 @@ void close_up(const std::vector<Index>& row, const std::vector<Index>& end, Matr
 }
 
 /// M (n x n) of entries in any order; those of one place add. Sorted into buckets twice, by columns
-/// and from these by rows: their numbers alone, which takes the least memory. row, column: how many
-/// lie in each, at [1 ..]. By setFromTriplets the transformation would take half as much again.
-void fill(Matrix& M, const Entries& entries, std::vector<Index> row, std::vector<Index> column) {
+/// and from these by rows: their numbers alone, which takes the least memory. By setFromTriplets
+/// the transformation would take half as much again. Threads share rows.
+void fill(Matrix& M, const Entries& entries, Counts counts) {
+  std::vector<Index>&row = counts.rows, &column = counts.columns;
   const Index n = static_cast<Index>(row.size()) - 1;
   for (auto* start : {&row, &column})
     std::partial_sum(start->begin(), start->end(), start->begin());
   const std::unique_ptr<Index[]> number(new Index[row[n]]);
-  std::vector<Index> end(column.begin(), column.end() - 1);
-  entries.for_each([&](Index k, Index, Index q) { number[end[q]++] = k; });
+  std::vector<Index> next(column.begin(), column.end() - 1), end(row.begin(), row.end() - 1);
   M.resize(n, n);
   M.resizeNonZeros(row[n]);
-  std::copy(row.begin(), row.end() - 1, end.begin());
   Index* col = M.innerIndexPtr();
   Real* a = M.valuePtr();
-  for (Index q = 0; q < n; ++q)
-    for (Index k = column[q]; k < column[q + 1]; ++k) {
-      entries.fetch(number[std::min(k + ahead, row[n] - 1)]);
-      const Index p = entries.row(number[k]);
-      Index& at = end[p];
-      if (at > row[p] && col[at - 1] == q) {
-        a[at - 1] += entries.value(number[k]);
-      } else {
-        col[at] = q;
-        a[at++] = entries.value(number[k]);
+  const auto fill_share = [&](Index share) {
+    entries.for_each([&](Index k, Index p, Index q) {
+      if (counts.shares.of(p) == share) number[next[counts.at(p, q)]++] = k;
+    });
+    const Index* of_column = column.data() + counts.first(share);
+    for (Index q = 0; q < n; ++q)
+      for (Index k = of_column[q]; k < of_column[q + 1]; ++k) {
+        entries.fetch(number[std::min(k + ahead, of_column[n] - 1)]);
+        const Index p = entries.row(number[k]);
+        Index& at = end[p];
+        if (at > row[p] && col[at - 1] == q) {
+          a[at - 1] += entries.value(number[k]);
+        } else {
+          col[at] = q;
+          a[at++] = entries.value(number[k]);
+        }
       }
-    }
+  };
+  with_threads([&] { side_by_side(counts.shares.count, fill_share); });
   close_up(row, end, M);
 }
 
@@ -212,7 +238,7 @@ bool refill(Matrix& M, Places& places, const Entries& entries) {
 
 void transform(const Triplets& A, const Basis& basis, Matrix& A_local, Matrix& K) {
   const Split split(A, basis, K);
-  fill(A_local, Entries(A, split), split.rows, split.columns);
+  fill(A_local, Entries(A, split), split.counts);
 }
 
 void transform_again(const Triplets& A, const Basis& basis, Places& places, Matrix& A_local,
@@ -221,12 +247,9 @@ void transform_again(const Triplets& A, const Basis& basis, Places& places, Matr
   const Index w = basis.local_dofs();
   if (A_local.rows() == w && refill(A_local, places, Entries(A, split))) return;
   const Entries entries(A, split, true);
-  std::vector<Index> row(w + 1, 0), column(row);
-  entries.for_each([&](Index, Index p, Index q) {
-    ++row[p + 1];
-    ++column[q + 1];
-  });
-  fill(A_local, entries, row, column);
+  Counts counts(w);
+  entries.for_each([&](Index, Index p, Index q) { counts.add(p, q); });
+  fill(A_local, entries, counts);
   places.clear();
 }
 

@@ -1,5 +1,7 @@
 #include "multigrid/conjugate_residuals.h"
 
+#include "threads.h"
+
 namespace frictioncg {
 
 namespace {
@@ -11,6 +13,13 @@ constexpr Real negative = 1e-10;
 /// A direction of which this share of |Jz|^2 is left beside the others is rounding.
 constexpr Real dependent = 1e-20;
 
+/// Rows first .. end-1 of vectors
+struct Rows {
+  Index first, end;
+  auto of(const Vector& v) const { return v.segment(first, end - first).array(); }
+  auto of(Vector& v) const { return v.segment(first, end - first).array(); }
+};
+
 }  // namespace
 
 ConjugateResiduals::ConjugateResiduals(const System& system)
@@ -18,7 +27,10 @@ ConjugateResiduals::ConjugateResiduals(const System& system)
 
 /// The part of this process in the product of norm_D.
 Real ConjugateResiduals::dot(const Vector& a, const Vector& b) const {
-  return (a.array() * inverse_weight_.array() * b.array()).sum();
+  return sum_of_ranges(Index(a.size()), [&](Index first, Index end) {
+    const Rows rows{first, end};
+    return (rows.of(a) * rows.of(inverse_weight_) * rows.of(b)).sum();
+  });
 }
 
 void ConjugateResiduals::start(const Vector& s) {
@@ -31,19 +43,27 @@ bool ConjugateResiduals::step(Hierarchy& hierarchy, const Faces& faces, const Ve
                               Vector& x, Vector& b_C) {
   if (kept_.size() < most_directions && next_ == kept_.size()) kept_.emplace_back();
   Direction& now = kept_[next_];
+  const Index n = static_cast<Index>(x.size());
   hierarchy.apply(s_, now.z);
   if (!hierarchy.multiply(now.z, now.Jz)) system_.multiply(now.z, now.Jz);
-  const Real work = now.z.dot(now.Jz), size = now.z.dot(system_.D.cwiseProduct(now.z));
+  const Vector2 work_size = sum_of_ranges(n, [&](Index first, Index end) {
+    const Rows rows{first, end};
+    return Vector2{(rows.of(now.z) * rows.of(now.Jz)).sum(),
+                   (rows.of(now.z).square() * rows.of(system_.D)).sum()};
+  });
   now.Az_C = now.Jz.tail(springs.size()) + springs.cwiseProduct(now.z.tail(springs.size()));
   faces.jacobian(now.z, now.Az_C, now.Jz.tail(system_.contact_dofs()));
-  if (!make_orthogonal(now, work, size)) return false;
+  if (!make_orthogonal(now, work_size)) return false;
   Real along[] = {dot(now.Jz, now.Jz), dot(s_, now.Jz)};
   system_.sum(along, 2);
   now.size = along[0];
   if (!(now.size > dependent * before_)) return false;
   const Real alpha = along[1] / now.size;
-  x += alpha * now.z;
-  s_ -= alpha * now.Jz;
+  in_ranges(n, [&](Index first, Index end) {
+    const Rows rows{first, end};
+    rows.of(x) += alpha * rows.of(now.z);
+    rows.of(s_) -= alpha * rows.of(now.Jz);
+  });
   b_C -= alpha * now.Az_C;
   norm_ = std::sqrt(system_.sum(dot(s_, s_)));
   used_ = std::max(used_, next_ + 1);
@@ -52,24 +72,38 @@ bool ConjugateResiduals::step(Hierarchy& hierarchy, const Faces& faces, const Ve
 }
 
 /// Takes the directions before out of a new one, by one sum over all processes (classical
-/// Gram-Schmidt). work, size: the parts of this process in <Az,z> and <Dz,z>; false where A did
+/// Gram-Schmidt). work_size: the parts of this process in <Az,z> and <Dz,z>; false where A did
 /// negative work.
-bool ConjugateResiduals::make_orthogonal(Direction& now, Real work, Real size) {
-  std::array<Real, most_directions + 3> products{work, size, dot(now.Jz, now.Jz)};
-  for (std::size_t k = 0; k < used_; ++k)
-    if (&kept_[k] != &now) products[k + 3] = dot(now.Jz, kept_[k].Jz);
+bool ConjugateResiduals::make_orthogonal(Direction& now, const Vector2& work_size) {
+  const Index n = static_cast<Index>(now.z.size());
+  using Products = Eigen::Array<Real, int(most_directions) + 3, 1>;
+  Products products = sum_of_ranges(n, [&](Index first, Index end) {
+    const Rows rows{first, end};
+    Products part = Products::Zero();
+    const auto with = [&](const Vector& Jz) {
+      return (rows.of(now.Jz) * rows.of(inverse_weight_) * rows.of(Jz)).sum();
+    };
+    part[2] = with(now.Jz);
+    for (std::size_t k = 0; k < used_; ++k)
+      if (&kept_[k] != &now) part[Index(k) + 3] = with(kept_[k].Jz);
+    return part;
+  });
+  products.head(2) = work_size;
   system_.sum(products.data(), static_cast<Index>(used_) + 3);
   before_ = products[2];
   indefinite_ = products[0] < -negative * products[1];
   if (indefinite_) return false;
-  for (std::size_t k = 0; k < used_; ++k) {
-    const Direction& old = kept_[k];
-    if (&old == &now) continue;
-    const Real along = products[k + 3] / old.size;
-    now.z -= along * old.z;
-    now.Jz -= along * old.Jz;
-    now.Az_C -= along * old.Az_C;
-  }
+  const auto along = [&](std::size_t k) { return products[Index(k) + 3] / kept_[k].size; };
+  in_ranges(n, [&](Index first, Index end) {
+    const Rows rows{first, end};
+    for (std::size_t k = 0; k < used_; ++k) {
+      if (&kept_[k] == &now) continue;
+      rows.of(now.z) -= along(k) * rows.of(kept_[k].z);
+      rows.of(now.Jz) -= along(k) * rows.of(kept_[k].Jz);
+    }
+  });
+  for (std::size_t k = 0; k < used_; ++k)
+    if (&kept_[k] != &now) now.Az_C -= along(k) * kept_[k].Az_C;
   return true;
 }
 

@@ -26,7 +26,8 @@ class ConjugateResiduals {
     Real size = 0;  ///< <Jz, Jz>
   };
   Real dot(const Vector& a, const Vector& b) const;
-  bool make_orthogonal(Direction& now, Real work, Real size);
+  using Vector2 = Eigen::Array2d;
+  bool make_orthogonal(Direction& now, const Vector2& work_size);
 
   const System& system_;
   Vector inverse_weight_, s_;

@@ -139,66 +139,116 @@ SymmetricBlocks<K> galerkin_pattern(const SymmetricBlocks<B>& A, const Prolongat
 }
 
 /// coarse += P' (X + X') P, A = X + X': rows of X have strictly lower blocks and half of the
-/// diagonal one, so each block of A belongs to one row.
+/// diagonal one, so each block of A belongs to one row. Threads share the rows of X P, some of them
+/// at a time, and then the rows of the coarse matrix, which add them up in their order.
 template <int B, int K>
 class GalerkinProduct {
  public:
   void add(const SymmetricBlocks<B>& A, const Prolongation<B, K>& P, SymmetricBlocks<K>& coarse) {
-    for (Index i = 0; i < A.rows(); ++i) {
-      start_row(A, P, i);
-      for (Index k = A.row[i]; k < A.row[i + 1]; ++k) multiply(1, A.at(k), P, A.col[k]);
-      scatter(P, i, coarse);
-    }
+    add_rows(A, P, A.rows(), coarse, [&](Index i, const auto& add) {
+      add.start(i);
+      for (Index k = A.row[i]; k < A.row[i + 1]; ++k) add.lower(k);
+    });
   }
 
   /// Only these blocks of A.
   void add(const SymmetricBlocks<B>& A, const Prolongation<B, K>& P, const Touched<B>& of,
            SymmetricBlocks<K>& coarse) {
-    for (std::size_t q = 0; q < of.rows.size(); ++q) {
+    add_rows(A, P, static_cast<Index>(of.rows.size()), coarse, [&](Index q, const auto& add) {
       const Index i = of.rows[q];
-      if (are_zero(P.at(P.row[i]), P.at(P.row[i + 1]))) continue;  // a node that sticks
-      start_row(A, P, i);
-      for (Index k = of.begin[q]; k < of.begin[q + 1]; ++k)
-        multiply(1, A.at(of.lower[k]), P, A.col[of.lower[k]]);
-      scatter(P, i, coarse);
-    }
+      if (are_zero(P.at(P.row[i]), P.at(P.row[i + 1]))) return;  // a node that sticks
+      add.start(i);
+      for (Index k = of.begin[q]; k < of.begin[q + 1]; ++k) add.lower(of.lower[k]);
+    });
   }
 
  private:
+  static constexpr Index at_a_time = 4096;     ///< rows of X P
+  static constexpr Index rows_of_vector = 16;  ///< that take as long as a row of a product
+
+  /// A row of X P
+  struct Row {
+    Index of = -1;
+    std::vector<Index> column;
+    std::vector<float> product;  ///< B x K for each column
+  };
+  struct Adder {
+    const SymmetricBlocks<B>& A;
+    const Prolongation<B, K>& P;
+    std::vector<Index>& place;  ///< of a coarse column in the row; -1: absent
+    Row& row;
+
+    void start(Index i) const {
+      row.of = i;
+      multiply(0.5f, A.diagonal_at(i), i);
+    }
+    void lower(Index k) const { multiply(1, A.at(k), A.col[k]); }
+    /// The row += factor a P_j
+    void multiply(float factor, const float* a, Index j) const {
+      if (are_zero(a, a + B * B)) return;
+      for (Index q = P.row[j]; q < P.row[j + 1]; ++q) {
+        Index& at = place[P.col[q]];
+        if (at < 0) {
+          at = static_cast<Index>(row.column.size());
+          row.column.push_back(P.col[q]);
+          row.product.resize(row.product.size() + B * K, 0);
+        }
+        add_block_product<B, B, K>(factor, a, P.at(q),
+                                   row.product.data() + std::size_t(at) * B * K);
+      }
+    }
+  };
+
   static bool are_zero(const float* begin, const float* end) {
     return std::all_of(begin, end, [](float a) { return a == 0; });
   }
 
-  void start_row(const SymmetricBlocks<B>& A, const Prolongation<B, K>& P, Index i) {
-    if (Index(place_.size()) < P.columns) place_.resize(P.columns, -1);
-    for (Index J : column_) place_[J] = -1;
-    column_.clear();
-    product_.clear();
-    multiply(0.5f, A.diagonal_at(i), P, i);
-  }
-
-  /// The present row of A P += factor a P_j
-  void multiply(float factor, const float* a, const Prolongation<B, K>& P, Index j) {
-    if (are_zero(a, a + B * B)) return;
-    for (Index q = P.row[j]; q < P.row[j + 1]; ++q) {
-      Index& place = place_[P.col[q]];
-      if (place < 0) {
-        place = static_cast<Index>(column_.size());
-        column_.push_back(P.col[q]);
-        product_.resize(product_.size() + B * K, 0);
-      }
-      add_block_product<B, B, K>(factor, a, P.at(q), product_.data() + std::size_t(place) * B * K);
+  /// make(q, adder) for the rows q = 0 .. count-1
+  template <class Make>
+  void add_rows(const SymmetricBlocks<B>& A, const Prolongation<B, K>& P, Index count,
+                SymmetricBlocks<K>& coarse, const Make& make) {
+    rows_.resize(std::max<std::size_t>(rows_.size(), std::min(count, at_a_time)));
+    const Index shares =
+        std::clamp(rows_of_vector * count / least_range, 1, std::min(P.columns, Threads::own()));
+    for (Index begin = 0; begin < count; begin += at_a_time) {
+      const Index n = std::min(at_a_time, count - begin);
+      in_ranges(n, rows_of_vector * n, [&](Index first, Index end) {
+        std::vector<Index> place(P.columns, -1);
+        for (Index q = first; q < end; ++q) {
+          Row& row = rows_[q];
+          row.of = -1;
+          row.column.clear();
+          row.product.clear();
+          make(begin + q, Adder{A, P, place, row});
+          for (const Index J : row.column) place[J] = -1;
+        }
+      });
+      side_by_side(shares, [&](Index k) {
+        const Index first = share_begin(coarse, k, shares);
+        const Index end = share_begin(coarse, k + 1, shares);
+        for (Index q = 0; q < n; ++q)
+          if (rows_[q].of >= 0) scatter(P, rows_[q], first, end, coarse);
+      });
     }
   }
+  /// The row of A at which share k of its blocks begins
+  static Index share_begin(const SymmetricBlocks<K>& A, Index k, Index shares) {
+    if (k == shares) return A.rows();
+    const Index block = range_begin(A.row.back(), k, shares);
+    return static_cast<Index>(std::lower_bound(A.row.begin(), A.row.end(), block) - A.row.begin());
+  }
 
-  /// coarse += P_i' T + T' P_i, T the present row of A P
-  void scatter(const Prolongation<B, K>& P, Index i, SymmetricBlocks<K>& coarse) {
-    for (Index q = P.row[i]; q < P.row[i + 1]; ++q) {
+  /// Rows first .. end-1 of coarse += P_i' T + T' P_i, T row i of X P
+  static void scatter(const Prolongation<B, K>& P, const Row& row, Index first, Index end,
+                      SymmetricBlocks<K>& coarse) {
+    for (Index q = P.row[row.of]; q < P.row[row.of + 1]; ++q) {
       const Index I = P.col[q];
+      if (I >= end) continue;
       const float* p = P.at(q);
-      for (std::size_t c = 0; c < column_.size(); ++c) {
-        const Index J = column_[c];
-        const float* t = product_.data() + c * B * K;
+      for (std::size_t c = 0; c < row.column.size(); ++c) {
+        const Index J = row.column[c], of = std::max(I, J);
+        if (of < first || of >= end) continue;
+        const float* t = row.product.data() + c * B * K;
         if (I > J) {
           add_transposed_block_product<K, B, K>(1, p, t, coarse.at(coarse.find(I, J)));
         } else if (I < J) {
@@ -211,9 +261,7 @@ class GalerkinProduct {
     }
   }
 
-  std::vector<Index> place_;    ///< of a coarse column in the present row of A P; -1: absent
-  std::vector<Index> column_;   ///< of the present row of A P
-  std::vector<float> product_;  ///< B x K for each column
+  std::vector<Row> rows_;
 };
 
 }  // namespace frictioncg

@@ -250,7 +250,7 @@ class HierarchyOf final : public Hierarchy {
     sweep_forward(level.A, level.residual.data(), level.z.data());
     sweep_forward(level.A, level.residual.data(), level.work.data());
     for (std::size_t k = 0; k < level.z.size(); ++k) level.z[k] += level.work[k];
-    restrict_to(level.P, level.residual.data(), coarse_[next].r);
+    restrict_to(level.P, level.residual.data(), coarse_[next].r, sums_);
     coarse_[next].border.r = level.border.r;
     level.border.subtract_transposed(level.z.data(), coarse_[next].border.r);
     correct(next);
@@ -319,8 +319,9 @@ class HierarchyOf final : public Hierarchy {
   GalerkinProduct<D, K> fine_product_;
   GalerkinProduct<K, K> product_;
   Factor coarsest_;
-  DenseMatrix S_;  ///< of the border, scaled; 0 x 0 without one
-  Vector x_;       ///< on the coarsest level, where that is factored
+  DenseMatrix S_;            ///< of the border, scaled; 0 x 0 without one
+  Vector x_;                 ///< on the coarsest level, where that is factored
+  std::vector<float> sums_;  ///< for restrict_to()
 };
 
 /// A hierarchy of one level: a small matrix, factored with each set of faces in double precision.

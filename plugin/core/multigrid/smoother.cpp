@@ -92,12 +92,22 @@ void subtract_product(const SymmetricBlocks<B>& A, const float* r, const float* 
 }
 
 template <int R, int C>
-void restrict_to(const Prolongation<R, C>& P, const float* fine, std::vector<float>& coarse) {
-  std::fill(coarse.begin(), coarse.end(), 0.0f);
-  for (std::size_t i = 0; i < std::size_t(P.rows()); ++i)
-    for (Index q = P.row[i]; q < P.row[i + 1]; ++q)
-      add_transposed_product<R, C>(P.at(q), fine + i * stride<R>,
-                                   coarse.data() + std::size_t(P.col[q]) * stride<C>);
+void restrict_to(const Prolongation<R, C>& P, const float* fine, std::vector<float>& coarse,
+                 std::vector<float>& sums) {
+  constexpr Index most = 8;  // ranges, each with a sum of its own: those of any number of threads
+  const Index count = std::clamp(P.rows() / least_range, 1, most);
+  sums.resize((count - 1) * coarse.size());
+  side_by_side(count, [&](Index k) {
+    float* sum = k == 0 ? coarse.data() : sums.data() + (k - 1) * coarse.size();
+    std::fill_n(sum, coarse.size(), 0.0f);
+    const std::size_t end = range_begin(P.rows(), k + 1, count);
+    for (std::size_t i = range_begin(P.rows(), k, count); i < end; ++i)
+      for (Index q = P.row[i]; q < P.row[i + 1]; ++q)
+        add_transposed_product<R, C>(P.at(q), fine + i * stride<R>,
+                                     sum + std::size_t(P.col[q]) * stride<C>);
+  });
+  for (auto part = sums.begin(); part < sums.end(); part += std::ptrdiff_t(coarse.size()))
+    std::transform(coarse.begin(), coarse.end(), part, coarse.begin(), std::plus<>());
 }
 
 template <int R, int C>
@@ -118,8 +128,9 @@ void prolong(const Prolongation<R, C>& P, const float* coarse, float* fine) {
   template void subtract_product(const SymmetricBlocks<B>&, const float*, const float*, float*);
 FRICTIONCG_BLOCKS(FRICTIONCG_INSTANTIATE)
 #undef FRICTIONCG_INSTANTIATE
-#define FRICTIONCG_INSTANTIATE(R, C)                                                       \
-  template void restrict_to(const Prolongation<R, C>&, const float*, std::vector<float>&); \
+#define FRICTIONCG_INSTANTIATE(R, C)                                                      \
+  template void restrict_to(const Prolongation<R, C>&, const float*, std::vector<float>&, \
+                            std::vector<float>&);                                         \
   template void prolong(const Prolongation<R, C>&, const float*, float*);
 FRICTIONCG_PROLONGATIONS(FRICTIONCG_INSTANTIATE)
 #undef FRICTIONCG_INSTANTIATE

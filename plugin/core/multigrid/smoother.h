@@ -21,9 +21,10 @@ void sweep_backward(const SymmetricBlocks<B>& A, float* r, float* z);
 template <int B>
 void subtract_product(const SymmetricBlocks<B>& A, const float* r, const float* z, float* residual);
 
-/// coarse = P' fine
+/// coarse = P' fine; sums is room for parts of it.
 template <int R, int C>
-void restrict_to(const Prolongation<R, C>& P, const float* fine, std::vector<float>& coarse);
+void restrict_to(const Prolongation<R, C>& P, const float* fine, std::vector<float>& coarse,
+                 std::vector<float>& sums);
 
 /// fine += P coarse
 template <int R, int C>

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/solver.h"
+#include "core/threads.h"
 #include "unit/driven.h"
 
 using namespace frictioncg;
@@ -66,6 +67,34 @@ TEST(LocalSystem, RigidMotionsOfTheScriptDoNoWorkInLocalDofs) {
   };
   const LocalSystem other(unknown.triplets(), 2, unknown.points, {}, short_by_one);
   EXPECT_EQ(other.system()->rigid_modes().size(), 0);  // of another number of dofs: as none
+}
+
+TEST(LocalSystem, IsTheSameOnAnyNumberOfThreads) {
+  Scene s;
+  s.n = 20000;
+  for (Index step : {0, 1, 100, 1}) {  // one place twice
+    for (Index i = 0; i + step < s.n; ++i) {
+      const Index way = (7919 * i) % (s.n - step);  // in no order
+      const Real a = step == 0 ? 10 + std::sin(way) : std::cos(way + step);
+      for (int half = 0; half < (step == 0 ? 1 : 2); ++half) {
+        s.i.push_back(half == 0 ? way : way + step);
+        s.j.push_back(half == 0 ? way + step : way);
+        s.a.push_back(a);
+      }
+    }
+  }
+  EntryList all;
+  for (std::size_t k = 0; k < s.a.size(); ++k) all.emplace_back(s.i[k], s.j[k], s.a[k]);
+  const Matrix whole = sparse(s.n, s.n, all);
+  for (Index threads : {1, 2, 3}) {
+    const Threads given(threads);
+    const LocalSystem local(s.triplets(), 2, {});
+    const Matrix& A = local.system()->entries();
+    ASSERT_EQ(A.nonZeros(), whole.nonZeros());
+    EXPECT_TRUE(
+        std::equal(A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros(), whole.innerIndexPtr()));
+    EXPECT_TRUE(std::equal(A.valuePtr(), A.valuePtr() + A.nonZeros(), whole.valuePtr()));
+  }
 }
 
 TEST(LocalSystem, RotatesOnlyWhereNormalsLeaveTheAxes) {

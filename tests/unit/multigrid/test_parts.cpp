@@ -122,6 +122,24 @@ TEST(SideBySide, TakesThreads) {
   EXPECT_EQ(met, 2);
 }
 
+TEST(SumOfRanges, IsTheSameOnAnyNumberOfThreads) {
+  const Index n = 100000;
+  const Vector x = Vector::Random(n);
+  std::vector<Real> sums;
+  for (Index threads : {1, 2, 3}) {
+    const Threads given(threads);
+    with_threads([&] {
+      sums.push_back(sum_of_ranges(n, [&](Index first, Index end) {
+        EXPECT_LT(end - first, n / 2);
+        return x.segment(first, end - first).sum();
+      }));
+    });
+    EXPECT_EQ(sums.back(), sums.front());
+  }
+  EXPECT_NEAR(sums.front(), x.sum(), 1e-12 * n);
+  EXPECT_EQ(sum_of_ranges(0, [](Index first, Index end) { return end - first; }), 0);
+}
+
 TEST(Hierarchy, GivesTheSameOnAnyNumberOfThreads) {
   SparseOptions o;
   o.cells = {14, 14, 14};

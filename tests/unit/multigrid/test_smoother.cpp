@@ -81,10 +81,10 @@ void check_sweeps() {
 }
 
 template <int R, int C>
-void check_transfer() {
+void check_transfer(Index rows) {
   Prolongation<R, C> P;
   P.columns = 3;
-  for (Index i = 0; i < 5; ++i) {
+  for (Index i = 0; i < rows; ++i) {
     P.col.insert(P.col.end(), {i % 2, 2});
     P.row.push_back(Index(P.col.size()));
   }
@@ -92,12 +92,20 @@ void check_transfer() {
   P.value.assign(value.begin(), value.end());
   const Eigen::MatrixXd M = dense(P);
   const Vector fine = Vector::Random(M.rows()), coarse = Vector::Random(M.cols());
-  std::vector<float> v = in_rows<C>(coarse, 7);
-  restrict_to(P, in_rows<R>(fine, 7).data(), v);
-  EXPECT_LT((of_rows<C>(v) - M.transpose() * fine).norm(), single_precision) << R << C;
-  v = in_rows<R>(fine, 0);
+  std::vector<std::vector<float>> restricted;
+  for (Index threads : {1, 3}) {
+    const Threads given(threads);
+    std::vector<float> sums;
+    std::vector<float>& v = restricted.emplace_back(in_rows<C>(coarse, 7));
+    with_threads([&] { restrict_to(P, in_rows<R>(fine, 7).data(), v, sums); });
+  }
+  const Vector sum = M.transpose() * fine;
+  EXPECT_LT((of_rows<C>(restricted[0]) - sum).norm(), single_precision * std::sqrt(rows)) << R << C;
+  EXPECT_EQ(restricted[0], restricted[1]);
+  std::vector<float> v = in_rows<R>(fine, 0);
   prolong(P, in_rows<C>(coarse, 0).data(), v.data());
-  EXPECT_LT((of_rows<R>(v) - (fine + M * coarse)).norm(), single_precision) << R << C;
+  EXPECT_LT((of_rows<R>(v) - (fine + M * coarse)).norm(), single_precision * std::sqrt(rows))
+      << R << C;
 }
 
 }  // namespace
@@ -109,8 +117,10 @@ TEST(Smoother, SweepsAreGaussSeidelByBlocks) {
 }
 
 TEST(Smoother, GoesFromLevelToLevelByTheProlongation) {
-  check_transfer<2, 3>();
-  check_transfer<3, 3>();
-  check_transfer<3, 6>();
-  check_transfer<6, 6>();
+  for (Index rows : {5, 20000}) {  // the latter in ranges
+    check_transfer<2, 3>(rows);
+    check_transfer<3, 3>(rows);
+    check_transfer<3, 6>(rows);
+    check_transfer<6, 6>(rows);
+  }
 }
