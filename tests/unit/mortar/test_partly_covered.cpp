@@ -131,6 +131,24 @@ TEST(MortarPartlyCovered, SliversOfAnySizeCarryTheirShare) {
       }
 }
 
+TEST(MortarPartlyCovered, ASliverAloneIsSeenByTheVertexThatItReaches) {
+  for (int d : {2, 3})
+    for (bool first : {false, true})  // vertices of lower numbers
+      for (Real sliver : {1e-4, 1e-7, 1e-10, 1e-13}) {
+        Surfaces s(d);
+        s.pairs[0].slave = s.sheet(1, -1, lifted(d, 0, 0, 1), 2);
+        s.pairs[0].master = s.sheet(
+            1, 1, lifted(d, -0.1, first ? sliver - 1 : 1 - sliver, first ? sliver : 2 - sliver), 1);
+        const Mortar mortar = s.mortar();
+        ASSERT_FALSE(mortar.nodes().empty()) << d << first << sliver;
+        for (const SlaveNode& node : mortar.nodes()) {
+          EXPECT_EQ(s.nodes.X[node.node][0], first ? 0 : 1) << sliver;
+          EXPECT_NEAR(node.distance, 0.1, 1e-12) << sliver;
+        }
+        EXPECT_LT(DenseMatrix(mortar.relative()).cwiseAbs().maxCoeff(), d) << sliver;
+      }
+}
+
 TEST(MortarPartlyCovered, AMasterInTheMiddleOfOneFacetIsFound) {
   for (int d : {2, 3})
     for (bool quadratic : {false, true})

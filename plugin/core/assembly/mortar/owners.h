@@ -8,7 +8,7 @@ struct Ranked {
   std::vector<std::vector<Index>> rank;     ///< per pair and facet, of its patch
   std::vector<Index> owner;                 ///< per node: rank of its patch, or -1
   std::vector<Index> pair;                  ///< per node, of the owning patch
-  std::vector<Real> covered;                ///< per node: measure covered around it
+  std::vector<Real> covered;                ///< per node: int lambda_i over what is covered
   std::vector<std::vector<char>> faced;     ///< per pair and facet of the master
   Slipping slipping;                        ///< of slave_normals()
   std::set<std::pair<Index, Index>> taken;  ///< Ownership::takes()

@@ -145,10 +145,16 @@ void Ownership::own(const Sides& of, const Ways* ways) {
            !on_master(i, static_cast<Index>(p));
   };
   if (ways) spare(of, *ways, carries, *this);
-  for_each_vertex(of.slaves, [&](std::size_t p, Index f, Index i) {
-    if (decided[i] < 0 && owner[i] == rank[p][f])
-      covered[i] += of.covers[p].fraction[f] * of.slaves[p].planes[f].measure;
-  });
+  for (std::size_t p = 0; p < of.slaves.size(); ++p)
+    for (Index f = 0; f < of.slaves[p].facets(); ++f)
+      for (const Cell& cell : of.covers[p].cells[f]) {
+        const Vec3 lambda = slave_coordinates(of.nodes.dimension, centroid(cell.part));
+        const Real measure = extent(cell.part) * of.slaves[p].planes[f].measure;
+        for (int v = 0; v < of.nodes.dimension; ++v) {
+          const Index i = of.slaves[p].facet(f).node[v];
+          if (decided[i] < 0 && owner[i] == rank[p][f]) covered[i] += measure * lambda[v];
+        }
+      }
 }
 
 void Ownership::set_labels(const std::vector<Side>& slaves) {
@@ -288,9 +294,9 @@ void Ownership::find_beyond(Index p, const Side& slave, const Cover& cover) {
   }
 }
 
-/// No law is extrapolated from a sliver: of its kept vertices the one with the largest covered
-/// measure stands for all, and among equals that of the highest number. Such an order has no
-/// circle, so that removed nodes cannot depend on each other in one.
+/// No law is extrapolated from a sliver: of its kept vertices the one before which most is
+/// covered, by lambda_i, stands for all, and among equals that of the highest number. Such an order
+/// has no circle, so that removed nodes cannot depend on each other in one.
 void Ownership::thin_out(const Facet& facet, Real fraction, Carriers& of_facet) const {
   const Real alone = std::clamp<Real>(2 - fraction / barely, 0, 1);
   int most = -1;
