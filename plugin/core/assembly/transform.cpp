@@ -36,9 +36,8 @@ struct Counts {
       : shares(n), rows(n + 1, 0), columns(std::size_t(n) * shares.count + 1, 0) {}
   void add(Index p, Index q) {
     ++rows[p + 1];
-    ++columns[at(p, q) + 1];
+    ++columns[(shares.count == 1 ? 0 : first(shares.of(p))) + q + 1];
   }
-  std::size_t at(Index p, Index q) const { return first(shares.of(p)) + q; }
   std::size_t first(Index share) const { return share * (rows.size() - 1); }
 
   const Shares shares;
@@ -193,10 +192,11 @@ void fill(Matrix& M, const Entries& entries, Counts counts) {
   Index* col = M.innerIndexPtr();
   Real* a = M.valuePtr();
   const auto fill_share = [&](Index share) {
+    const std::size_t first = counts.first(share);
     entries.for_each([&](Index k, Index p, Index q) {
-      if (counts.shares.of(p) == share) number[next[counts.at(p, q)]++] = k;
+      if (counts.shares.count == 1 || counts.shares.of(p) == share) number[next[first + q]++] = k;
     });
-    const Index* of_column = column.data() + counts.first(share);
+    const Index* of_column = column.data() + first;
     for (Index q = 0; q < n; ++q)
       for (Index k = of_column[q]; k < of_column[q + 1]; ++k) {
         entries.fetch(number[std::min(k + ahead, of_column[n] - 1)]);

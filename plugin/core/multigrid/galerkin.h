@@ -163,7 +163,7 @@ class GalerkinProduct {
   }
 
  private:
-  static constexpr Index at_a_time = 4096;     ///< rows of X P
+  static constexpr Index at_a_time = 1024;     ///< rows of X P: they stay in a cache
   static constexpr Index rows_of_vector = 16;  ///< that take as long as a row of a product
 
   /// A row of X P
