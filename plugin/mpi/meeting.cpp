@@ -16,6 +16,7 @@ namespace {
 constexpr unsigned patience = 5;  ///< [s] with MPI, and with others that are not to be expected
 constexpr int arrived = 1, away = 2, knock = 3;  ///< what processes say to each other on a ring
 constexpr unsigned loading = 30;                 ///< [s] of a plugin, from a slow disk
+constexpr unsigned suspicious = 30;              ///< [s] of others at work
 
 /// What fails in MPI itself, also where PETSc calls it: PETSc may crash while it looks for words.
 void end_by_mpi(MPI_Comm* communicator, int* error, ...) {
@@ -164,9 +165,20 @@ void Meeting::end_answers() {
   }
 }
 
-void Meeting::wait_for_all(const char* name, MPI_Request& here) {
-  unsigned answered = 0;
+void Meeting::note(const char* name, const std::string& words) const {
+  std::fprintf(stderr, "%s: note: %s (rank %d)\n", name, words.c_str(), rank_);
+}
+
+void Meeting::wait_for_all(const char* name, MPI_Request& here, const char* failure) {
+  unsigned answered = 0, waited = 0;
   for (unsigned seconds = patience; !arrive_in_time(here, seconds); seconds = 1) {
+    waited += seconds;
+    if (waited == patience && failure)
+      note(name, std::string(failure) + "; this process waits for the others to come here");
+    if (waited == suspicious)
+      note(name,
+           "for half a minute this process has waited for others to come here; those that are not "
+           "at work never will: make the same calls on all processes");
     if (has_word(arrived) || !has_word(away)) continue;
     MPI_Request question;
     MPI_Issend(nullptr, 0, MPI_BYTE, before_, knock, communicator_, &question);
@@ -183,12 +195,12 @@ void Meeting::wait_for_all(const char* name, MPI_Request& here) {
   }
 }
 
-void Meeting::begin(const char* name, MPI_Request& here, const char* lost) {
+void Meeting::begin(const char* name, MPI_Request& here, const char* failure, bool lost) {
   say(arrived);
   if (!lost)
-    wait_for_all(name, here);
+    wait_for_all(name, here, failure);
   else if (!arrive_in_time(here, patience))
-    end_all(communicator_, name, lost);
+    end_all(communicator_, name, failure);
   MPI_Recv(nullptr, 0, MPI_BYTE, before_, arrived, communicator_, MPI_STATUS_IGNORE);
   forget_words(away);
 }
@@ -228,7 +240,8 @@ void Comparison::compare(const char* name, Meeting& meeting, const Attempt& own_
   MPI_Request request;
   MPI_Iallreduce(MPI_IN_PLACE, all.data(), static_cast<int>(all.size()), MPI_DOUBLE_INT, MPI_MINLOC,
                  communicator, &request);
-  meeting.begin(name, request, patient ? nullptr : own_part.message.c_str());
+  meeting.begin(name, request, own_part.failed || !patient ? own_part.message.c_str() : nullptr,
+                !patient);
   const auto check = [&](std::size_t first, std::size_t end) {
     for (std::size_t k = first; k < end; ++k)
       if (const Extreme* of = &all[2 * (k + 1)]; of[0].key != -of[1].key)

@@ -46,12 +46,13 @@ class Meeting {
   void end_answers();
   /// Waits until all are here, as a collective operation tells. Ends them all where one that has
   /// stayed away waits elsewhere, in MPI, and cannot come: it answers while it is there, and not
-  /// while it is at work. lost: what this process has to say where it should not be here itself,
-  /// and the others do not come within some seconds; or null.
-  void begin(const char* name, MPI_Request& here, const char* lost);
+  /// while it is at work. failure: what is wrong with the call on this process, or null; said after
+  /// some seconds, where `lost`, it should not be here itself, as the end of all of them.
+  void begin(const char* name, MPI_Request& here, const char* failure, bool lost);
 
  private:
-  void wait_for_all(const char* name, MPI_Request& here);
+  void wait_for_all(const char* name, MPI_Request& here, const char* failure);
+  void note(const char* name, const std::string& words) const;
   void say(int tag) const;
   bool has_word(int tag) const;
   void forget_words(int tag);

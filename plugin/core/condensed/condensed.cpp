@@ -187,16 +187,12 @@ Attempt CondensedSolver::solve_laws(Run& run, const CondensedProblem& condensed,
 }
 
 /// Newton from the branches of `start`, or from stick where the last answer was closed; where
-/// neither is there, or it fails, from stick everywhere. From the slip of the last answer a load
-/// that is taken off would push out what friction holds: of several answers one that no path leads
-/// to.
+/// neither is there, or it fails, from stick everywhere.
 Attempt CondensedSolver::by_newton(const Run& run, const CondensedProblem& condensed,
                                    const Vector& start) const {
   Attempt a;
   Branches closed;
-  if (!last_.empty()) closed = all_stick(run.problem.increment);
-  for (std::size_t k = 0; k < closed.size(); ++k)
-    if (!last_[k].closed) closed[k] = last_[k];
+  if (!last_.empty()) closed = stick_where_closed(run.problem.increment, last_);
   if (start.size() > 0 || !closed.empty())
     a.solved = newton_from(start, condensed, run.left(), a, closed);
   if (!a.solved) a.solved = newton_from(Vector(), condensed, run.left(), a);

@@ -64,4 +64,11 @@ Branches all_stick(const Increment& increment) {
   return branches;
 }
 
+Branches stick_where_closed(const Increment& increment, const Branches& last) {
+  Branches branches = all_stick(increment);
+  for (std::size_t i = 0; i < branches.size(); ++i)
+    if (!last[i].closed) branches[i] = last[i];
+  return branches;
+}
+
 }  // namespace frictioncg
