@@ -19,10 +19,12 @@ struct Image {
   Real factor = 1;
 };
 
-/// Rows 0 .. n-1 in ranges of one length, one for each thread of the call.
+/// Rows 0 .. n-1 in ranges of one length, one for each thread of the call, which reads all entries:
+/// more than a few gain nothing.
 struct Shares {
+  static constexpr Index most = 4;
   explicit Shares(Index n)
-      : count(std::clamp(n / least_range, 1, Threads::own())),
+      : count(std::clamp(n / least_range, 1, std::min(most, Threads::own()))),
         of_a_row((std::uint64_t(count) << 32) / std::max(1, n)) {}
   Index of(Index p) const { return static_cast<Index>(of_a_row * std::uint64_t(p) >> 32); }
 

@@ -165,6 +165,7 @@ class GalerkinProduct {
  private:
   static constexpr Index at_a_time = 1024;     ///< rows of X P: they stay in a cache
   static constexpr Index rows_of_vector = 16;  ///< that take as long as a row of a product
+  static constexpr Index most_shares = 8;      ///< of the coarse rows: each looks at all of X P
 
   /// A row of X P
   struct Row {
@@ -208,8 +209,8 @@ class GalerkinProduct {
   void add_rows(const SymmetricBlocks<B>& A, const Prolongation<B, K>& P, Index count,
                 SymmetricBlocks<K>& coarse, const Make& make) {
     rows_.resize(std::max<std::size_t>(rows_.size(), std::min(count, at_a_time)));
-    const Index shares =
-        std::clamp(rows_of_vector * count / least_range, 1, std::min(P.columns, Threads::own()));
+    const Index shares = std::clamp(rows_of_vector * count / least_range, 1,
+                                    std::min({P.columns, Threads::own(), most_shares}));
     for (Index begin = 0; begin < count; begin += at_a_time) {
       const Index n = std::min(at_a_time, count - begin);
       in_ranges(n, rows_of_vector * n, [&](Index first, Index end) {
