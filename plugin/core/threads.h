@@ -108,27 +108,34 @@ inline Index range_begin(Index n, Index k, Index count) {
   return static_cast<Index>(std::int64_t(n) * k / count);
 }
 
+/// work(k, first, end) for each of so many ranges of 0 .. n-1
+template <class Work>
+void in_ranges_of(Index n, Index count, const Work& work) {
+  side_by_side(count,
+               [&](Index k) { work(k, range_begin(n, k, count), range_begin(n, k + 1, count)); });
+}
+
+/// So many ranges, at most, are worth it: those of any number of threads.
+inline Index fixed_ranges(Index n, Index most) { return std::clamp(n / least_range, 1, most); }
+
 /// work(first, end) on ranges of 0 .. n-1, as many as the work is worth, which is that on `rows`
 /// rows of a vector.
 template <class Work>
 void in_ranges(Index n, Index rows, const Work& work) {
   const Index count = std::clamp(std::min(n, rows / least_range), 1, 4 * Threads::own());
-  side_by_side(count,
-               [&](Index k) { work(range_begin(n, k, count), range_begin(n, k + 1, count)); });
+  in_ranges_of(n, count, [&](Index, Index first, Index end) { work(first, end); });
 }
 template <class Work>
 void in_ranges(Index n, const Work& work) {
   in_ranges(n, n, work);
 }
 
-/// The sum of part(first, end) over ranges, which are those of any number of threads.
+/// The sum of part(first, end) over fixed_ranges.
 template <class Part>
 auto sum_of_ranges(Index n, const Part& part) {
   std::array<decltype(part(0, n)), 16> of_range;
-  const Index most = of_range.size(), count = std::clamp(n / least_range, 1, most);
-  side_by_side(count, [&](Index k) {
-    of_range[k] = part(range_begin(n, k, count), range_begin(n, k + 1, count));
-  });
+  const Index count = fixed_ranges(n, of_range.size());
+  in_ranges_of(n, count, [&](Index k, Index first, Index end) { of_range[k] = part(first, end); });
   for (Index k = 1; k < count; ++k) of_range[0] += of_range[k];
   return of_range[0];
 }

@@ -222,15 +222,15 @@ void report_plain(long verb) {
            << std::endl;
 }
 
-void assemble(Stack stack, const Arguments& args, const Triplets& A, Scene& scene,
+void assemble(const Triplets& A, Scene& scene, long verb, Index threads,
               const std::function<void(const Triplets&)>& pose) {
-  const Threads threads(read_threads(stack, args));
+  const Threads of_call(threads);
   scene.stiffened = stiffened_by_force(A, scene);
   if (scene.stiffened) {
     try {
       return pose(scene.stiffened->less());
     } catch (const IllegalInput&) {
-      report_plain(read_verb(stack, args));
+      report_plain(verb);
       scene.stiffened.reset();
     }
   }
@@ -268,8 +268,10 @@ std::shared_ptr<Scene> read_scene(Stack stack, const Arguments& args, const Expr
   read_force(stack, args, *scene);
   if (scene->pairing) face_bodies(stack, args, A, *scene);
   laws = read_point_laws(stack, args, lasts, *scene, begun_laws(stack, args));
-  const Triplets matrix = matrix_of(stack, A, scene->dofs);
-  assemble(stack, args, matrix, *scene, [&](const Triplets& M) { scene->assemble(M); });
+  const long verb = read_verb(stack, args);
+  const Index threads = read_threads(stack, args);
+  const Triplets matrix = matrix_of(stack, A, scene->dofs);  // once no expression may change A
+  assemble(matrix, *scene, verb, threads, [&](const Triplets& M) { scene->assemble(M); });
   scene->unnamed_radius = unnamed_radius(args, *scene, matrix);
   if (!scene->tangents) laws.law = Law::frictionless;
   return scene;
@@ -436,8 +438,10 @@ PosedProblem renewed(Stack stack, const Arguments& args, const Expression A, con
     const Index rest = posed.laws.gap.size() - measured;
     posed.laws.gap.tail(rest) = laws.gap.tail(rest);
   }
+  const long verb = read_verb(stack, args);
+  const Index threads = read_threads(stack, args);
   const Triplets matrix = matrix_of(stack, A, scene.dofs);
-  assemble(stack, args, matrix, scene,
+  assemble(matrix, scene, verb, threads,
            [&](const Triplets& M) { scene.assemble(M, &before, alone); });
   return posed;
 }

@@ -20,7 +20,7 @@ struct Call {
 void report_plain(long verb);
 
 /// pose(A), less the stiffness of forceold where that leaves stiffnesses > 0.
-void assemble(Stack stack, const Arguments& args, const Triplets& A, Scene& scene,
+void assemble(const Triplets& A, Scene& scene, long verb, Index threads,
               const std::function<void(const Triplets&)>& pose);
 
 /// The laws that the arguments name at the contact points, which get their tangents: a node has

@@ -169,12 +169,12 @@ void Meeting::note(const char* name, const std::string& words) const {
   std::fprintf(stderr, "%s: note: %s (rank %d)\n", name, words.c_str(), rank_);
 }
 
-void Meeting::wait_for_all(const char* name, MPI_Request& here, const char* failure) {
+void Meeting::wait_for_all(const char* name, MPI_Request& here, const std::string& failure) {
   unsigned answered = 0, waited = 0;
   for (unsigned seconds = patience; !arrive_in_time(here, seconds); seconds = 1) {
     waited += seconds;
-    if (waited == patience && failure)
-      note(name, std::string(failure) + "; this process waits for the others to come here");
+    if (waited == patience && !failure.empty())
+      note(name, failure + "; this process waits for the others to come here");
     if (waited == suspicious)
       note(name,
            "for half a minute this process has waited for others to come here; those that are not "
@@ -195,12 +195,12 @@ void Meeting::wait_for_all(const char* name, MPI_Request& here, const char* fail
   }
 }
 
-void Meeting::begin(const char* name, MPI_Request& here, const char* failure, bool lost) {
+void Meeting::begin(const char* name, MPI_Request& here, const std::string& failure, bool patient) {
   say(arrived);
-  if (!lost)
+  if (patient)
     wait_for_all(name, here, failure);
   else if (!arrive_in_time(here, patience))
-    end_all(communicator_, name, failure);
+    end_all(communicator_, name, failure.c_str());
   MPI_Recv(nullptr, 0, MPI_BYTE, before_, arrived, communicator_, MPI_STATUS_IGNORE);
   forget_words(away);
 }
@@ -240,8 +240,7 @@ void Comparison::compare(const char* name, Meeting& meeting, const Attempt& own_
   MPI_Request request;
   MPI_Iallreduce(MPI_IN_PLACE, all.data(), static_cast<int>(all.size()), MPI_DOUBLE_INT, MPI_MINLOC,
                  communicator, &request);
-  meeting.begin(name, request, own_part.failed || !patient ? own_part.message.c_str() : nullptr,
-                !patient);
+  meeting.begin(name, request, own_part.message, patient);
   const auto check = [&](std::size_t first, std::size_t end) {
     for (std::size_t k = first; k < end; ++k)
       if (const Extreme* of = &all[2 * (k + 1)]; of[0].key != -of[1].key)

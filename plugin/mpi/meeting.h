@@ -46,12 +46,12 @@ class Meeting {
   void end_answers();
   /// Waits until all are here, as a collective operation tells. Ends them all where one that has
   /// stayed away waits elsewhere, in MPI, and cannot come: it answers while it is there, and not
-  /// while it is at work. failure: what is wrong with the call on this process, or null; said after
-  /// some seconds, where `lost`, it should not be here itself, as the end of all of them.
-  void begin(const char* name, MPI_Request& here, const char* failure, bool lost);
+  /// while it is at work. failure: what is wrong with the call on this process, or ""; said after
+  /// some seconds, where it should not be here itself, not `patient`, as the end of all of them.
+  void begin(const char* name, MPI_Request& here, const std::string& failure, bool patient);
 
  private:
-  void wait_for_all(const char* name, MPI_Request& here, const char* failure);
+  void wait_for_all(const char* name, MPI_Request& here, const std::string& failure);
   void note(const char* name, const std::string& words) const;
   void say(int tag) const;
   bool has_word(int tag) const;

@@ -191,8 +191,7 @@ Attempt CondensedSolver::solve_laws(Run& run, const CondensedProblem& condensed,
 Attempt CondensedSolver::by_newton(const Run& run, const CondensedProblem& condensed,
                                    const Vector& start) const {
   Attempt a;
-  Branches closed;
-  if (!last_.empty()) closed = stick_where_closed(run.problem.increment, last_);
+  const Branches closed = stick_where_closed(run.problem.increment, last_);
   if (start.size() > 0 || !closed.empty())
     a.solved = newton_from(start, condensed, run.left(), a, closed);
   if (!a.solved) a.solved = newton_from(Vector(), condensed, run.left(), a);

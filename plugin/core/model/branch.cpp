@@ -65,6 +65,7 @@ Branches all_stick(const Increment& increment) {
 }
 
 Branches stick_where_closed(const Increment& increment, const Branches& last) {
+  if (last.empty()) return {};
   Branches branches = all_stick(increment);
   for (std::size_t i = 0; i < branches.size(); ++i)
     if (!last[i].closed) branches[i] = last[i];

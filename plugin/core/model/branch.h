@@ -51,7 +51,8 @@ Branch branch_at(const NodeLaw& law, Real closing, const Eigen::Ref<const Vector
 /// Where every node that can close is closed, and every one of them with friction in stick.
 Branches all_stick(const Increment& increment);
 
-/// The same where the last answer was closed: where an increment starts. From the slip of the last
+/// The same where the last answer was closed, or nothing where there is none: where an increment
+/// starts. From the slip of the last
 /// one a load that is taken off would push out what friction holds, an answer that no path leads
 /// to.
 Branches stick_where_closed(const Increment& increment, const Branches& last);

@@ -46,10 +46,10 @@ bool ConjugateResiduals::step(Hierarchy& hierarchy, const Faces& faces, const Ve
   const Index n = static_cast<Index>(x.size());
   hierarchy.apply(s_, now.z);
   if (!hierarchy.multiply(now.z, now.Jz)) system_.multiply(now.z, now.Jz);
-  const Vector2 work_size = sum_of_ranges(n, [&](Index first, Index end) {
+  const Eigen::Array2d work_size = sum_of_ranges(n, [&](Index first, Index end) {
     const Rows rows{first, end};
-    return Vector2{(rows.of(now.z) * rows.of(now.Jz)).sum(),
-                   (rows.of(now.z).square() * rows.of(system_.D)).sum()};
+    return Eigen::Array2d{(rows.of(now.z) * rows.of(now.Jz)).sum(),
+                          (rows.of(now.z).square() * rows.of(system_.D)).sum()};
   });
   now.Az_C = now.Jz.tail(springs.size()) + springs.cwiseProduct(now.z.tail(springs.size()));
   faces.jacobian(now.z, now.Az_C, now.Jz.tail(system_.contact_dofs()));
@@ -74,7 +74,7 @@ bool ConjugateResiduals::step(Hierarchy& hierarchy, const Faces& faces, const Ve
 /// Takes the directions before out of a new one, by one sum over all processes (classical
 /// Gram-Schmidt). work_size: the parts of this process in <Az,z> and <Dz,z>; false where A did
 /// negative work.
-bool ConjugateResiduals::make_orthogonal(Direction& now, const Vector2& work_size) {
+bool ConjugateResiduals::make_orthogonal(Direction& now, const Eigen::Array2d& work_size) {
   const Index n = static_cast<Index>(now.z.size());
   using Products = Eigen::Array<Real, int(most_directions) + 3, 1>;
   Products products = sum_of_ranges(n, [&](Index first, Index end) {

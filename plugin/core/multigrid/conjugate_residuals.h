@@ -26,8 +26,7 @@ class ConjugateResiduals {
     Real size = 0;  ///< <Jz, Jz>
   };
   Real dot(const Vector& a, const Vector& b) const;
-  using Vector2 = Eigen::Array2d;
-  bool make_orthogonal(Direction& now, const Vector2& work_size);
+  bool make_orthogonal(Direction& now, const Eigen::Array2d& work_size);
 
   const System& system_;
   Vector inverse_weight_, s_;

@@ -98,8 +98,10 @@ void MultigridSolver::iterate(const ContactProblem& problem, const Settings& set
   const Vector going_on = past_.next(*system_, problem.increment);
   const Start start = best_of(problem, x0, going_on);
   Branches faces;  // none: those of the start
-  if (!(past_.has_direction() && start.goes_on)) faces = last_;
-  if (start.x.size() == 0 && !last_.empty()) faces = stick_where_closed(problem.increment, last_);
+  if (start.x.size() == 0)
+    faces = stick_where_closed(problem.increment, last_);
+  else if (!(past_.has_direction() && start.goes_on))
+    faces = last_;
   with_threads([&] { s.status = newton.solve(settings.tol, bound, start.x, start.b, faces); });
   s.x = newton.x();
   s.negative = newton.negative();

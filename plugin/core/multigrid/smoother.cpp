@@ -94,14 +94,12 @@ void subtract_product(const SymmetricBlocks<B>& A, const float* r, const float* 
 template <int R, int C>
 void restrict_to(const Prolongation<R, C>& P, const float* fine, std::vector<float>& coarse,
                  std::vector<float>& sums) {
-  constexpr Index most = 8;  // ranges, each with a sum of its own: those of any number of threads
-  const Index count = std::clamp(P.rows() / least_range, 1, most);
+  const Index count = fixed_ranges(P.rows(), 8);  // each with a sum of its own
   sums.resize((count - 1) * coarse.size());
-  side_by_side(count, [&](Index k) {
+  in_ranges_of(P.rows(), count, [&](Index k, std::size_t first, std::size_t end) {
     float* sum = k == 0 ? coarse.data() : sums.data() + (k - 1) * coarse.size();
     std::fill_n(sum, coarse.size(), 0.0f);
-    const std::size_t end = range_begin(P.rows(), k + 1, count);
-    for (std::size_t i = range_begin(P.rows(), k, count); i < end; ++i)
+    for (std::size_t i = first; i < end; ++i)
       for (Index q = P.row[i]; q < P.row[i + 1]; ++q)
         add_transposed_product<R, C>(P.at(q), fine + i * stride<R>,
                                      sum + std::size_t(P.col[q]) * stride<C>);
