@@ -144,7 +144,7 @@ Recipe shrink(Recipe r, const std::function<bool(const Recipe&)>& fails) {
       [](Recipe& q) { q.block.angle = 0; },
       [](Recipe& q) { q.block.distortion = 0; },
       [](Recipe& q) { q.block.nu = 0.3; },
-      [](Recipe& q) { q.block.law = Law::frictionless; },
+      [](Recipe& q) { q.block.law = Law::frictionless, q.cohesion = q.cap = 0; },
       [](Recipe& q) { q.block.shear = 0; },
   };
   const auto describe = [](const Recipe& q) {

@@ -51,6 +51,10 @@ void verify_point(const Scene& s, std::size_t p, const Vector& u, const Vector& 
   const Eigen::Vector3d cross = normal.cross(e);
   const Eigen::Vector3d F_unit = F_T + (1 / q - 1) * F_T.dot(cross) * cross;
   const Eigen::Vector3d u_unit = u_T + (q - 1) * u_T.dot(cross) * cross;
+  // errors count as forces, in which the disc is the ellipse again
+  const auto size = [&](const Eigen::Vector3d& f) {
+    return (f + (q - 1) * f.dot(cross) * cross).norm();
+  };
   const double most = s.cap.size() > 0 ? s.cap[p] : INFINITY;
   g = std::min(g, most);
   if (s.cohesion.size() > 0) {
@@ -64,9 +68,9 @@ void verify_point(const Scene& s, std::size_t p, const Vector& u, const Vector& 
     else
       g = 0;
   }
-  v.cone = std::max(v.cone, (F_unit.norm() - g) * per_force);
+  v.cone = std::max(v.cone, (1 - g / std::max(F_unit.norm(), 1e-300)) * F_T.norm() * per_force);
   // where it slips, the force is at its limit and against the slip
-  const double against = (F_unit + g * u_unit / std::max(u_unit.norm(), 1e-300)).norm();
+  const double against = size(F_unit + g * u_unit / std::max(u_unit.norm(), 1e-300));
   v.slip = std::max(v.slip, std::min(u_T.norm() * per_length, against * per_force));
 }
 
