@@ -19,7 +19,8 @@ Branches branches_of(const ContactProblem& problem, const Vector& x,
 bool touches_without_force(const ContactProblem& problem, const Vector& x,
                            const Certificate& certificate);
 
-/// Takes the undetermined motions of s out of s.x, where the laws allow it within tol.
+/// Takes the undetermined motions of s out of s.x, as far as the laws allow it within tol: gaps
+/// stay open or close, and slip goes on.
 void leave_least(const ContactProblem& problem, Real tol, Solution& s);
 
 /// x (n) less its part along the motions (n x k), in the product of D: the least that differs from
