@@ -155,7 +155,6 @@ class ProjectedCG final : public TrescaSolver {
     line.a = line.r_v + friction_.along(it_.rows.r(), v_);
     rho_gap = it_.faces.step_to_gap(it_.x, v_);
     rho = line_search_(phi_, it_.g, it_.x, v_, line, rho_gap);
-    if (rho == infinity) return Status::no_equilibrium;
     return std::isfinite(rho) ? Status::converged : Status::stagnated;
   }
 
