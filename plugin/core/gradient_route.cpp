@@ -17,9 +17,11 @@ void decide_on_equilibrium(const ContactProblem& problem, FloatingMotions& float
                     s.status == Status::max_iterations;
   if (!open) return;
   // The motions of A: from the candidates of the system, or, where none of them floats, by
-  // conjugate gradients; not after a call that was to be short.
+  // conjugate gradients; not after a call that was to be short, nor where the laws hold but for
+  // rounding.
   const DenseMatrix& known = floating();
-  const bool enough = known.cols() > 0 || s.status == Status::max_iterations;
+  const bool enough =
+      known.cols() > 0 || s.status == Status::max_iterations || is_rounding(s.certificate);
   const auto motion = unheld_motion(
       enough ? known : rigid_motions(*problem.system, default_iterations(problem)), problem);
   s.unheld_motion = motion.value_or(Vector());
