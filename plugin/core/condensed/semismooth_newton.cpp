@@ -1,6 +1,5 @@
 #include "condensed/semismooth_newton.h"
 
-#include "condensed/single_precision.h"
 #include "factorization.h"
 #include "linear_algebra.h"
 #include "model/certificate.h"
@@ -187,7 +186,7 @@ Vector SemismoothNewton::solve_branches() {
     positive_ = llt.found() && problem_.springs == 0;
     if (llt.found() && llt.rcond() > singular) return scale_.asDiagonal() * llt.solve(b_);
   } else {
-    if (b_.size() >= large) {
+    if (b_.size() >= single_pays) {
       const Vector y = SinglePrecision(M_).solve(b_);
       if (y.size() > 0) return scale_.asDiagonal() * y;
     }
