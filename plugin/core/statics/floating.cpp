@@ -121,12 +121,14 @@ std::vector<DenseMatrix> gram_in(const System& system, const Candidates& all, co
 /// combination of each.
 class RigidMotions {
  public:
-  RigidMotions(const System& system, const Candidates& all) : system_(system), all_(all) {}
+  RigidMotions(const System& system, const Candidates& all)
+      : system_(system), all_(all), W_(system.dofs(), 0) {}
 
-  /// c: of each body, as columns over its own candidates. Which of them are motions.
+  /// c: of each body, as columns over its own candidates. Adds those that are motions, and says
+  /// which they are.
   std::vector<std::vector<Index>> add(const std::vector<Matrix>& c) {
     std::vector<std::vector<Index>> accepted(c.size());
-    Matrix T = combined(c);
+    const Matrix T = combined(c);
     if (T.cols() == 0) return accepted;
     DenseMatrix size = DenseMatrix::Zero(T.cols(), all_.bodies.count), energy = size;
     system_.product(T, [&](Index i, const std::vector<Index>&, const Vector& AT) {
@@ -138,37 +140,27 @@ class RigidMotions {
     });
     system_.sum(size.data(), Index(size.size()));
     system_.sum(energy.data(), Index(energy.size()));
+    Eigen::MatrixXi column = Eigen::MatrixXi::Constant(T.cols(), all_.bodies.count, -1);
+    const Index before = Index(W_.cols());
+    Index after = before;
     for (Index body = 0; body < all_.bodies.count; ++body)
       for (Index j = 0; j < Index(c[body].cols()); ++j) {
         if (!(size(j, body) > 0) || !costs_no_energy(energy(j, body), size(j, body))) continue;
-        found_.push_back({body, tried_.size(), j, 1 / std::sqrt(size(j, body))});
+        column(j, body) = after++;
         accepted[body].push_back(j);
       }
-    tried_.emplace_back();
-    tried_.back().swap(T);
+    W_.conservativeResize(Eigen::NoChange, after);
+    W_.rightCols(after - before).setZero();
+    for (Index i = 0; i < W_.rows(); ++i)
+      for (Matrix::InnerIterator t(T, i); t; ++t) {
+        const Index body = all_.bodies.of[i], k = column(t.col(), body);
+        if (k >= 0) W_(i, k) = t.value() / std::sqrt(size(t.col(), body));
+      }
     return accepted;
   }
-  DenseMatrix columns() const {
-    std::map<std::tuple<std::size_t, Index, Index>, Index> column;
-    for (std::size_t k = 0; k < found_.size(); ++k)
-      column[{found_[k].tried, found_[k].body, found_[k].j}] = Index(k);
-    DenseMatrix W = DenseMatrix::Zero(all_.M.rows(), Index(found_.size()));
-    for (std::size_t q = 0; q < tried_.size(); ++q)
-      for (Index i = 0; i < W.rows(); ++i)
-        for (Matrix::InnerIterator t(tried_[q], i); t; ++t) {
-          const auto k = column.find({q, all_.bodies.of[i], Index(t.col())});
-          if (k != column.end()) W(i, k->second) = found_[k->second].scale * t.value();
-        }
-    return W;
-  }
+  const DenseMatrix& columns() const { return W_; }
 
  private:
-  struct Found {
-    Index body;
-    std::size_t tried;
-    Index j;
-    Real scale;
-  };
   /// Row by row the candidates times the combinations of the row's body.
   Matrix combined(const std::vector<Matrix>& c) const {
     Index most = 0;
@@ -193,8 +185,7 @@ class RigidMotions {
 
   const System& system_;
   const Candidates& all_;
-  std::vector<Matrix> tried_;  ///< n x the most of a body
-  std::vector<Found> found_;
+  DenseMatrix W_;  ///< n x k: the motions, <Dw,w> = 1
 };
 
 /// Of one body of A: of each group of `each` candidates, the motions that it makes alone.
