@@ -63,12 +63,14 @@ SemismoothNewton::Outcome SemismoothNewton::solve(Index max_steps) {
     ++steps_;
     if (!step()) return Outcome::singular;
     r_ = problem_.residual(x_);
-    const Real violation = law_violation(r_);
-    residual_ = violation / unit(r_);
+    // with c = diag(A): a small algorithmic c would flatter it
+    const Violation v = violation(problem_.laws, problem_.D, x_, r_);
+    const Real forces = std::sqrt(v.normal + v.friction);
+    residual_ = forces / unit(r_);
     if (problem_.observer)
       problem_.observer->step(problem_.springs > 0 ? Work::proximal : Work::newton, residual_);
-    if (steps_ == 1) first = violation;
-    if (from_stick_ && steps_ >= settling && violation > runaway * first) return Outcome::ran_away;
+    if (steps_ == 1) first = forces;
+    if (from_stick_ && steps_ >= settling && forces > runaway * first) return Outcome::ran_away;
     const std::size_t before = fingerprint();
     choose_branches(x_, r_);
     const std::size_t after = fingerprint();
@@ -196,21 +198,6 @@ Vector SemismoothNewton::solve_branches() {
   assemble();
   undetermined_ = true;
   return scale_.asDiagonal() * least_squares(M_, b_, singular);
-}
-
-/// What is left of the laws on S, in norm_D, with c = diag(A): a small algorithmic c would flatter
-/// it.
-Real SemismoothNewton::law_violation(const Vector& r) const {
-  const ContactProblem& laws = problem_.laws;
-  Real sum = 0;
-  for (Index i = 0; i < laws.nodes(); ++i) {
-    const Index N = problem_.normal(i), size = laws.tangents(i) + 1;
-    const Violation v =
-        violation(law_of(laws.increment, i), laws.increment.gap[i], problem_.D.segment(N, size),
-                  x_.segment(N, size), r.segment(N, size));
-    sum += v.normal + v.friction;
-  }
-  return std::sqrt(sum);
 }
 
 /// The forces at work, in norm_D; where there are none, the total load.

@@ -47,7 +47,6 @@ class SemismoothNewton {
   void for_each_slip(Visit visit) const;
   bool assemble();
   Vector solve_branches();
-  Real law_violation(const Vector& r) const;
   Real rounding() const;
   Real unit(const Vector& r) const;
   std::size_t fingerprint() const;
