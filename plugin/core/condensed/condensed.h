@@ -27,10 +27,9 @@ class CondensedSolver {
 
   /// settings.newton: semismooth Newton on the unregularized laws, and where it does not arrive an
   /// interior point and springs before it; else the regularized conjugate gradient and the fixed
-  /// point on S. x0: n, or empty to start from the last answer. problem.system is the one that was
+  /// point on S. Without x0 it starts from the last answer. problem.system is the one that was
   /// factored.
-  Solution solve(const ContactProblem& problem, const Settings& settings, const Vector& x0,
-                 Observer* observer = nullptr, const PathOnA& path = {});
+  Solution solve(const Request& request, const PathOnA& path = {});
 
   const Elimination& elimination() const { return elimination_; }
 

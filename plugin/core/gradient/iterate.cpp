@@ -157,4 +157,34 @@ Real ActiveSet::violation(const Vector& r_C, const Vector& g) const {
   return std::sqrt(sum);
 }
 
+Iterate::Iterate(const ContactProblem& problem)
+    : system(*problem.system),
+      rows(problem),
+      faces(problem),
+      part{std::vector<char>(problem.contact_dofs(), 1), Vector::Zero(problem.contact_dofs())},
+      piece_(problem.nodes(), 0) {}
+
+bool Iterate::update_friction() {
+  bool crossed = false;
+  r = rows.r();
+  for (Index i = 0; i < system.nodes(); ++i) {
+    const Index c = system.first[i] - system.interior(), t = system.tangents(i);
+    part.free[c] = !faces.contact(i);
+    if (faces.contact(i)) r[c] = 0;
+    for (Index k = 1; k <= t; ++k) part.free[c + k] = !faces.at_rest(i);
+    part.hessian.segment(c + 1, t).setZero();
+    if (faces.at_rest(i)) {
+      r.segment(c + 1, t).setZero();
+    } else if (t > 0 && g[i] > 0) {
+      const auto x_T = x.segment(system.first[i] + 1, t);
+      const Real slip = x_T.norm();
+      r.segment(c + 1, t) -= g[i] * phi.slope_over_t(slip) * x_T;
+      part.hessian.segment(c + 1, t).setConstant(g[i] * phi.mean_second_derivative(slip, t));
+      const char piece = phi.eps > 0 ? slip <= phi.eps : t == 1 && x_T[0] > 0;
+      crossed |= std::exchange(piece_[i], piece) != piece;
+    }
+  }
+  return crossed;
+}
+
 }  // namespace frictioncg

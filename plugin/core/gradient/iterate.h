@@ -1,5 +1,6 @@
 #pragma once
 #include "gradient/preconditioner.h"
+#include "gradient/regularization.h"
 #include "gradient/tresca.h"
 #include "model/contact_problem.h"
 
@@ -95,14 +96,26 @@ class ActiveSet {
 
 /// Where a minimization stands.
 struct Iterate {
-  explicit Iterate(const ContactProblem& problem)
-      : system(*problem.system), rows(problem), faces(problem) {}
+  explicit Iterate(const ContactProblem& problem);
+
+  /// Makes r and part, after x, rows or faces have changed. True where a node has come to another
+  /// piece of a piecewise quadratic J: across eps, or, with eps = 0, across x_T = 0 along a single
+  /// tangent.
+  bool update_friction();
+  /// <g phi'(x_T), v>: what <F - Ax, v> has more than <-J', v>; v is 0 on held dofs.
+  Real friction_along(const Vector& v) const { return (rows.r() - r).dot(v.tail(r.size())); }
 
   const System& system;
   Vector x;          ///< n
   Vector g;          ///< m, the sliding limit
+  Phi phi;           ///< that J_eps has
   ContactRows rows;  ///< F - Ax on the contact dofs
   ActiveSet faces;   ///< that x lies on
+  Vector r;          ///< -J' of (11), contact_dofs(): that of rows less g phi'(x_T), 0 where held
+  ContactPart part;  ///< what is free, and g phi'' of (17)
+
+ private:
+  std::vector<char> piece_;  ///< m, which one x_T was on
 };
 
 }  // namespace frictioncg
