@@ -106,7 +106,7 @@ void Solver::renew(SystemPtr system) {
   system_ = std::move(system);
   floating_ = FloatingMotions(system_);
   poor_ = dofs && poor_;
-  factored_ = factor_reported_ = indefinite_ = false;
+  factored_ = indefinite_ = false;
   memory_needed_ = 0;
   if (!pattern) sparse_.reset();
   if (sparse_) sparse_->renew(system_);
@@ -163,10 +163,6 @@ Solution Solver::by_condensation(const Request& request) {
   };
   Solution s = condensed_->solve(request, path);
   if (request.settings.newton) try_without_factor(request, floating_, s);
-  if (!factor_reported_) {
-    factor_reported_ = true;
-    s.times += condensed_->elimination().times();
-  }
   if (request.observer) request.observer->iterate(s.iterations, StepLabel::newton, s.x);
   return s;
 }

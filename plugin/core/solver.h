@@ -61,7 +61,6 @@ class Solver {
   std::unique_ptr<CondensedSolver> condensed_;
   double memory_needed_ = 0;  ///< by the condensed route, as far as it is known [bytes]
   bool factored_ = false;
-  bool factor_reported_ = false;   ///< a solution has told what the factorization took
   bool indefinite_ = false;        ///< A has no factor, whatever the memory
   bool multigrid_failed_ = false;  ///< in this call
   bool poor_ = false;              ///< the hierarchy is, or that of the matrix before was

@@ -23,7 +23,7 @@ bool newton_from(const Vector& x, const CondensedProblem& problem, Index max_ste
                  const Branches& given) {
   SemismoothNewton newton(problem);
   if (x.size() > 0)
-    newton.start_from(x, problem.residual(x));
+    newton.start_from(x);
   else if (!given.empty())
     newton.start_from(given);
   else

@@ -71,7 +71,7 @@ Solution CondensedSolver::solve(const Request& request, const PathOnA& path) {
   }
   if (s.status == Status::converged && !run.positive) look_for_negative_energy(run);
   if (s.status != Status::no_equilibrium) settle(run);
-  s.state = classify(problem, s.x, s.certificate);
+  if (!std::exchange(factor_reported_, true)) s.times += elimination_.times();
   return std::move(run.s);
 }
 

@@ -17,6 +17,7 @@ class CondensedSolver {
 
   Elimination::Outcome factor(double memory_bound) {
     positive_on_.clear();
+    factor_reported_ = false;
     return elimination_.factor(*system_, memory_bound, std::exchange(same_pattern_, false));
   }
   /// Another matrix on the same dofs, to be factored; same_pattern: over the layout of the last.
@@ -53,6 +54,7 @@ class CondensedSolver {
   SystemPtr system_;
   bool same_pattern_ = false;  ///< as the matrix that was factored last
   Elimination elimination_;
+  bool factor_reported_ = false;   ///< a solution has told what it took
   Branches last_;                  ///< of the last answer: where an increment starts
   std::vector<char> positive_on_;  ///< contact_dofs: where S is known to be positive definite
 };

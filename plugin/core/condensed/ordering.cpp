@@ -81,7 +81,7 @@ struct NodeGraph {
       for (Index i = s.first[c]; i < s.first[c + 1]; ++i) node_of[i] = nodes;
     first_dof.assign(nodes + 1, 0);
     for (Index i = 0; i < n; ++i) ++first_dof[node_of[i] + 1];
-    for (Index v = 0; v < nodes; ++v) first_dof[v + 1] += first_dof[v];
+    std::partial_sum(first_dof.begin(), first_dof.end(), first_dof.begin());
     dofs.resize(n);
     std::vector<Index> at(first_dof.begin(), first_dof.end() - 1);
     for (Index i = 0; i < n; ++i) dofs[at[node_of[i]]++] = i;

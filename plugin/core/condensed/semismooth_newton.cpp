@@ -12,7 +12,6 @@ constexpr Real rounding_margin = 100;  ///< S carries what the elimination has l
 constexpr Real solved = 1e-12;         ///< residual at which a node that grazes is on either branch
 constexpr Real settled = 1e-9;         ///< residual that may be rounding, once the branches stay
 constexpr int most_stalled = 8;        ///< 3D: directions of slip may need some steps to settle
-constexpr Real half_wave = 3;          ///< of c, about pi: see tangential_scale
 constexpr Real least_tangential = 1e-6;  ///< of diag(S) over D: a body on one node has S = 0
 constexpr Real progress = 0.5;  ///< of the residual from step to step, on the same branches
 /// Of the forces that violate the laws, over those of the first step. From stick they fall where
@@ -20,14 +19,6 @@ constexpr Real progress = 0.5;  ///< of the residual from step to step, on the s
 /// corrections, they doubled within four steps, and it cycled after up to 40.
 constexpr Real runaway = 2;
 constexpr Index settling = 4;  ///< steps before that, in which they may grow all the same
-
-/// c over S_TT. One node alone meets S_TT, about E; a wave of wave number k meets S = E k h, h the
-/// distance of the nodes. Sliding zones are as wide as the contact, L = m^{1/(d-1)} h, whose half
-/// wave, k = pi/L, meets pi S_TT/m^{1/(d-1)}: with a c of that size r_T + c x_T weighs force and
-/// slip of such a motion alike, and tells the branches that it leads to.
-Real tangential_scale(Index m, int dimension) {
-  return half_wave / (dimension == 2 ? Real(m) : std::sqrt(Real(m)));
-}
 }  // namespace
 
 SemismoothNewton::SemismoothNewton(const CondensedProblem& problem)
@@ -35,13 +26,12 @@ SemismoothNewton::SemismoothNewton(const CondensedProblem& problem)
       c_(problem.laws.nodes()),
       branch_(problem.laws.nodes()),
       x_(Vector::Zero(problem.f.size())) {
-  const Index m = problem.laws.nodes();
-  const Real scale = tangential_scale(m, problem.laws.system->dimension);
-  for (Index i = 0; i < m; ++i) {
+  const Real share = wave_share(*problem.laws.system);
+  for (Index i = 0; i < problem.laws.nodes(); ++i) {
     const Index T = problem.normal(i) + 1, t = problem.laws.tangents(i);
     if (t == 0) continue;
     const Real least = least_tangential * problem.D.segment(T, t).mean();
-    c_[i] = scale * std::max(problem.S.diagonal().segment(T, t).mean(), least);
+    c_[i] = share * std::max(problem.S.diagonal().segment(T, t).mean(), least);
   }
 }
 
@@ -50,9 +40,10 @@ void SemismoothNewton::start_from_stick() {
   branch_ = all_stick(problem_.laws.increment);
 }
 
-void SemismoothNewton::start_from(const Vector& x, const Vector& r) {
+void SemismoothNewton::start_from(const Vector& x) {
   x_ = x;
-  choose_branches(x, r);
+  r_ = problem_.residual(x);
+  choose_branches();
 }
 
 SemismoothNewton::Outcome SemismoothNewton::solve(Index max_steps) {
@@ -66,13 +57,13 @@ SemismoothNewton::Outcome SemismoothNewton::solve(Index max_steps) {
     // with c = diag(A): a small algorithmic c would flatter it
     const Violation v = violation(problem_.laws, problem_.D, x_, r_);
     const Real forces = std::sqrt(v.normal + v.friction);
-    residual_ = forces / unit(r_);
+    residual_ = forces / unit();
     if (problem_.observer)
       problem_.observer->step(problem_.springs > 0 ? Work::proximal : Work::newton, residual_);
     if (steps_ == 1) first = forces;
     if (from_stick_ && steps_ >= settling && forces > runaway * first) return Outcome::ran_away;
     const std::size_t before = fingerprint();
-    choose_branches(x_, r_);
+    choose_branches();
     const std::size_t after = fingerprint();
     if (residual_ <= solved) return Outcome::converged;
     if (after == before && residual_ > progress * best) {
@@ -86,14 +77,15 @@ SemismoothNewton::Outcome SemismoothNewton::solve(Index max_steps) {
 }
 
 /// Branches of the laws at (x, r), r = f - Sx.
-void SemismoothNewton::choose_branches(const Vector& x, const Vector& r) {
+void SemismoothNewton::choose_branches() {
   const ContactProblem& laws = problem_.laws;
   for (Index i = 0; i < laws.nodes(); ++i) {
     const Index N = problem_.normal(i), size = laws.tangents(i) + 1;
-    const Real closing = problem_.D[N] * (laws.increment.gap[i] - x[N]);
+    const Real closing = problem_.D[N] * (laws.increment.gap[i] - x_[N]);
     const NodeLaw law = law_of(laws.increment, i);
-    branch_[i] = branch_at(law, closing, x.segment(N, size), r.segment(N, size), c_[i]);
-    branch_[i].choose_touch(law, closing, x.segment(N, size), r.segment(N, size), c_[i]);
+    const auto x = x_.segment(N, size), r = r_.segment(N, size);
+    branch_[i] = branch_at(law, closing, x, r, c_[i]);
+    branch_[i].choose_touch(law, closing, x, r, c_[i]);
   }
 }
 
@@ -201,13 +193,13 @@ Vector SemismoothNewton::solve_branches() {
 }
 
 /// The forces at work, in norm_D; where there are none, the total load.
-Real SemismoothNewton::unit(const Vector& r) const {
+Real SemismoothNewton::unit() const {
   const Increment& increment = problem_.laws.increment;
   Real contact = 0;
   for (Index i = 0; i < problem_.laws.nodes(); ++i) {
     const Index N = problem_.normal(i), size = problem_.laws.tangents(i) + 1;
     if (!branch_[i].closed) continue;
-    contact += (r.segment(N, size).array().square() / problem_.D.segment(N, size).array()).sum();
+    contact += (r_.segment(N, size).array().square() / problem_.D.segment(N, size).array()).sum();
   }
   const Real work = forces_at_work(increment.load_norm, std::sqrt(contact));
   return work > 0 ? work : increment.force_scale;
@@ -216,7 +208,7 @@ Real SemismoothNewton::unit(const Vector& r) const {
 /// What S x cannot resolve of the residual, in the same units.
 Real SemismoothNewton::rounding() const {
   const Real size = std::sqrt((problem_.D.array() * x_.array().square()).sum());
-  return rounding_margin * std::numeric_limits<Real>::epsilon() * size / unit(r_);
+  return rounding_margin * std::numeric_limits<Real>::epsilon() * size / unit();
 }
 
 std::size_t SemismoothNewton::fingerprint() const {

@@ -22,9 +22,8 @@ class SemismoothNewton {
 
   explicit SemismoothNewton(const CondensedProblem& problem);
 
-  void start_from_stick();                            ///< every node closed, x_T = 0
-  void start_from(const Vector& x, const Vector& r);  ///< the branches that (x, r) is on
-
+  void start_from_stick();           ///< every node closed, x_T = 0
+  void start_from(const Vector& x);  ///< the branches that x is on
   void start_from(const Branches& branches) { branch_ = branches; }
 
   /// At most max_steps steps; converged where the laws hold to rounding. ran_away: from stick, and
@@ -41,14 +40,14 @@ class SemismoothNewton {
   bool positive() const { return positive_; }
 
  private:
-  void choose_branches(const Vector& x, const Vector& r);
+  void choose_branches();
   bool step();
   template <class Visit>
   void for_each_slip(Visit visit) const;
   bool assemble();
   Vector solve_branches();
   Real rounding() const;
-  Real unit(const Vector& r) const;
+  Real unit() const;
   std::size_t fingerprint() const;
 
   const CondensedProblem& problem_;

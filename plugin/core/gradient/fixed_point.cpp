@@ -55,7 +55,6 @@ class FixedPoint {
       if (solution_.status != Status::converged || !improve(last)) break;
     }
     if (!coulomb_) solution_.passes = 0;
-    solution_.state = classify(problem_, solution_.x, solution_.certificate);
     return std::move(solution_);
   }
 

@@ -7,13 +7,8 @@ ContactRows::ContactRows(const ContactProblem& problem)
       r_(Vector::Zero(problem.contact_dofs())),
       dx_C_(Vector::Zero(problem.contact_dofs())) {}
 
-Real ContactRows::row_product(Index c, const Vector& v_in) const {
-  const auto [row, col, a] = arrays_of(system_.entries());
-  const Real* v = v_in.data();
-  const Index i = system_.interior() + c;
-  Real sum = 0;
-  for (Index k = row[i]; k < row[i + 1]; ++k) sum += a[k] * v[col[k]];
-  return sum;
+Real ContactRows::row_product(Index c, const Vector& v) const {
+  return system_.entries().row(system_.interior() + c).dot(v);
 }
 
 void ContactRows::advance(Real rho, const Vector& v) {

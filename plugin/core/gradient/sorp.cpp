@@ -92,10 +92,7 @@ class Sorp final : public TrescaSolver {
   }
 
   Real row_residual(const Vector& x, Index i) const {
-    const auto [row, col, a] = arrays_of(problem_.system->entries());
-    Real r = problem_.increment.F[i];
-    for (Index k = row[i]; k < row[i + 1]; ++k) r -= a[k] * x[col[k]];
-    return r;
+    return problem_.increment.F[i] - problem_.system->entries().row(i).dot(x);
   }
 
   /// What is left of the optimality conditions at given g, in norm_D.

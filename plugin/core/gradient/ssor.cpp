@@ -62,8 +62,8 @@ class SsorPreconditioner final : public Preconditioner {
       E_y_[c] = sum;
       r_C_[c] = r_C[c];
     }
-    forward_contact(dE_y_, dr_C_, dy_C_);
-    forward_contact(E_y_, r_C_, y_);
+    forward_contact(dE_y_, dr_C_, dy_C_.data());
+    forward_contact(E_y_, r_C_, y_.data() + interior_);
 
     r_z_ = interior_r_z_;
     dr_z_ = interior_dr_z_;
@@ -187,22 +187,19 @@ class SsorPreconditioner final : public Preconditioner {
   }
 
  private:
-  /// y_C = (C/omega + E)_CC^{-1} (rhs - lower_interior) on the free contact dofs; y_C into y's
-  /// tail.
-  void forward_contact(const Vector& lower_interior, const Vector& rhs, Vector& y_out) const {
+  /// y_C = (C/omega + E)_CC^{-1} (rhs - lower_interior) on the free contact dofs.
+  void forward_contact(const Vector& lower_interior, const Vector& rhs, Real* y_C) const {
     const auto [row, col, a] = arrays_of(system_.entries());
-    const Index shift = interior_ - static_cast<Index>(system_.dofs() - y_out.size());
-    Real* y = y_out.data();
     for (Index c = 0; c < rhs.size(); ++c) {
       const Index i = interior_ + c;
       Real sum = 0;
       if (free_[c]) {
         sum = rhs[c] - lower_interior[c];
         for (Index k = diagonal_[i] - 1; k >= row[i] && col[k] >= interior_; --k)
-          sum -= a[k] * y[col[k] - interior_ + shift];
+          sum -= a[k] * y_C[col[k] - interior_];
         sum *= inverse_[i];
       }
-      y[c + shift] = sum;
+      y_C[c] = sum;
     }
   }
 

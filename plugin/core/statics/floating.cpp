@@ -82,20 +82,19 @@ void sum(const System& system, std::vector<DenseMatrix>& of_bodies) {
   }
 }
 
-/// Sums over each body's dofs of M_i' R_i, for rows R_i over the candidates: one matrix a body.
-template <class Rows>
-std::vector<DenseMatrix> gram(const System& system, const Candidates& all, const Rows& for_each) {
+/// Sums over each body's dofs of M_i' R_i, for entries (i, j, value) of R, whose columns are those
+/// of the candidates: one matrix a body.
+template <class Entries>
+std::vector<DenseMatrix> gram(const System& system, const Candidates& all,
+                              const Entries& for_each) {
   std::vector<DenseMatrix> sums;
   for (const std::vector<Index>& own : all.of_body)
     sums.push_back(DenseMatrix::Zero(Index(own.size()), Index(own.size())));
-  for_each([&](Index i, const std::vector<Index>& columns, const Vector& values) {
-    const Index body = all.bodies.of[i];
-    for (Index j : columns) {
-      const Index to = all.place(body, j);
-      if (to < 0) continue;  // a zero that is stored, or what rounding leaves between bodies
-      for (Matrix::InnerIterator m(all.M, i); m; ++m)
-        sums[body](all.place(body, Index(m.col())), to) += m.value() * values[j];
-    }
+  for_each([&](Index i, Index j, Real value) {
+    const Index body = all.bodies.of[i], to = all.place(body, j);
+    if (to < 0) return;  // a zero that is stored, or what rounding leaves between bodies
+    for (Matrix::InnerIterator m(all.M, i); m; ++m)
+      sums[body](all.place(body, Index(m.col())), to) += m.value() * value;
   });
   sum(system, sums);
   return sums;
@@ -103,17 +102,9 @@ std::vector<DenseMatrix> gram(const System& system, const Candidates& all, const
 
 /// The same of the candidates in the product of a diagonal.
 std::vector<DenseMatrix> gram_in(const System& system, const Candidates& all, const Vector& diag) {
-  return gram(system, all, [&](const VisitRow& visit) {
-    std::vector<Index> columns;
-    Vector values(all.count());
-    for (Index i = 0; i < diag.size(); ++i) {
-      columns.clear();
-      for (Matrix::InnerIterator m(all.M, i); m; ++m) {
-        columns.push_back(Index(m.col()));
-        values[m.col()] = diag[i] * m.value();
-      }
-      visit(i, columns, values);
-    }
+  return gram(system, all, [&](const auto& visit) {
+    for (Index i = 0; i < diag.size(); ++i)
+      for (Matrix::InnerIterator m(all.M, i); m; ++m) visit(i, Index(m.col()), diag[i] * m.value());
   });
 }
 
@@ -244,7 +235,11 @@ Matrix rigid_candidates(const System& system) {
 DenseMatrix floating_motions(const System& system) {
   const Candidates all(system);
   if (all.count() == 0) return DenseMatrix(system.dofs(), 0);
-  const auto of_A = [&](const VisitRow& visit) { system.product(all.M, visit); };
+  const auto of_A = [&](const auto& visit) {
+    system.product(all.M, [&](Index i, const std::vector<Index>& columns, const Vector& values) {
+      for (Index j : columns) visit(i, j, values[j]);
+    });
+  };
   const std::vector<DenseMatrix> in_A = gram(system, all, of_A),
                                  in_D = gram_in(system, all, system.D);
   const Index each = rigid_components(system.dimension);
