@@ -1,5 +1,5 @@
 #pragma once
-#include "condensed/attempt.h"
+#include "condensed/semismooth_newton.h"
 #include "condensed/elimination.h"
 #include "statics/equilibrium.h"
 #include "solution.h"

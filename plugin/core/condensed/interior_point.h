@@ -1,5 +1,5 @@
 #pragma once
-#include "condensed/attempt.h"
+#include "condensed/semismooth_newton.h"
 #include "condensed/path_matrix.h"
 
 namespace frictioncg {

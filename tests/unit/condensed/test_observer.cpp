@@ -5,7 +5,7 @@
 #include "../statics.h"
 #include "../statics/bodies.h"
 #include "core/condensed/interior_point.h"
-#include "core/condensed/attempt.h"
+#include "core/condensed/semismooth_newton.h"
 #include "core/condensed/regularized.h"
 #include "core/solver.h"
 
