@@ -40,7 +40,7 @@ void BentPath::drop_held(const Iterate& it, Line& line) {
     const Real w_N = w_[N];
     if (!it.faces.contact(i) || w_N == 0) continue;
     line.a -= it.rows.r()[c] * w_N;
-    line.vAv.A -= w_N * (2 * it.rows.row_product(c, w_) - system_.D[N] * w_N);
+    line.vAv.A -= w_N * (2 * row_product(system_, N, w_) - system_.D[N] * w_N);
     line.vAv.D -= system_.D[N] * w_N * w_N;
     w_[N] = 0;
   }

@@ -7,12 +7,9 @@ ContactRows::ContactRows(const ContactProblem& problem)
       r_(Vector::Zero(problem.contact_dofs())),
       dx_C_(Vector::Zero(problem.contact_dofs())) {}
 
-Real ContactRows::row_product(Index c, const Vector& v) const {
-  return system_.entries().row(system_.interior() + c).dot(v);
-}
-
 void ContactRows::advance(Real rho, const Vector& v) {
-  for (Index c = 0; c < r_.size(); ++c) r_[c] -= rho * row_product(c, v);
+  for (Index c = 0; c < r_.size(); ++c)
+    r_[c] -= rho * row_product(system_, system_.interior() + c, v);
 }
 
 void ContactRows::owe(Index c, Real dx) {

@@ -6,6 +6,15 @@
 
 namespace frictioncg {
 
+/// (A v)_i, at one dof, of v (n).
+inline Real row_product(const System& system, Index i, const Vector& v_in) {
+  const auto [row, col, a] = arrays_of(system.entries());
+  const Real* v = v_in.data();
+  Real sum = 0;
+  for (Index k = row[i]; k < row[i + 1]; ++k) sum += a[k] * v[col[k]];
+  return sum;
+}
+
 /// The residual F - Ax on the contact dofs, kept while x moves.
 ///
 /// Moves of contact dofs alone (a release, a node brought to rest) cost A_CC; the preconditioner,
@@ -29,9 +38,6 @@ class ContactRows {
 
   /// Tells the interior of the displacements since the last call; set_contact has to follow.
   void settle(Preconditioner& P);
-
-  /// (A v)_c of v (n), at one contact dof.
-  Real row_product(Index c, const Vector& v) const;
 
   /// <A_CC d, d>, of d (contact_dofs()).
   Real energy(const Vector& d) const;

@@ -92,7 +92,7 @@ class Sorp final : public TrescaSolver {
   }
 
   Real row_residual(const Vector& x, Index i) const {
-    return problem_.increment.F[i] - problem_.system->entries().row(i).dot(x);
+    return problem_.increment.F[i] - row_product(*problem_.system, i, x);
   }
 
   /// What is left of the optimality conditions at given g, in norm_D.

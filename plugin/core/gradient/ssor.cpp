@@ -193,7 +193,7 @@ class SsorPreconditioner final : public Preconditioner {
   }
 
   const bool on_hessian_;
-  const Real omega_, kappa_;     ///< kappa = (2 - omega)/omega
+  const Real omega_, kappa_;  ///< kappa = (2 - omega)/omega
   const Arrays A_;
   std::vector<Index> diagonal_;  ///< n, position of a_ii in the row
   Vector C_;                     ///< n, D of A or of J''

@@ -76,17 +76,22 @@ void AssembledSystem::product(const Matrix& M, const VisitRow& visit) const {
   const auto [begin, at, m] = arrays_of(M);
   Vector sum = Vector::Zero(M.cols());
   std::vector<Index> columns(M.cols()), seen(M.cols(), -1);
-  std::iota(columns.begin(), columns.end(), 0);
-  const bool few = M.cols() <= few_columns;
-  for (Index i = 0; i < A.rows(); ++i) {
-    if (few)
+  if (M.cols() <= few_columns) {
+    std::iota(columns.begin(), columns.end(), 0);
+    for (Index i = 0; i < A.rows(); ++i) {
       sum.setZero();
-    else
-      columns.clear();
+      for (Index k = row[i]; k < row[i + 1]; ++k)
+        for (Index q = begin[col[k]]; q < begin[col[k] + 1]; ++q) sum[at[q]] += a[k] * m[q];
+      visit(i, columns, sum);
+    }
+    return;
+  }
+  for (Index i = 0; i < A.rows(); ++i) {
+    columns.clear();
     for (Index k = row[i]; k < row[i + 1]; ++k)
       for (Index q = begin[col[k]]; q < begin[col[k] + 1]; ++q) {
         const Index j = at[q];
-        if (!few && std::exchange(seen[j], i) != i) {
+        if (std::exchange(seen[j], i) != i) {
           columns.push_back(j);
           sum[j] = 0;
         }
