@@ -8,8 +8,8 @@
 namespace frictioncg {
 
 void decide_on_equilibrium(const ContactProblem& problem, FloatingMotions& floating, Solution& s) {
-  const bool open = s.status == Status::no_equilibrium || s.status == Status::stagnated ||
-                    s.status == Status::fixed_point_diverged || s.status == Status::max_iterations;
+  const bool open = s.status == Status::stagnated || s.status == Status::fixed_point_diverged ||
+                    s.status == Status::max_iterations;
   if (!open) return;
   // The motions of A: from the candidates of the system, or, where none of them floats, by
   // conjugate gradients; not after a call that was to be short.
@@ -18,10 +18,7 @@ void decide_on_equilibrium(const ContactProblem& problem, FloatingMotions& float
   const auto motion = unheld_motion(
       enough ? known : rigid_motions(*problem.system, default_iterations(problem)), problem);
   s.unheld_motion = motion.value_or(Vector());
-  if (motion)
-    s.status = Status::no_equilibrium;
-  else if (s.status == Status::no_equilibrium)
-    s.status = Status::stagnated;
+  if (motion) s.status = Status::no_equilibrium;
 }
 
 Solution by_gradients(const Request& request, FloatingMotions& floating) {

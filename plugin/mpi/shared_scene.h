@@ -7,6 +7,7 @@
 #include "ghosts.h"
 #include "guests.h"
 #include "hierarchy.h"
+#include "model/inertia.h"
 #include "multigrid/multigrid_solver.h"
 #include "whole_interface.h"
 
@@ -112,6 +113,7 @@ inline void make_solver(SharedScene& shared) {
       shared.domain, Numbering(*shared.domain, *scene.system, scene.mesh_node), *scene.system);
   shared.A = own;
   set_motions(shared, *own);
+  own->inertia = inertia_of(*own);
   set_solver(shared, Coarsening::aggregation);
 }
 

@@ -122,6 +122,9 @@ TEST(RandomScenes, TheIterativeMethodsSolveWhatHasAnAnswerAndObeyTheLaws) {
     // SORP, too, arrives at nu = 0.4999, in time
     run_scenes(name, count, seed, settings, method == Method::sorp ? 300000 : 0);
   }
+  Settings settings;
+  settings.newton = false;
+  run_scenes("on S", count, seed, settings);
 }
 
 TEST(RandomScenes, MultigridSolvesWhatTheDefaultSolvesNearlyAlwaysWithoutItsHelp) {

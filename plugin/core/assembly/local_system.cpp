@@ -1,5 +1,6 @@
 #include "assembly/local_system.h"
 
+#include "model/inertia.h"
 #include "model/validate.h"
 
 namespace frictioncg {
@@ -103,6 +104,7 @@ void LocalSystem::assemble(const Triplets& A, int dimension, const std::vector<I
   system->rigid_modes = in_local_dofs(std::move(modes));
   system->body_modes = in_local_dofs(std::move(body_modes));
   system->weight = node_weights(*system);
+  system->inertia = inertia_of(*system);
   system_ = system;
 }
 
@@ -143,9 +145,14 @@ LocalLoad LocalSystem::load_from(const Vector& b, const Vector& w_old) const {
 }
 
 void set_load(const LocalLoad& load, const System& system, Increment& increment) {
+  // of what carries bodies on as a whole, so much counts as a load: their contact forces are known
+  // to no more
+  constexpr Real some_roundings = 1e11;
   increment.F = load.F;
-  increment.load_norm = norm_D(system, load.external);
   increment.rounding = std::numeric_limits<Real>::epsilon() * norm_D(system, load.sizes);
+  increment.load_norm =
+      std::max(load_beside_inertia(system, load.external),
+               std::min(norm_D(system, load.external), some_roundings * increment.rounding));
   // what a displacement of before leaves of a body that nothing loads
   const Real noise = increment.noise();
   if (noise > 0 && std::isfinite(noise) && norm_D(system, increment.F) <= noise)

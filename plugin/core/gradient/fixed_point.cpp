@@ -9,6 +9,8 @@ namespace {
 /// eps starts at this share of max|x|: it costs 0.46 eps/max|x| of error in energy, which is below
 /// every tol. A smaller eps takes more iterations.
 constexpr Real first_relative_eps = 1e-8;
+/// It is no smaller a share of the displacements that F/diag(A) gives.
+constexpr Real least_motion = 1e-6;
 /// The first minimizations need no smaller residual: sticking contact tells mu F_N to a percent.
 constexpr Real first_tolerance = 1e-2;
 /// The last minimization may leave this share of tol: the certificate measures two other things.
@@ -183,11 +185,13 @@ class FixedPoint {
   /// The last inner tolerance: less than tol, and no less than rounding allows.
   Real finest() const { return std::max(share * settings_.tol, solution_.certificate.attainable); }
 
+  /// What moves, or a share of what the load makes of single nodes: where the stuck answer is that
+  /// of before, what moves is rounding.
   Real displacement_scale() const {
-    const Real moved = solution_.x.lpNorm<Eigen::Infinity>();
-    if (moved > 0) return moved;
     const Vector &F = problem_.increment.F, &D = problem_.system->D;
-    return (F.cwiseAbs().array() / D.array()).maxCoeff() + std::numeric_limits<Real>::min();
+    const Real alone = (F.cwiseAbs().array() / D.array()).maxCoeff();
+    return std::max(solution_.x.lpNorm<Eigen::Infinity>(), least_motion * alone) +
+           std::numeric_limits<Real>::min();
   }
 
   /// The sliding limits at the present x; r_N = 0 where the node is open: what rounding leaves of

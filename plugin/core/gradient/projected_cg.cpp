@@ -152,7 +152,6 @@ class ProjectedCG final : public TrescaSolver {
     line.a = line.r_v + it_.friction_along(v_);
     rho_gap = it_.faces.step_to_gap(it_.x, v_);
     rho = line_search_(it_.phi, it_.g, it_.x, v_, line, rho_gap);
-    if (rho == infinity) return Status::no_equilibrium;
     return std::isfinite(rho) ? Status::converged : Status::stagnated;
   }
 

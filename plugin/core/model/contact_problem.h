@@ -22,7 +22,7 @@ struct Increment {
   Vector g;                ///< m, >= 0 [force]; law tresca
   Real force_scale = 0;    ///< norm of the total load, in norm_D; > 0
   /// Norm of the external load on the free dofs, in norm_D: neither Dirichlet data nor u^{k-1} in
-  /// it.
+  /// it, nor what the inertia of rigid motions takes (model/inertia.h).
   Real load_norm = 0;
   /// Norm of the rounding that F carries from the terms it was summed of, in norm_D.
   Real rounding = 0;

@@ -50,6 +50,7 @@ struct System {
   Matrix border;
   RigidModes rigid_modes;  ///< of all bodies as if they were one, in local frames
   BodyModes body_modes;    ///< of each body alone, where a coupling joins them in A; or empty
+  Matrix inertia;          ///< n x k, of inertia_of
 
   Index dofs() const { return first.back(); }
   Index nodes() const { return static_cast<Index>(first.size()) - 1; }

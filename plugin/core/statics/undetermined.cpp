@@ -2,6 +2,7 @@
 
 #include "factorization.h"
 #include "linear_algebra.h"
+#include "statics/nearest_in_cone.h"
 
 namespace frictioncg {
 
@@ -91,19 +92,81 @@ bool touches_without_force(const ContactProblem& problem, const Vector& x,
   return false;
 }
 
+namespace {
+
+/// The half-spaces  a'c >= h  of the motions W c (k = W.cols()) that leave x on its branches: no
+/// gap closes beyond contact, no slip turns back.   (k + 1) x ..., columns (a, h), of all processes
+DenseMatrix bounds_of(const ContactProblem& problem, const Branches& branches, const Vector& x,
+                      const DenseMatrix& W) {
+  std::vector<Real> own;
+  const auto add = [&](const Vector& a, Real h) {
+    own.insert(own.end(), a.begin(), a.end());
+    own.push_back(h);
+  };
+  for (Index i = 0; i < problem.nodes(); ++i) {
+    const Branch& b = branches[i];
+    const Index N = problem.system->first[i], t = problem.tangents(i);
+    const Real gap = problem.increment.gap[i];
+    if (!b.closed && std::isfinite(gap)) add(-W.row(N).transpose(), x[N] - gap);
+    if (b.stick || !(b.g > 0) || t == 0) continue;
+    const Vector d = b.d.head(t);
+    add(W.middleRows(N + 1, t).transpose() * d, -d.dot(x.segment(N + 1, t)));
+  }
+  const Vector all = problem.system->gathered(Eigen::Map<Vector>(own.data(), Index(own.size())));
+  return all.reshaped(W.cols() + 1, all.size() / (W.cols() + 1));
+}
+
+/// The least of the fields x + W c that the branches allow; x: the least of all of them.
+/// |x + W c|_D^2 grows by |z|^2, z = L'c, W'DW = LL'. The z of least norm with  g'z >= h  is that
+/// of Lawson and Hanson (chapter 23): what is left of a unit vector e beside the cone of all (g,
+/// h).
+Vector least_within(const ContactProblem& problem, const Branches& branches, const Vector& x,
+                    const DenseMatrix& W) {
+  const Index k = static_cast<Index>(W.cols());
+  DenseMatrix L = W.transpose().lazyProduct(problem.system->D.asDiagonal() * W);
+  problem.system->sum(L.data(), static_cast<Index>(L.size()));
+  const DenseMatrix bounds = bounds_of(problem, branches, x, W);
+  if (!Cholesky(L).found() || bounds.cols() == 0) return x;
+  DenseMatrix directions = bounds.topRows(k);
+  L.triangularView<Eigen::Lower>().solveInPlace(directions);
+  // in the unit of the way that the furthest bound asks for
+  const Vector ways =
+      bounds.row(k).transpose().array() / directions.colwise().norm().transpose().array();
+  const Real unit = ways.maxCoeff();
+  if (!(unit > 0) || !std::isfinite(unit)) return x;
+  std::vector<Vector> columns;
+  for (Index i = 0; i < bounds.cols(); ++i) {
+    columns.emplace_back(k + 1);
+    columns.back() << directions.col(i), bounds(k, i) / unit;
+  }
+  NearestInCone nearest(Vector::Unit(k + 1, k));
+  while (nearest.add(columns)) {
+  }
+  if (!(nearest.rest()[k] > 0)) return x;
+  const Vector z = -unit / nearest.rest()[k] * nearest.rest().head(k);
+  return x + W.lazyProduct(Vector(L.triangularView<Eigen::Lower>().transpose().solve(z)));
+}
+
+}  // namespace
+
 void leave_least(const ContactProblem& problem, Real tol, Solution& s) {
   if (s.undetermined.cols() == 0) return;
   const System& system = *problem.system;
+  const Branches branches = branches_of(problem, s.x, s.certificate);
   const DenseMatrix &Z = s.undetermined, DZ = system.D.asDiagonal() * Z;
   DenseMatrix sums(Z.cols(), Z.cols() + 1);
   sums << Z.transpose().lazyProduct(DZ), DZ.transpose().lazyProduct(s.x);
   system.sum(sums.data(), static_cast<Index>(sums.size()));
   const Vector part = least_squares(sums.leftCols(Z.cols()), sums.rightCols(1));
   const Vector x = s.x - Z.lazyProduct(part);
-  Certificate certificate = certify(problem, x);
-  if (!(certificate.residual <= std::max(tol, s.certificate.residual))) return;
-  s.x = x;
-  s.certificate = std::move(certificate);
+  const auto take = [&](const Vector& other) {
+    Certificate certificate = certify(problem, other);
+    if (!(certificate.residual <= std::max(tol, s.certificate.residual))) return false;
+    s.x = other;
+    s.certificate = std::move(certificate);
+    return true;
+  };
+  if (!take(x)) take(least_within(problem, branches, x, Z));
 }
 
 Real leave_out_uncertain_work(const System& system, const DenseMatrix& W, Real told, Vector& F) {

@@ -19,8 +19,9 @@ Branches branches_of(const ContactProblem& problem, const Vector& x,
 bool touches_without_force(const ContactProblem& problem, const Vector& x,
                            const Certificate& certificate);
 
-/// Takes the undetermined motions of s out of s.x, where the laws allow it within tol: x is then
-/// the least that differs from it by them, in the product of D.
+/// Takes the undetermined motions of s out of s.x, as far as the laws allow it within tol: gaps
+/// stay open or close, and slip goes on. x is then the least that differs from it by them, in the
+/// product of D.
 void leave_least(const ContactProblem& problem, Real tol, Solution& s);
 
 /// Takes off a load F what works on motions that no normal resists, where that is no more than

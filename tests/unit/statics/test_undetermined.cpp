@@ -4,6 +4,7 @@
 #include "bodies.h"
 #include "core/statics/rigid_motions.h"
 #include "core/statics/undetermined.h"
+#include "core/linear_algebra.h"
 #include "core/solver.h"
 #include "core/statics/floating.h"
 
@@ -360,6 +361,67 @@ TEST(Undetermined, TheLeastIsOrthogonalAndDiffersByTheMotionsAlone) {
   EXPECT_LT((V.transpose() * D.cwiseProduct(s.x)).norm(), 1e-13);
   const Vector c = V.colPivHouseholderQr().solve(x - s.x);
   EXPECT_LT((V * c - (x - s.x)).norm(), 1e-13);
+}
+
+/// leave_least from x, whose certificate is as good as rounding: what it makes of it obeys the laws
+/// as well, and no rigid motion to another field that does leads to a lesser one.
+Vector least_by_the_laws(ContactProblem p, const Vector& x) {
+  const DenseMatrix W = p.system->rigid_modes();
+  const auto size = [&](const Vector& v) { return v.dot(p.system->D.cwiseProduct(v)); };
+  Solution s;
+  s.x = x;
+  s.certificate = certify(p, x);
+  s.undetermined = W;
+  EXPECT_LT(s.certificate.residual, 1e-8);
+  leave_least(p, 1e-8, s);
+  EXPECT_LT(s.certificate.residual, 1e-8);
+  const auto allowed = [&](const Vector& v) { return certify(p, v).residual <= 1e-8; };
+  int compared = 0;
+  for (int k = 0; k < 3000; ++k) {
+    const Vector c = Vector::Random(W.cols()) * std::pow(10, -4.0 * k / 3000);
+    const Vector other = s.x + W * c / W.cwiseAbs().maxCoeff();
+    if (!allowed(other)) continue;
+    ++compared;
+    EXPECT_GE(size(other), (1 - 1e-7) * size(s.x));
+  }
+  EXPECT_GT(compared, 50);
+  EXPECT_LT(size(s.x), 0.9 * size(x));
+  return s.x;
+}
+
+TEST(Undetermined, TheLeastClosesNoGapBeyondContact) {
+  BlockOptions o;
+  o.cells = 3;
+  o.law = Law::frictionless;
+  ContactProblem p = problem_of(o);
+  const DenseMatrix W = p.system->rigid_modes();
+  p.increment.F.setZero();
+  p.increment.gap = Vector::LinSpaced(p.nodes(), -1, -0.6);  // it has to go, by a turn and a way
+  p.increment.load_norm = 0;
+  // a translation away from the obstacle, and another one with a turn
+  const Vector away = least_squares(W.bottomRows(p.contact_dofs()), Vector::Ones(p.contact_dofs())),
+               turned = away + Vector(0.2 * Vector::Ones(W.cols()));
+  const Vector x = least_by_the_laws(p, -2 * W * away), y = least_by_the_laws(p, -9 * W * turned);
+  EXPECT_LT((x - y).norm(), 1e-9 * x.norm());
+}
+
+TEST(Undetermined, TheLeastTurnsNoSlipBack) {
+  BlockOptions o;
+  o.cells = 3;
+  o.law = Law::tresca;
+  ContactProblem p = problem_of(o);
+  const DenseMatrix W = p.system->rigid_modes();
+  p.increment.gap.setConstant(100);  // open, where a given limit acts as well
+  // r_T = g d at the slip of some field in which all nodes slip one way
+  Vector x = Vector::Zero(p.dofs()), r = x;
+  for (Index i = 0; i < p.dofs(); ++i) x[i] = 0.01 * std::sin(7.0 * i);
+  for (Index i = 0; i < p.nodes(); ++i) r[p.system->first[i] + 1] = p.increment.g[i];
+  Vector ones = Vector::Zero(p.contact_dofs());
+  for (Index i = 0; i < p.nodes(); ++i) ones[p.system->first[i] + 1 - p.interior()] = 1;
+  const Vector slide = W * least_squares(W.bottomRows(p.contact_dofs()), ones);
+  p.increment.F = p.system->entries() * x + r;
+  const Vector a = least_by_the_laws(p, x + slide), b = least_by_the_laws(p, x + 5 * slide);
+  EXPECT_LT((a - b).norm(), 1e-9 * a.norm());
 }
 
 TEST(Undetermined, ASupportOfATrillionthDeterminesAMotionThatSTakesForRigid) {

@@ -1,0 +1,62 @@
+#include "model/inertia.h"
+
+#include "linear_algebra.h"
+#include "model/contact_problem.h"
+
+namespace frictioncg {
+
+namespace {
+
+/// Forces of a rigid motion below this, over diag(A) and the motion, are rounding.
+constexpr Real no_resistance = 1e-12;
+
+/// Whether A resists one of the motions, a sum of all of them, at more than half of the dofs.
+bool resists_everywhere(const System& system, const DenseMatrix& motions) {
+  Vector some(motions.cols());
+  for (Index k = 0; k < some.size(); ++k) some[k] = 1 / (1 + 0.3 * k);
+  const Vector w = motions.lazyProduct(some);
+  Vector Aw;
+  system.multiply(w, Aw);
+  const Real size = system.largest(w.lpNorm<Eigen::Infinity>());
+  const Index count = (Aw.array().abs() > no_resistance * size * system.D.array()).count();
+  return system.sum(2.0 * count - system.dofs()) > 0;
+}
+
+/// The same motions, each of one body alone.
+Matrix of_each_body(const System& system, const DenseMatrix& motions) {
+  const Bodies bodies = system.bodies();
+  const Index k = static_cast<Index>(motions.cols());
+  EntryList entries;
+  for (Index i = 0; i < system.dofs(); ++i)
+    for (Index j = 0; j < k; ++j)
+      if (motions(i, j) != 0) entries.emplace_back(i, bodies.of[i] * k + j, motions(i, j));
+  return sparse(system.dofs(), bodies.count * k, entries);
+}
+
+}  // namespace
+
+Matrix inertia_of(const System& system) {
+  const DenseMatrix motions = system.rigid_modes ? system.rigid_modes() : DenseMatrix();
+  if (system.largest(motions.rows() == system.dofs()) == 0) return {};
+  if (!resists_everywhere(system, motions)) return {};
+  const Matrix W = system.body_modes ? system.body_modes() : of_each_body(system, motions);
+  EntryList entries;
+  system.product(W, [&](Index i, const std::vector<Index>& columns, const Vector& values) {
+    for (Index j : columns) entries.emplace_back(i, j, values[j]);
+  });
+  return sparse(system.dofs(), Index(W.cols()), entries);
+}
+
+Real load_beside_inertia(const System& system, const Vector& b) {
+  const Matrix& AW = system.inertia;
+  if (AW.cols() == 0) return norm_D(system, b);
+  const Vector weight = system.weight.cwiseInverse();
+  const Matrix weighted = weight.asDiagonal() * AW;
+  DenseMatrix sizes = AW.transpose() * weighted;
+  Vector part = weighted.transpose() * b;
+  system.sum(sizes.data(), static_cast<Index>(sizes.size()));
+  system.sum(part.data(), static_cast<Index>(part.size()));
+  return norm_D(system, b - AW * Vector(least_squares(sizes, part)));
+}
+
+}  // namespace frictioncg
