@@ -7,11 +7,6 @@
 
 namespace frictioncg {
 
-Settings without_factor(Settings settings) {
-  settings.method = settings.newton ? Method::gcx : Method::gc3;
-  return settings;
-}
-
 void decide_on_equilibrium(const ContactProblem& problem, FloatingMotions& floating, Solution& s) {
   const bool open = s.status == Status::stagnated || s.status == Status::fixed_point_diverged ||
                     s.status == Status::max_iterations;
@@ -28,9 +23,9 @@ void decide_on_equilibrium(const ContactProblem& problem, FloatingMotions& float
   if (motion) s.status = Status::no_equilibrium;
 }
 
-Solution by_gradients(const ContactProblem& problem, const Settings& settings, const Vector& x0,
-                      Observer* observer, FloatingMotions& floating) {
-  const auto tresca = make_tresca_solver(problem, settings, bound_of(problem, settings), observer);
+Solution by_gradients(const Request& request, FloatingMotions& floating) {
+  const auto& [problem, settings, x0, observer] = request;
+  const auto tresca = make_tresca_solver(problem, settings, observer);
   Solution s = fixed_point(problem, settings, *tresca, x0);
   s.layer = settings.method == Method::sorp  ? Layer::sorp
             : settings.method == Method::gcx ? Layer::gcx

@@ -1,13 +1,8 @@
 #pragma once
-#include "settings.h"
 #include "solution.h"
 #include "statics/floating.h"
 
 namespace frictioncg {
-
-/// The method that stands in for the condensed route, without a factor: not regularized either,
-/// unless the settings ask for it.
-Settings without_factor(Settings settings);
 
 /// J without a bound at the present sliding limit says nothing about Coulomb's law, and a stall
 /// nothing about the load. Rigid motions do: no_equilibrium where one of them is a proof, and
@@ -16,7 +11,6 @@ void decide_on_equilibrium(const ContactProblem& problem, FloatingMotions& float
 
 /// The paper's methods as a route: the fixed point on the sliding limit, and at each limit the
 /// method of the settings. floating: the motions of the system.
-Solution by_gradients(const ContactProblem& problem, const Settings& settings, const Vector& x0,
-                      Observer* observer, FloatingMotions& floating);
+Solution by_gradients(const Request& request, FloatingMotions& floating);
 
 }  // namespace frictioncg

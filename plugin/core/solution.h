@@ -104,6 +104,22 @@ inline Settings what_remains(const ContactProblem& problem, Settings settings, c
   return settings;
 }
 
+/// What a route is asked.
+struct Request {
+  const ContactProblem& problem;
+  Settings settings;
+  Vector x0;  ///< n, where to start, or empty
+  Observer* observer;
+
+  Index bound() const { return bound_of(problem, settings); }
+};
+
+/// What is left to ask after an answer that does not do, from the scene on.
+inline Request what_remains(const Request& request, const Solution& s) {
+  return {
+      request.problem, what_remains(request.problem, request.settings, s), {}, request.observer};
+}
+
 /// An answer, with what one before it took.
 inline Solution after(const Solution& before, Solution s) {
   s.iterations += before.iterations;

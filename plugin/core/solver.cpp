@@ -48,18 +48,24 @@ Status replace_if_better(Solution& s, Solution t) {
   return status;
 }
 
+/// With the method that stands in for the condensed route, without a factor: not regularized
+/// either, unless the settings ask for it.
+Request without_factor(Request request) {
+  request.settings.method = request.settings.newton ? Method::gcx : Method::gc3;
+  return request;
+}
+
 /// Where the condensed route ends at rounding, no method comes nearer, but the load may still be
 /// shown to have no answer. Where it fails short of it, stick as a face on A itself: it needs no
 /// factor, which a nearly singular A spoils. It takes what the condensed route has left of the
 /// bound on the iterations.
-void try_without_factor(const ContactProblem& problem, const Settings& settings, Observer* observer,
-                        FloatingMotions& floating, Solution& s) {
+void try_without_factor(const Request& request, FloatingMotions& floating, Solution& s) {
   const bool has_negative_energy = s.status == Status::not_positive_definite;  // where laws hold
-  if (decided(s) || (has_negative_energy && s.certificate.residual <= settings.tol)) return;
-  if (is_rounding(s.certificate)) return decide_on_equilibrium(problem, floating, s);
-  const Settings rest = what_remains(problem, without_factor(settings), s);
-  if (rest.nbiter <= 0) return;
-  const Status last = replace_if_better(s, by_gradients(problem, rest, {}, observer, floating));
+  if (decided(s) || (has_negative_energy && s.certificate.residual <= request.settings.tol)) return;
+  if (is_rounding(s.certificate)) return decide_on_equilibrium(request.problem, floating, s);
+  const Request rest = what_remains(without_factor(request), s);
+  if (rest.settings.nbiter <= 0) return;
+  const Status last = replace_if_better(s, by_gradients(rest, floating));
   if (!decided(s) && last == Status::not_positive_definite) s.status = last;
 }
 
@@ -84,11 +90,7 @@ Plan make_plan(const ContactProblem& problem, const Settings& settings) {
     const double worth = worth_of_factor(*problem.system, plan.costs);
     if (worth * plan.costs.multigrid < plan.costs.condensed) plan.route = Route::multigrid;
   }
-  plan.dofs = problem.dofs();
-  plan.nodes = problem.nodes();
-  plan.tangents = problem.contact_dofs() - problem.nodes();
   plan.law = problem.nodes() > 0 ? problem.increment.law : Law::frictionless;
-  plan.fixed_point = plan.law == Law::coulomb;
   plan.regularization = plan.law != Law::frictionless && smooths_friction(settings);
   return plan;
 }
@@ -104,7 +106,7 @@ void Solver::renew(SystemPtr system) {
   system_ = std::move(system);
   floating_ = FloatingMotions(system_);
   poor_ = dofs && poor_;
-  factored_ = factor_reported_ = indefinite_ = false;
+  factored_ = indefinite_ = false;
   memory_needed_ = 0;
   if (!pattern) sparse_.reset();
   if (sparse_) sparse_->renew(system_);
@@ -122,62 +124,55 @@ Solution Solver::solve(const Increment& increment, const Settings& settings, con
   const ContactProblem problem{system_, increment};
   return answer(
       problem, settings, [&] { return floating_(); },
-      [&] { return by_route(problem, settings, x0, observer); });
+      [&] {
+        return by_route({problem, settings, x0, observer});
+      });
 }
 
 /// The route of the plan; where it is not open, or does not arrive, another one.
-Solution Solver::by_route(const ContactProblem& problem, const Settings& settings, const Vector& x0,
-                          Observer* observer) {
-  const Plan plan = make_plan(problem, settings);
+Solution Solver::by_route(const Request& request) {
+  const Settings& settings = request.settings;
+  const Plan plan = make_plan(request.problem, settings);
   costs_ = plan.costs;
   multigrid_failed_ = false;
-  if (plan.route == Route::iterative)
-    return by_gradients(problem, settings, x0, observer, floating_);
+  if (plan.route == Route::iterative) return by_gradients(request, floating_);
   const bool may_choose = may_replace_a_factor(settings);
   if (plan.route == Route::condensed) {
-    if (may_choose && !condense(settings, observer) && !indefinite_)
-      return by_multigrid(problem, settings, x0, observer);
-    return by_condensation(problem, settings, x0, observer);
+    if (may_choose && !condense(request) && !indefinite_) return by_multigrid(request);
+    return by_condensation(request);
   }
   // that sparse factors come first shows once A is ordered
   const bool has_others = (poor_ || factored_) && settings.memory >= memory_needed_;
   if (may_choose && (has_others || sparse_comes_first(settings)))
-    return (this->*after_multigrid())(problem, settings, x0, observer);
+    return (this->*after_multigrid())(request);
   if (may_choose && sparse_ && sparse_->has_answered() && lay_out_sparse_factor(settings))
-    return or_by(&Solver::by_multigrid, sparse_->go_on(problem, settings, x0, observer), problem,
-                 settings, observer);
-  return by_multigrid(problem, settings, x0, observer);
+    return or_by(&Solver::by_multigrid, sparse_->go_on(request), request);
+  return by_multigrid(request);
 }
 
 /// The condensed route where its factor fits; where it does not arrive, or does not fit, the same
 /// laws on A.
-Solution Solver::by_condensation(const ContactProblem& problem, const Settings& settings,
-                                 const Vector& x0, Observer* observer) {
-  if (!condense(settings, observer))
-    return by_gradients(problem, without_factor(settings), x0, observer, floating_);
+Solution Solver::by_condensation(const Request& request) {
+  if (!condense(request)) return by_gradients(without_factor(request), floating_);
   // where a sparse factor of A is cheaper than a dense one of S, and fits
   const auto path = [&](Index max_steps) -> std::optional<Solution> {
     const double dense = std::pow(double(system_->contact_dofs()), 3) / 3;
     if (max_steps <= 0 || dense < worth_an_ordering) return std::nullopt;
-    if (!lay_out_sparse_factor(settings) || sparse_->flops() >= dense) return std::nullopt;
-    return sparse_->follow_path(problem, settings, max_steps, observer);
+    if (!lay_out_sparse_factor(request.settings) || sparse_->flops() >= dense) return std::nullopt;
+    return sparse_->follow_path(request, max_steps);
   };
-  Solution s = condensed_->solve(problem, settings, x0, observer, path);
-  if (settings.newton) try_without_factor(problem, settings, observer, floating_, s);
-  if (!factor_reported_) {
-    factor_reported_ = true;
-    s.times += condensed_->elimination().times();
-  }
-  if (observer) observer->iterate(s.iterations, StepLabel::newton, s.x);
+  Solution s = condensed_->solve(request, path);
+  if (request.settings.newton) try_without_factor(request, floating_, s);
+  if (request.observer) request.observer->iterate(s.iterations, StepLabel::newton, s.x);
   return s;
 }
 
 /// Multigrid; where it does not arrive short of rounding, or has no coordinates to build on, the
 /// route that is the cheapest of the others and what follows it.
-Solution Solver::by_multigrid(const ContactProblem& problem, const Settings& settings,
-                              const Vector& x0, Observer* observer) {
-  Settings rest = settings;
-  rest.method = Method::automatic;
+Solution Solver::by_multigrid(const Request& request) {
+  const auto& [problem, settings, x0, observer] = request;
+  Request rest = request;
+  rest.settings.method = Method::automatic;
   if (!multigrid_ || !multigrid_->is_set_up()) {
     if (observer) observer->begin(Work::hierarchy, seconds_of_hierarchy(*system_));
     if (multigrid_)
@@ -185,23 +180,20 @@ Solution Solver::by_multigrid(const ContactProblem& problem, const Settings& set
     else
       multigrid_ = std::make_unique<MultigridSolver>(system_);
   }
-  if (!multigrid_->has_hierarchy()) return by_condensation(problem, rest, x0, observer);
+  if (!multigrid_->has_hierarchy()) return by_condensation(rest);
   Solution s = multigrid_->solve(problem, settings, x0, observer, allowance(settings));
   multigrid_failed_ = !arrives(s);
   poor_ = s.status != Status::max_iterations && multigrid_failed_ && std::isinf(costs_.sparse);
-  return or_by(after_multigrid(), std::move(s), problem, rest, observer);
+  return or_by(after_multigrid(), std::move(s), rest);
 }
 
 /// Sparse factors of A: along the central path at once where Newton's method by multigrid has just
 /// failed. Where they do not arrive, do not fit, or meet negative energy, the condensed route.
-Solution Solver::by_sparse_factors(const ContactProblem& problem, const Settings& settings,
-                                   const Vector& x0, Observer* observer) {
-  if (!lay_out_sparse_factor(settings)) return by_condensation(problem, settings, x0, observer);
-  return or_by(&Solver::by_condensation,
-               multigrid_failed_
-                   ? sparse_->follow_path(problem, settings, bound_of(problem, settings), observer)
-                   : sparse_->solve(problem, settings, x0, observer),
-               problem, settings, observer);
+Solution Solver::by_sparse_factors(const Request& request) {
+  if (!lay_out_sparse_factor(request.settings)) return by_condensation(request);
+  Solution s =
+      multigrid_failed_ ? sparse_->follow_path(request, request.bound()) : sparse_->solve(request);
+  return or_by(&Solver::by_condensation, std::move(s), request);
 }
 
 /// Whether there is one that fits.
@@ -224,17 +216,16 @@ Solver::Way Solver::after_multigrid() const {
 /// s, or where it decides nothing short of rounding, what the next route and those after it find
 /// with what it has left of the bound on the iterations. Where A has negative energy beside an
 /// answer, the condensed route shows it.
-Solution Solver::or_by(Way next, Solution s, const ContactProblem& problem,
-                       const Settings& settings, Observer* observer) {
+Solution Solver::or_by(Way next, Solution s, const Request& request) {
+  const auto& [problem, settings, x0, observer] = request;
   if (arrives(s)) {
     const bool doubtful = s.route == Route::sparse && s.certificate.residual <= settings.tol;
     if (!doubtful || sparse_->is_definite_at(problem, s)) return s;
-    return after(s, by_condensation(problem, settings, {}, observer));
+    return after(s, by_condensation({problem, settings, {}, observer}));
   }
-  const Settings rest = what_remains(problem, settings, s);
-  const Status last = rest.nbiter > 0
-                          ? replace_if_better(s, (this->*next)(problem, rest, {}, observer))
-                          : Status::max_iterations;
+  const Request rest = what_remains(request, s);
+  const Status last =
+      rest.settings.nbiter > 0 ? replace_if_better(s, (this->*next)(rest)) : Status::max_iterations;
   if (!decided(s)) s.status = last;  // it says why, not the route that gave way
   return s;
 }
@@ -251,9 +242,10 @@ Allowance Solver::allowance(const Settings& settings) const {
 }
 
 /// Whether the condensed route is open: factors A where that was not done, and fits now.
-bool Solver::condense(const Settings& settings, Observer* observer) {
+bool Solver::condense(const Request& request) {
+  const Settings& settings = request.settings;
   if (settings.memory >= memory_needed_ && !factored_ && !indefinite_) {
-    if (observer) observer->begin(Work::factorization, seconds_of_factor(*system_));
+    if (request.observer) request.observer->begin(Work::factorization, seconds_of_factor(*system_));
     if (!condensed_) condensed_ = std::make_unique<CondensedSolver>(system_);
     const Elimination::Outcome outcome = condensed_->factor(settings.memory);
     memory_needed_ = condensed_->elimination().memory_needed();

@@ -7,13 +7,10 @@ namespace frictioncg {
 
 /// What the scene needs, decided before anything is solved; what is absent is left out.
 struct Plan {
-  Route route =
-      Route::iterative;  ///< the first choice; a factor that does not fit leaves the other
-  Costs costs;           ///< method auto: why
-  Index dofs = 0, nodes = 0, tangents = 0;
-  Law law = Law::frictionless;
-  bool fixed_point = false;     ///< law coulomb: g depends on the answer
-  bool regularization = false;  ///< friction by a conjugate gradient
+  Route route;          ///< the first choice; a factor that does not fit leaves the other
+  Costs costs;          ///< method auto: why
+  Law law;              ///< coulomb: g depends on the answer
+  bool regularization;  ///< friction by a conjugate gradient
 };
 
 Plan make_plan(const ContactProblem& problem, const Settings& settings);
@@ -46,23 +43,17 @@ class Solver {
   double memory_needed() const { return memory_needed_; }
 
  private:
-  Solution by_route(const ContactProblem& problem, const Settings& settings, const Vector& x0,
-                    Observer* observer);
-  Solution by_condensation(const ContactProblem& problem, const Settings& settings,
-                           const Vector& x0, Observer* observer);
-  Solution by_multigrid(const ContactProblem& problem, const Settings& settings, const Vector& x0,
-                        Observer* observer);
-  Solution by_sparse_factors(const ContactProblem& problem, const Settings& settings,
-                             const Vector& x0, Observer* observer);
-  using Way = Solution (Solver::*)(const ContactProblem&, const Settings&, const Vector&,
-                                   Observer*);
+  using Way = Solution (Solver::*)(const Request& request);
+  Solution by_route(const Request& request);
+  Solution by_condensation(const Request& request);
+  Solution by_multigrid(const Request& request);
+  Solution by_sparse_factors(const Request& request);
   Way after_multigrid() const;
-  Solution or_by(Way next, Solution s, const ContactProblem& problem, const Settings& settings,
-                 Observer* observer);
+  Solution or_by(Way next, Solution s, const Request& request);
   bool lay_out_sparse_factor(const Settings& settings);
   bool sparse_comes_first(const Settings& settings);
   Allowance allowance(const Settings& settings) const;
-  bool condense(const Settings& settings, Observer* observer);
+  bool condense(const Request& request);
 
   SystemPtr system_;
   FloatingMotions floating_;
@@ -70,7 +61,6 @@ class Solver {
   std::unique_ptr<CondensedSolver> condensed_;
   double memory_needed_ = 0;  ///< by the condensed route, as far as it is known [bytes]
   bool factored_ = false;
-  bool factor_reported_ = false;   ///< a solution has told what the factorization took
   bool indefinite_ = false;        ///< A has no factor, whatever the memory
   bool multigrid_failed_ = false;  ///< in this call
   bool poor_ = false;              ///< the hierarchy is, or that of the matrix before was

@@ -3,7 +3,7 @@
 #include "../core/clock.h"
 #include "../core/gradient/anderson.h"
 #include "../core/statics/floating.h"
-#include "../core/statics/uncertain_work.h"
+#include "../core/statics/undetermined.h"
 #include "../core/threads.h"
 #include "checks.h"
 #include "motions.h"

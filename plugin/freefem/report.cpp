@@ -96,7 +96,8 @@ static_assert(std::size(law_names) == static_cast<int>(Law::coulomb) + 1);
 static_assert(std::size(layer_names) == static_cast<int>(Layer::sparse_interior_point) + 1);
 
 /// What a scene can do without.
-void report_left_out(const Arguments& args, const Scene& scene, const Plan& plan) {
+void report_left_out(const Arguments& args, const Scene& scene, const ContactProblem& problem,
+                     const Plan& plan) {
   std::cout << "; left out:";
   const char* separator = " ";
   const auto left_out = [&](bool absent, const char* what) {
@@ -105,8 +106,8 @@ void report_left_out(const Arguments& args, const Scene& scene, const Plan& plan
     separator = ", ";
   };
   left_out(!scene.system->rotated(), "rotation");
-  left_out(!plan.fixed_point, "fixed point");
-  left_out(plan.tangents == 0, "tangential laws");
+  left_out(plan.law != Law::coulomb, "fixed point");
+  left_out(problem.contact_dofs() == problem.nodes(), "tangential laws");
   left_out(!plan.regularization, "regularization");
   left_out(!args.has(p_uold), "previous state");
   left_out(!args.has(p_history), "history");
@@ -446,20 +447,21 @@ void report_plan(Stack stack, const Arguments& args, const Scene& scene,
     on_obstacle += scene.on_obstacle(k);
     in_corners += scene.system->node(k).shared && scene.starts_node(k);
   }
-  line() << scene.d << "D, " << plan.dofs << " dofs, " << counted(plan.nodes, "contact node");
+  line() << scene.d << "D, " << problem.dofs() << " dofs, "
+         << counted(problem.nodes(), "contact node");
   if (scene.beside_pairs > 0) std::cout << ", " << on_obstacle << " on the obstacle";
   std::cout << ", " << name_of(plan.law);
   if (problem.increment.bilateral) std::cout << ", bilateral";
   if (scene.system->rotated() && !scene.pairing) std::cout << ", frames rotated";
   if (in_corners > 0) std::cout << ", " << counted(in_corners, "node") << " in a corner";
-  if (plan.nodes == 0)
+  if (problem.nodes() == 0)
     std::cout << (scene.nodes.empty() ? "; nothing faces the slave"
                                       : "; Dirichlet conditions hold every normal displacement")
               << ": a plain linear solve";
   std::cout << "; " << name_of(s.method, methods);
   if (s.method == Method::automatic) report_choice(plan);
   if (plan.regularization) std::cout << ", " << name_of(s.reg, regularizations);
-  report_left_out(args, scene, plan);
+  report_left_out(args, scene, problem, plan);
   std::cout << "; version " << version << std::endl;
   warn_of_averages(scene);
   report_averted(scene);

@@ -2,7 +2,7 @@
 #include "../freefem/freefem.h"
 
 #include "../core/answer.h"
-#include "../core/statics/uncertain_work.h"
+#include "../core/statics/undetermined.h"
 #include "../freefem/motions.h"
 #include "../freefem/outputs.h"
 #include "shared_pair.h"

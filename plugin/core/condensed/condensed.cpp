@@ -47,13 +47,13 @@ struct CondensedSolver::Run {
   Index left() const { return bound - s.iterations; }
 };
 
-Solution CondensedSolver::solve(const ContactProblem& problem, const Settings& settings,
-                                const Vector& x0, Observer* observer, const PathOnA& path) {
+Solution CondensedSolver::solve(const Request& request, const PathOnA& path) {
+  const auto& [problem, settings, x0, observer] = request;
   Run run{problem,
           settings,
           observer,
           path,
-          bound_of(problem, settings),
+          request.bound(),
           Vector::Zero(problem.dofs()),
           problem.increment.F,
           Vector::Zero(problem.contact_dofs()),
@@ -71,7 +71,7 @@ Solution CondensedSolver::solve(const ContactProblem& problem, const Settings& s
   }
   if (s.status == Status::converged && !run.positive) look_for_negative_energy(run);
   if (s.status != Status::no_equilibrium) settle(run);
-  s.state = classify(problem, s.x, s.certificate);
+  if (!std::exchange(factor_reported_, true)) s.times += elimination_.times();
   return std::move(run.s);
 }
 
@@ -206,8 +206,9 @@ Attempt CondensedSolver::by_gradient(Run& run, const CondensedProblem& condensed
     a.status = Status::max_iterations;
     return a;
   }
-  const Solution smooth = by_regularization(condensed, run.settings, run.left(), start);
   Solution& s = run.s;
+  const Settings rest = what_remains(run.problem, run.settings, s);
+  const Solution smooth = by_regularization(condensed, rest, start);
   s.iterations += smooth.iterations;
   s.passes += smooth.passes;
   s.steps += smooth.steps;

@@ -1,5 +1,5 @@
 #pragma once
-#include "condensed/attempt.h"
+#include "condensed/semismooth_newton.h"
 #include "condensed/elimination.h"
 #include "statics/equilibrium.h"
 #include "solution.h"
@@ -17,6 +17,7 @@ class CondensedSolver {
 
   Elimination::Outcome factor(double memory_bound) {
     positive_on_.clear();
+    factor_reported_ = false;
     return elimination_.factor(*system_, memory_bound, std::exchange(same_pattern_, false));
   }
   /// Another matrix on the same dofs, to be factored; same_pattern: over the layout of the last.
@@ -27,10 +28,9 @@ class CondensedSolver {
 
   /// settings.newton: semismooth Newton on the unregularized laws, and where it does not arrive an
   /// interior point and springs before it; else the regularized conjugate gradient and the fixed
-  /// point on S. x0: n, or empty to start from the last answer. problem.system is the one that was
+  /// point on S. Without x0 it starts from the last answer. problem.system is the one that was
   /// factored.
-  Solution solve(const ContactProblem& problem, const Settings& settings, const Vector& x0,
-                 Observer* observer = nullptr, const PathOnA& path = {});
+  Solution solve(const Request& request, const PathOnA& path = {});
 
   const Elimination& elimination() const { return elimination_; }
 
@@ -54,6 +54,7 @@ class CondensedSolver {
   SystemPtr system_;
   bool same_pattern_ = false;  ///< as the matrix that was factored last
   Elimination elimination_;
+  bool factor_reported_ = false;   ///< a solution has told what it took
   Branches last_;                  ///< of the last answer: where an increment starts
   std::vector<char> positive_on_;  ///< contact_dofs: where S is known to be positive definite
 };

@@ -77,13 +77,13 @@ CentralPath::CentralPath(const ContactProblem& laws, std::unique_ptr<PathMatrix>
 /// Near the least of the energy, where every node sees a weak spring to its gap.
 bool CentralPath::start() {
   PathLaws springs;
-  springs.diagonal = Vector::Zero(f_.size());
-  springs.diagonal.tail(problem_.contact_dofs()).setConstant(first_shift);
+  for (Index i = 0; i < nodes_; ++i)
+    springs.blocks.push_back(first_shift * NodeBlock::Identity(tangents(i) + 1, tangents(i) + 1));
   if (!K_->factor(springs)) return false;
   if (first_ == 0) bring_near();
   at_.y = pulled_to(gap_);
-  at_.s = at_.N = at_.t = Vector::Zero(nodes_);
-  at_.T = Vector::Zero(at_.y.size());
+  at_.s = at_.t = Vector::Zero(nodes_);
+  at_.r = Vector::Zero(at_.y.size());
   make_positive();
   const Real tau = mean_product(at_);
   for (Index i = 0; i < nodes_; ++i) {
@@ -91,7 +91,7 @@ bool CentralPath::start() {
     const Index T = normal(i) + 1, d = tangents(i);
     const Real g = limit(i, at_), slip = at_.y.segment(T, d).norm();
     at_.t[i] = std::hypot(slip, tau / g);
-    at_.T.segment(T, d) = 0.5 * g / at_.t[i] * at_.y.segment(T, d);
+    at_.r.segment(T, d) = 0.5 * g / at_.t[i] * at_.y.segment(T, d);
   }
   return at_.y.allFinite() && at_.t.allFinite();
 }
@@ -137,7 +137,7 @@ bool CentralPath::bring_further() {
 void CentralPath::make_positive() {
   const auto closing = [&](auto&& visit) {
     for (Index i = 0; i < nodes_; ++i)
-      if (closes_[i]) visit(at_.s[i], at_.N[i], i);
+      if (closes_[i]) visit(at_.s[i], at_.r[normal(i)], i);
   };
   Real least_s = 0, least_N = 0, sum_s = 0, sum_N = 0, product = 0;
   closing([&](Real& s, Real& N, Index i) {
@@ -164,10 +164,10 @@ Real CentralPath::mean_product(const Point& p) const {
   Real sum = 0;
   Index count = 0;
   for (Index i = 0; i < nodes_; ++i) {
-    const Index T = normal(i) + 1, d = tangents(i);
-    if (closes_[i]) sum += p.s[i] * p.N[i], ++count;
+    const Index N = normal(i), d = tangents(i);
+    if (closes_[i]) sum += p.s[i] * p.r[N], ++count;
     if (!rubs_[i] || p.t[i] == 0) continue;
-    sum += limit(i, p) * p.t[i] - p.T.segment(T, d).dot(p.y.segment(T, d));
+    sum += limit(i, p) * p.t[i] - p.r.segment(N + 1, d).dot(p.y.segment(N + 1, d));
     ++count;
   }
   return count > 0 ? sum / count : 0;
@@ -176,20 +176,16 @@ Real CentralPath::mean_product(const Point& p) const {
 /// The laws of all nodes, linear in dy, for a target tau; before: the predictor, whose products
 /// they take into account.
 void CentralPath::linearize(Real tau, const Point* before) {
-  const Index n = static_cast<Index>(f_.size()), most = problem_.system->dimension - 1;
-  alpha_.setZero(nodes_);
-  omega_.setZero(nodes_);
-  friction_.a.setZero(n);
-  friction_.e.setZero(n);
-  friction_.B.setZero(n, most);
-  friction_.rest.setZero(nodes_);
+  laws_.resize(nodes_);
   for (Index i = 0; i < nodes_; ++i) {
+    const Index N = normal(i), size = tangents(i) + 1;
+    laws_[i] = {NodeVector::Zero(size), NodeBlock::Zero(size, size)};
     if (closes_[i]) {
-      // s dN + N ds = tau - s N,  ds = (gap - y - s) - dy
-      const Real s = at_.s[i], N = at_.N[i], left = gap_[i] - at_.y[normal(i)] - s;
-      const Real rest = tau - s * N - (before ? before->s[i] * before->N[i] : 0);
-      alpha_[i] = (rest - N * left) / s;
-      omega_[i] = N / s;
+      // s dr + r ds = tau - s r,  ds = (gap - y - s) - dy
+      const Real s = at_.s[i], r = at_.r[N], left = gap_[i] - at_.y[N] - s;
+      const Real rest = tau - s * r - (before ? before->s[i] * before->r[N] : 0);
+      laws_[i].c[0] = (rest - r * left) / s;
+      laws_[i].M(0, 0) = r / s;
     }
     if (rubs_[i]) linearize_friction(i, tau, before);
   }
@@ -200,37 +196,37 @@ void CentralPath::linearize(Real tau, const Point* before) {
 ///   t dr + r dt - g dx - x dg = -(t r - g x)
 /// dt from the first, in the second:
 ///   (t I + r x'/g) dr = c - r c_t/g + (g I - r r'/g) dx + (x + r t/g) slope dN
+/// and dN from the law of contact.
 void CentralPath::linearize_friction(Index i, Real tau, const Point* before) {
-  using Small = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, 0, 2, 2>;
   const Index T = normal(i) + 1, d = tangents(i);
-  const Tangent r = at_.T.segment(T, d), x = at_.y.segment(T, d);
+  using TangentBlock = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, 0, 2, 2>;
+  const Tangent r = at_.r.segment(T, d), x = at_.y.segment(T, d);
   const Real g = limit(i, at_), t = at_.t[i];
-  Real& rest = friction_.rest[i];
-  rest = tau - g * t + r.dot(x);
+  Linear& law = laws_[i];
+  law.rest = tau - g * t + r.dot(x);
   Tangent c = g * x - t * r;
   if (before) {
-    const Tangent dr = before->T.segment(T, d), dx = before->y.segment(T, d);
-    const Real dg = slope(i) * before->N[i];
-    rest -= dg * before->t[i] - dr.dot(dx);
+    const Tangent dr = before->r.segment(T, d), dx = before->y.segment(T, d);
+    const Real dg = slope(i) * before->r[T - 1];
+    law.rest -= dg * before->t[i] - dr.dot(dx);
     c -= before->t[i] * dr - dg * dx;
   }
-  const Small I = Small::Identity(d, d);
-  const Small inverse = (I - r * x.transpose() / (g * t + r.dot(x))) / t;
-  friction_.a.segment(T, d) = inverse * (c - r * (rest / g));
-  friction_.e.segment(T, d) = inverse * (x + r * (t / g)) * slope(i);
-  friction_.B.block(T, 0, d, d) = inverse * (g * I - r * r.transpose() / g);
+  const TangentBlock I = TangentBlock::Identity(d, d);
+  const TangentBlock inverse = (I - r * x.transpose() / (g * t + r.dot(x))) / t;
+  const Tangent by_normal = inverse * (x + r * (t / g)) * slope(i);
+  law.c.tail(d) = inverse * (c - r * (law.rest / g)) + by_normal * law.c[0];
+  law.M.col(0).tail(d) = by_normal * law.M(0, 0);
+  law.M.bottomRightCorner(d, d) = inverse * (g * I - r * r.transpose() / g);
 }
 
 /// M = K + what the laws add; false where it cannot be factored.
 bool CentralPath::factor() {
-  PathLaws laws{Vector::Zero(f_.size()), friction_.B, Vector::Zero(f_.size()), symmetric_};
+  PathLaws laws{{}, symmetric_};
   for (Index i = 0; i < nodes_; ++i) {
-    const Index N = normal(i), T = N + 1, d = tangents(i);
-    laws.diagonal[N] = closes_[i] ? omega_[i] : proximal;
-    if (rubs_[i])
-      laws.by_normal.segment(T, d) = friction_.e.segment(T, d) * omega_[i];
-    else
-      laws.diagonal.segment(T, d).setConstant(proximal);
+    laws.blocks.push_back(laws_[i].M);
+    auto diagonal = laws.blocks[i].diagonal();
+    if (!closes_[i]) diagonal[0] = proximal;
+    if (!rubs_[i]) diagonal.tail(tangents(i)).setConstant(proximal);
   }
   return K_->factor(laws);
 }
@@ -238,28 +234,20 @@ bool CentralPath::factor() {
 /// The step of the linear laws.
 CentralPath::Point CentralPath::step() {
   Point d;
-  Vector b = f_ - K_->multiply(at_.y) - at_.T - friction_.a;
-  for (Index i = 0; i < nodes_; ++i) {
-    if (closes_[i]) b[normal(i)] -= at_.N[i] + alpha_[i];
-    b.segment(normal(i) + 1, tangents(i)) -=
-        friction_.e.segment(normal(i) + 1, tangents(i)) * alpha_[i];
-  }
+  Vector b = f_ - K_->multiply(at_.y) - at_.r;
+  for (Index i = 0; i < nodes_; ++i) b.segment(normal(i), tangents(i) + 1) -= laws_[i].c;
   d.y = K_->solve(b);
-  d.s = d.N = d.t = Vector::Zero(nodes_);
-  d.T = friction_.a;
+  d.s = d.t = Vector::Zero(nodes_);
+  d.r = Vector::Zero(b.size());
   for (Index i = 0; i < nodes_; ++i) {
+    const Linear& law = laws_[i];
     const Index N = normal(i), T = N + 1, k = tangents(i);
-    if (closes_[i]) {
-      d.s[i] = gap_[i] - at_.y[N] - at_.s[i] - d.y[N];
-      d.N[i] = alpha_[i] + omega_[i] * d.y[N];
-    }
+    d.r.segment(N, k + 1) = law.c + law.M * d.y.segment(N, k + 1);
+    if (closes_[i]) d.s[i] = gap_[i] - at_.y[N] - at_.s[i] - d.y[N];
     if (!rubs_[i]) continue;
-    const auto dx = d.y.segment(T, k);
-    auto dr = d.T.segment(T, k);
-    dr += friction_.B.block(T, 0, k, k) * dx + friction_.e.segment(T, k) * d.N[i];
-    d.t[i] = (friction_.rest[i] - at_.t[i] * slope(i) * d.N[i] + at_.T.segment(T, k).dot(dx) +
-              at_.y.segment(T, k).dot(dr)) /
-             limit(i, at_);
+    const Real work =
+        at_.r.segment(T, k).dot(d.y.segment(T, k)) + at_.y.segment(T, k).dot(d.r.segment(T, k));
+    d.t[i] = (law.rest - at_.t[i] * slope(i) * d.r[N] + work) / limit(i, at_);
   }
   return d;
 }
@@ -268,13 +256,13 @@ CentralPath::Point CentralPath::step() {
 Real CentralPath::room(const Point& d) const {
   Real room = infinity;
   for (Index i = 0; i < nodes_; ++i) {
+    const Index N = normal(i), T = N + 1, k = tangents(i);
     if (closes_[i] && d.s[i] < 0) room = std::min(room, -at_.s[i] / d.s[i]);
-    if (closes_[i] && d.N[i] < 0) room = std::min(room, -at_.N[i] / d.N[i]);
+    if (closes_[i] && d.r[N] < 0) room = std::min(room, -at_.r[N] / d.r[N]);
     if (!rubs_[i]) continue;
-    const Index T = normal(i) + 1, k = tangents(i);
     room = std::min(
         {room,
-         room_in_cone(limit(i, at_), at_.T.segment(T, k), slope(i) * d.N[i], d.T.segment(T, k)),
+         room_in_cone(limit(i, at_), at_.r.segment(T, k), slope(i) * d.r[N], d.r.segment(T, k)),
          room_in_cone(at_.t[i], at_.y.segment(T, k), d.t[i], d.y.segment(T, k))});
   }
   return room;
@@ -284,17 +272,16 @@ Real CentralPath::room(const Point& d) const {
 void CentralPath::cut_shear() {
   for (Index i = 0; i < nodes_; ++i) {
     if (!rubs_[i] || !std::isfinite(cap_[i])) continue;
-    auto T = at_.T.segment(normal(i) + 1, tangents(i));
-    const Real most = limit(i, at_), size = T.norm();
-    if (size >= most) T *= (1 - least_distance) * most / size;
+    auto shear = at_.r.segment(normal(i) + 1, tangents(i));
+    const Real most = limit(i, at_), size = shear.norm();
+    if (size >= most) shear *= (1 - least_distance) * most / size;
   }
 }
 
 void CentralPath::move(Point& p, const Point& d, Real part) const {
   p.y += part * d.y;
+  p.r += part * d.r;
   p.s += part * d.s;
-  p.N += part * d.N;
-  p.T += part * d.T;
   p.t += part * d.t;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "condensed/attempt.h"
+#include "condensed/semismooth_newton.h"
 #include "condensed/path_matrix.h"
 
 namespace frictioncg {
@@ -31,15 +31,15 @@ class CentralPath {
   Vector x() const { return at_.y.cwiseQuotient(unit_); }
 
  private:
-  /// A point of the path, or a step between two; r_N apart from r_T.
+  /// A point of the path, or a step between two.
   struct Point {
-    Vector y, s, N, T, t;  ///< n, m, m, n (its tangential part), m
+    Vector y, r, s, t;  ///< n, n, m, m
   };
-  /// dr_T = a + B dx_T + e dr_N, what the laws of a node leave of friction.
-  struct Friction {
-    Vector a, e;    ///< n
-    DenseMatrix B;  ///< d - 1 columns: the blocks of the nodes, one below the other
-    Vector rest;    ///< m, right side of the law that has dt
+  /// The laws of a node in a step: dr = c + M dx.
+  struct Linear {
+    NodeVector c;
+    NodeBlock M;
+    Real rest = 0;  ///< right side of the law that has dt
   };
   bool start();
   Index follow_to(Real goal, Index most);
@@ -55,7 +55,7 @@ class CentralPath {
   Real room(const Point& d) const;
   void move(Point& p, const Point& d, Real part) const;
   void cut_shear();
-  Real uncapped(Index i, const Point& p) const { return mu_[i] * p.N[i] + g_[i]; }
+  Real uncapped(Index i, const Point& p) const { return mu_[i] * p.r[normal(i)] + g_[i]; }
   Real limit(Index i, const Point& p) const { return std::min(uncapped(i, p), cap_[i]); }
   /// Of the limit, over r_N.
   Real slope(Index i) const { return uncapped(i, at_) < cap_[i] ? mu_[i] : 0; }
@@ -71,8 +71,7 @@ class CentralPath {
   Vector true_gap_;  ///< m; gap_ may be nearer, where nothing reaches either
   std::vector<char> closes_, rubs_;
   bool symmetric_ = true;
-  Vector alpha_, omega_;  ///< m: dr_N = alpha + omega dx_N
-  Friction friction_;
+  std::vector<Linear> laws_;  ///< m
   Point at_;
   Real first_ = 0;  ///< mean product at the start; 0 before it
 };

@@ -81,7 +81,7 @@ struct NodeGraph {
       for (Index i = s.first[c]; i < s.first[c + 1]; ++i) node_of[i] = nodes;
     first_dof.assign(nodes + 1, 0);
     for (Index i = 0; i < n; ++i) ++first_dof[node_of[i] + 1];
-    for (Index v = 0; v < nodes; ++v) first_dof[v + 1] += first_dof[v];
+    std::partial_sum(first_dof.begin(), first_dof.end(), first_dof.begin());
     dofs.resize(n);
     std::vector<Index> at(first_dof.begin(), first_dof.end() - 1);
     for (Index i = 0; i < n; ++i) dofs[at[node_of[i]]++] = i;
@@ -130,23 +130,13 @@ std::vector<Index> by_nodes(const System& s, cholmod_common& common) {
 
 std::vector<Index> last_of_each_part(const System& s, const std::vector<Index>& order) {
   const auto [row, col, a] = arrays_of(s.entries());
+  Groups parts(s.interior());
+  for (Index i = 0; i < s.interior(); ++i)
+    for (Index e = row[i]; col[e] < i; ++e) parts.join(i, col[e]);
   std::vector<char> seen(s.interior(), 0);
-  std::vector<Index> roots, stack;
-  for (Index k = s.interior() - 1; k >= 0; --k) {
-    if (seen[order[k]]) continue;
-    roots.push_back(order[k]);
-    stack.assign(1, order[k]);
-    seen[order[k]] = 1;
-    while (!stack.empty()) {
-      const Index i = stack.back();
-      stack.pop_back();
-      for (Index e = row[i]; e < row[i + 1] && col[e] < s.interior(); ++e)
-        if (!seen[col[e]]) {
-          seen[col[e]] = 1;
-          stack.push_back(col[e]);
-        }
-    }
-  }
+  std::vector<Index> roots;
+  for (Index k = s.interior() - 1; k >= 0; --k)
+    if (!std::exchange(seen[parts.of(order[k])], 1)) roots.push_back(order[k]);
   return roots;
 }
 

@@ -3,13 +3,10 @@
 namespace frictioncg {
 
 void PathLaws::multiply(const System& system, const Vector& y, Vector& My) const {
-  My += diagonal.cwiseProduct(y);
-  if (symmetric) return;
   const Index offset = system.dofs() - static_cast<Index>(y.size());
   for (Index i = 0; i < system.nodes(); ++i) {
-    const Index N = system.first[i] - offset, t = system.tangents(i);
-    My.segment(N + 1, t) +=
-        tangential.block(N + 1, 0, t, t) * y.segment(N + 1, t) + by_normal.segment(N + 1, t) * y[N];
+    const Index N = system.first[i] - offset, size = system.tangents(i) + 1;
+    My.segment(N, size) += blocks[i] * y.segment(N, size);
   }
 }
 
@@ -22,18 +19,16 @@ DensePathMatrix::DensePathMatrix(const CondensedProblem& problem) : laws_(proble
 bool DensePathMatrix::factor(const PathLaws& laws) {
   symmetric_ = laws.symmetric;
   M_ = K_;
-  M_.diagonal() += laws.diagonal;
-  for (Index i = 0; i < laws_.nodes() && !symmetric_; ++i) {
-    const Index N = laws_.system->first[i] - laws_.interior(), T = N + 1, t = laws_.tangents(i);
-    M_.block(T, T, t, t) += laws.tangential.block(T, 0, t, t);
-    M_.block(T, N, t, 1) += laws.by_normal.segment(T, t);
+  for (Index i = 0; i < laws_.nodes(); ++i) {
+    const Index N = laws_.system->first[i] - laws_.interior(), size = laws_.tangents(i) + 1;
+    M_.block(N, N, size, size) += laws.blocks[i];
   }
   if (!(M_.diagonal().minCoeff() > 0) || !M_.allFinite()) return false;
   scale_ = M_.diagonal().cwiseSqrt().cwiseInverse();
   M_ = scale_.asDiagonal() * M_ * scale_.asDiagonal();
   if (symmetric_) return llt_.emplace(M_).found();
   single_.reset();
-  if (M_.rows() >= large && !fine_)
+  if (M_.rows() >= single_pays && !fine_)
     single_ = std::make_unique<const SinglePrecision>(M_);
   else
     lu_.emplace(M_);

@@ -1,17 +1,19 @@
 #pragma once
-#include "condensed/single_precision.h"
+#include "condensed/condensed_problem.h"
 #include "factorization.h"
 
 namespace frictioncg {
 
-/// What the laws of a step add to the matrix of a central path: n rows, in its units.
-struct PathLaws {
-  Vector diagonal;         ///< n
-  DenseMatrix tangential;  ///< d - 1 columns: the blocks of the tangents, one below the other
-  Vector by_normal;        ///< n: the entries of the tangents in the column of their normal
-  bool symmetric = true;   ///< no node has either of the last two
+/// Of the dofs of one node: its normal, then its tangents.
+using NodeVector = Eigen::Matrix<Real, Eigen::Dynamic, 1, 0, 3, 1>;
+using NodeBlock = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3>;
 
-  /// My += laws y; first: of each node, its normal.
+/// What the laws of a step add to the matrix of a central path, in its units.
+struct PathLaws {
+  std::vector<NodeBlock> blocks;  ///< m
+  bool symmetric = true;          ///< all of them are diagonal
+
+  /// My += laws y; y: of the last dofs, or of all.
   void multiply(const System& system, const Vector& y, Vector& My) const;
 };
 

@@ -42,14 +42,14 @@ class OnContactDofs final : public Observer {
 }  // namespace
 
 Solution by_regularization(const CondensedProblem& problem, const Settings& settings,
-                           Index max_iterations, const Vector& start) {
+                           const Vector& start) {
   Settings gc3 = settings;
   gc3.method = Method::gc3;
   // a body on one or two nodes leaves S without a diagonal to precondition with: then on A itself
   const bool on_S = (problem.S.diagonal().array() > least_stiffness * problem.D.array()).all();
   const ContactProblem p = on_S ? on_contact_dofs(problem) : problem.laws;
   OnContactDofs observer(p, problem.observer);
-  const auto cg = make_tresca_solver(p, gc3, max_iterations, &observer);
+  const auto cg = make_tresca_solver(p, gc3, &observer);
   Solution s = fixed_point(p, gc3, *cg, on_S ? start : Vector());
   s.x = Vector(s.x.tail(problem.f.size()));
   return s;

@@ -1,9 +1,9 @@
 #include "condensed/semismooth_newton.h"
 
-#include "condensed/single_precision.h"
 #include "factorization.h"
 #include "linear_algebra.h"
 #include "model/certificate.h"
+#include "model/proximal_springs.h"
 
 namespace frictioncg {
 
@@ -13,7 +13,6 @@ constexpr Real rounding_margin = 100;  ///< S carries what the elimination has l
 constexpr Real solved = 1e-12;         ///< residual at which a node that grazes is on either branch
 constexpr Real settled = 1e-9;         ///< residual that may be rounding, once the branches stay
 constexpr int most_stalled = 8;        ///< 3D: directions of slip may need some steps to settle
-constexpr Real half_wave = 3;          ///< of c, about pi: see tangential_scale
 constexpr Real least_tangential = 1e-6;  ///< of diag(S) over D: a body on one node has S = 0
 constexpr Real progress = 0.5;  ///< of the residual from step to step, on the same branches
 /// Of the forces that violate the laws, over those of the first step. From stick they fall where
@@ -21,14 +20,6 @@ constexpr Real progress = 0.5;  ///< of the residual from step to step, on the s
 /// corrections, they doubled within four steps, and it cycled after up to 40.
 constexpr Real runaway = 2;
 constexpr Index settling = 4;  ///< steps before that, in which they may grow all the same
-
-/// c over S_TT. One node alone meets S_TT, about E; a wave of wave number k meets S = E k h, h the
-/// distance of the nodes. Sliding zones are as wide as the contact, L = m^{1/(d-1)} h, whose half
-/// wave, k = pi/L, meets pi S_TT/m^{1/(d-1)}: with a c of that size r_T + c x_T weighs force and
-/// slip of such a motion alike, and tells the branches that it leads to.
-Real tangential_scale(Index m, int dimension) {
-  return half_wave / (dimension == 2 ? Real(m) : std::sqrt(Real(m)));
-}
 }  // namespace
 
 SemismoothNewton::SemismoothNewton(const CondensedProblem& problem)
@@ -36,13 +27,12 @@ SemismoothNewton::SemismoothNewton(const CondensedProblem& problem)
       c_(problem.laws.nodes()),
       branch_(problem.laws.nodes()),
       x_(Vector::Zero(problem.f.size())) {
-  const Index m = problem.laws.nodes();
-  const Real scale = tangential_scale(m, problem.laws.system->dimension);
-  for (Index i = 0; i < m; ++i) {
+  const Real share = wave_share(*problem.laws.system);
+  for (Index i = 0; i < problem.laws.nodes(); ++i) {
     const Index T = problem.normal(i) + 1, t = problem.laws.tangents(i);
     if (t == 0) continue;
     const Real least = least_tangential * problem.D.segment(T, t).mean();
-    c_[i] = scale * std::max(problem.S.diagonal().segment(T, t).mean(), least);
+    c_[i] = share * std::max(problem.S.diagonal().segment(T, t).mean(), least);
   }
 }
 
@@ -51,9 +41,10 @@ void SemismoothNewton::start_from_stick() {
   branch_ = all_stick(problem_.laws.increment);
 }
 
-void SemismoothNewton::start_from(const Vector& x, const Vector& r) {
+void SemismoothNewton::start_from(const Vector& x) {
   x_ = x;
-  choose_branches(x, r);
+  r_ = problem_.residual(x);
+  choose_branches();
 }
 
 SemismoothNewton::Outcome SemismoothNewton::solve(Index max_steps) {
@@ -64,14 +55,16 @@ SemismoothNewton::Outcome SemismoothNewton::solve(Index max_steps) {
     ++steps_;
     if (!step()) return Outcome::singular;
     r_ = problem_.residual(x_);
-    const Real violation = law_violation(r_);
-    residual_ = violation / unit(r_);
+    // with c = diag(A): a small algorithmic c would flatter it
+    const Violation v = violation(problem_.laws, problem_.D, x_, r_);
+    const Real forces = std::sqrt(v.normal + v.friction);
+    residual_ = forces / unit();
     if (problem_.observer)
       problem_.observer->step(problem_.springs > 0 ? Work::proximal : Work::newton, residual_);
-    if (steps_ == 1) first = violation;
-    if (from_stick_ && steps_ >= settling && violation > runaway * first) return Outcome::ran_away;
+    if (steps_ == 1) first = forces;
+    if (from_stick_ && steps_ >= settling && forces > runaway * first) return Outcome::ran_away;
     const std::size_t before = fingerprint();
-    choose_branches(x_, r_);
+    choose_branches();
     const std::size_t after = fingerprint();
     if (residual_ <= solved) return Outcome::converged;
     if (after == before && residual_ > progress * best) {
@@ -85,14 +78,15 @@ SemismoothNewton::Outcome SemismoothNewton::solve(Index max_steps) {
 }
 
 /// Branches of the laws at (x, r), r = f - Sx.
-void SemismoothNewton::choose_branches(const Vector& x, const Vector& r) {
+void SemismoothNewton::choose_branches() {
   const ContactProblem& laws = problem_.laws;
   for (Index i = 0; i < laws.nodes(); ++i) {
     const Index N = problem_.normal(i), size = laws.tangents(i) + 1;
-    const Real closing = problem_.D[N] * (laws.increment.gap[i] - x[N]);
+    const Real closing = problem_.D[N] * (laws.increment.gap[i] - x_[N]);
     const NodeLaw law = law_of(laws.increment, i);
-    branch_[i] = branch_at(law, closing, x.segment(N, size), r.segment(N, size), c_[i]);
-    branch_[i].choose_touch(law, closing, x.segment(N, size), r.segment(N, size), c_[i]);
+    const auto x = x_.segment(N, size), r = r_.segment(N, size);
+    branch_[i] = branch_at(law, closing, x, r, c_[i]);
+    branch_[i].choose_touch(law, closing, x, r, c_[i]);
   }
 }
 
@@ -187,7 +181,7 @@ Vector SemismoothNewton::solve_branches() {
     positive_ = llt.found() && problem_.springs == 0;
     if (llt.found() && llt.rcond() > singular) return scale_.asDiagonal() * llt.solve(b_);
   } else {
-    if (b_.size() >= large) {
+    if (b_.size() >= single_pays) {
       const Vector y = SinglePrecision(M_).solve(b_);
       if (y.size() > 0) return scale_.asDiagonal() * y;
     }
@@ -199,29 +193,14 @@ Vector SemismoothNewton::solve_branches() {
   return scale_.asDiagonal() * least_squares(M_, b_, singular);
 }
 
-/// What is left of the laws on S, in norm_D, with c = diag(A): a small algorithmic c would flatter
-/// it.
-Real SemismoothNewton::law_violation(const Vector& r) const {
-  const ContactProblem& laws = problem_.laws;
-  Real sum = 0;
-  for (Index i = 0; i < laws.nodes(); ++i) {
-    const Index N = problem_.normal(i), size = laws.tangents(i) + 1;
-    const Violation v =
-        violation(law_of(laws.increment, i), laws.increment.gap[i], problem_.D.segment(N, size),
-                  x_.segment(N, size), r.segment(N, size));
-    sum += v.normal + v.friction;
-  }
-  return std::sqrt(sum);
-}
-
 /// The forces at work, in norm_D; where there are none, the total load.
-Real SemismoothNewton::unit(const Vector& r) const {
+Real SemismoothNewton::unit() const {
   const Increment& increment = problem_.laws.increment;
   Real contact = 0;
   for (Index i = 0; i < problem_.laws.nodes(); ++i) {
     const Index N = problem_.normal(i), size = problem_.laws.tangents(i) + 1;
     if (!branch_[i].closed) continue;
-    contact += (r.segment(N, size).array().square() / problem_.D.segment(N, size).array()).sum();
+    contact += (r_.segment(N, size).array().square() / problem_.D.segment(N, size).array()).sum();
   }
   const Real work = forces_at_work(increment.load_norm, std::sqrt(contact));
   return work > 0 ? work : increment.force_scale;
@@ -230,7 +209,7 @@ Real SemismoothNewton::unit(const Vector& r) const {
 /// What S x cannot resolve of the residual, in the same units.
 Real SemismoothNewton::rounding() const {
   const Real size = std::sqrt((problem_.D.array() * x_.array().square()).sum());
-  return rounding_margin * std::numeric_limits<Real>::epsilon() * size / unit(r_);
+  return rounding_margin * std::numeric_limits<Real>::epsilon() * size / unit();
 }
 
 std::size_t SemismoothNewton::fingerprint() const {
@@ -243,6 +222,64 @@ std::size_t SemismoothNewton::fingerprint() const {
            1099511628211u;
   }
   return hash;
+}
+
+namespace {
+
+constexpr Index newton_steps = 40;  ///< where it arrives it takes 15; beyond 40 it cycles
+
+/// The first springs are as stiff as D, a node on its own; the weakest are near the rounding of D.
+constexpr Real first_springs = 1, weakest_springs = 1e-10;
+/// Newton's method is tried without springs once they are as weak as this.
+constexpr Real weak_springs = 1e-2;
+/// Where springs as stiff as this do not help, nothing does.
+constexpr Real strongest_springs = 100;
+/// Bodies that were held took up to 150 steps.
+constexpr Index most_newton_steps = 400;
+
+}  // namespace
+
+bool newton_from(const Vector& x, const CondensedProblem& problem, Index max_steps, Attempt& a,
+                 const Branches& given) {
+  SemismoothNewton newton(problem);
+  if (x.size() > 0)
+    newton.start_from(x);
+  else if (!given.empty())
+    newton.start_from(given);
+  else
+    newton.start_from_stick();
+  const Index bound = std::min(newton_steps, max_steps - a.steps);
+  const bool solved = newton.solve(bound) == SemismoothNewton::Outcome::converged;
+  a.steps += newton.steps();
+  if (!solved) {
+    if (a.steps >= max_steps) a.status = Status::max_iterations;
+    return false;
+  }
+  a.x = newton.x();
+  a.branches = newton.branches();
+  a.undetermined = newton.undetermined();
+  a.positive = newton.positive();
+  return true;
+}
+
+Attempt by_proximal_points(const CondensedProblem& problem, Index max_steps) {
+  Attempt a;
+  max_steps = std::min(max_steps, most_newton_steps);
+  CondensedProblem sprung = problem;
+  ProximalSprings springs(first_springs, weakest_springs);
+  while (a.steps < max_steps && springs.eps() <= strongest_springs) {
+    sprung.springs = springs.eps();
+    sprung.f = problem.f;
+    if (a.x.size() > 0) sprung.f.array() += sprung.springs * problem.D.array() * a.x.array();
+    if (newton_from(a.x, sprung, max_steps, a)) {
+      if (springs.eps() <= weak_springs) a.solved = newton_from(a.x, problem, max_steps, a);
+      if (a.solved) return a;
+      springs.found();
+    } else {
+      springs.missed();
+    }
+  }
+  return a;
 }
 
 }  // namespace frictioncg

@@ -1,6 +1,7 @@
 #pragma once
 #include "condensed/condensed_problem.h"
 #include "model/branch.h"
+#include "status.h"
 
 namespace frictioncg {
 
@@ -22,9 +23,8 @@ class SemismoothNewton {
 
   explicit SemismoothNewton(const CondensedProblem& problem);
 
-  void start_from_stick();                            ///< every node closed, x_T = 0
-  void start_from(const Vector& x, const Vector& r);  ///< the branches that (x, r) is on
-
+  void start_from_stick();           ///< every node closed, x_T = 0
+  void start_from(const Vector& x);  ///< the branches that x is on
   void start_from(const Branches& branches) { branch_ = branches; }
 
   /// At most max_steps steps; converged where the laws hold to rounding. ran_away: from stick, and
@@ -41,15 +41,14 @@ class SemismoothNewton {
   bool positive() const { return positive_; }
 
  private:
-  void choose_branches(const Vector& x, const Vector& r);
+  void choose_branches();
   bool step();
   template <class Visit>
   void for_each_slip(Visit visit) const;
   bool assemble();
   Vector solve_branches();
-  Real law_violation(const Vector& r) const;
   Real rounding() const;
-  Real unit(const Vector& r) const;
+  Real unit() const;
   std::size_t fingerprint() const;
 
   const CondensedProblem& problem_;
@@ -64,5 +63,27 @@ class SemismoothNewton {
   Real residual_ = 0;
   bool undetermined_ = false, positive_ = false, from_stick_ = false;
 };
+
+/// How an attempt at the laws on the contact dofs ended.
+struct Attempt {
+  Vector x;           ///< contact_dofs; empty where nothing was found
+  Branches branches;  ///< of x, where Newton's method found it
+  bool solved = false;
+  bool undetermined = false;  ///< a motion is free, and x has the least
+  bool positive = false;      ///< S is known to be positive definite on open nodes
+  Index steps = 0;            ///< of Newton's method, solved or not
+  Status status = Status::stagnated;
+};
+
+/// Newton's method from the branches of x, or where x is empty from given ones, or where these are
+/// from stick: the rest of max_steps, at most 40. True where it arrives; a is then its answer, and
+/// else keeps the one it has.
+bool newton_from(const Vector& x, const CondensedProblem& problem, Index max_steps, Attempt& a,
+                 const Branches& given = {});
+
+/// Proximal points (model/proximal_springs.h), where Newton's method alone does not arrive: from
+/// x_0 = 0 by Newton's method with springs, until it arrives from x_k without them. At most
+/// max_steps of Newton's method.
+Attempt by_proximal_points(const CondensedProblem& problem, Index max_steps);
 
 }  // namespace frictioncg

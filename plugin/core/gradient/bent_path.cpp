@@ -8,8 +8,8 @@ BentPath::BentPath(const ContactProblem& problem)
       start_C_(problem.contact_dofs()),
       end_C_(problem.contact_dofs()) {}
 
-Real BentPath::follow(Iterate& it, Preconditioner& P, FrictionTerm& friction, LineSearch& search,
-                      const Phi& phi, const Vector& v, Real rho, Line line) {
+Real BentPath::follow(Iterate& it, Preconditioner& P, LineSearch& search, const Vector& v, Real rho,
+                      Line line) {
   const Index contact = system_.contact_dofs();
   Real length = 0;
   w_ = v;
@@ -17,11 +17,11 @@ Real BentPath::follow(Iterate& it, Preconditioner& P, FrictionTerm& friction, Li
   line.a -= rho * line.vAv.A;
   for (bool bends = true; bends;) {
     drop_held(it, line);
-    friction.update(it.x, it.rows.r(), it.faces, it.g, phi);
-    line.r_v = line.a - friction.along(it.rows.r(), w_);
+    it.update_friction();
+    line.r_v = line.a - it.friction_along(w_);
     if (!(line.r_v > 0)) break;
     const Real gap = it.faces.step_to_gap(it.x, w_);
-    const Real step = search(phi, it.g, it.x, w_, line, gap);
+    const Real step = search(it.phi, it.g, it.x, w_, line, gap);
     if (!std::isfinite(step)) break;  // for the next iteration to name
     it.x.tail(contact) += step * w_.tail(contact);
     it.rows.advance(step, w_);
@@ -40,7 +40,7 @@ void BentPath::drop_held(const Iterate& it, Line& line) {
     const Real w_N = w_[N];
     if (!it.faces.contact(i) || w_N == 0) continue;
     line.a -= it.rows.r()[c] * w_N;
-    line.vAv.A -= w_N * (2 * it.rows.row_product(c, w_) - system_.D[N] * w_N);
+    line.vAv.A -= w_N * (2 * row_product(system_, N, w_) - system_.D[N] * w_N);
     line.vAv.D -= system_.D[N] * w_N * w_N;
     w_[N] = 0;
   }

@@ -1,5 +1,4 @@
 #pragma once
-#include "gradient/friction_term.h"
 #include "gradient/iterate.h"
 #include "gradient/line_search.h"
 
@@ -17,8 +16,8 @@ class BentPath {
   /// it.x has just moved by rho v, line.a and line.vAv are those of v before that step, and
   /// it.faces holds the nodes that reached their gap in it. Moves the contact dofs further, and the
   /// interior through P. Returns the length that rho gains; 0 where J does not fall beyond.
-  Real follow(Iterate& it, Preconditioner& P, FrictionTerm& friction, LineSearch& search,
-              const Phi& phi, const Vector& v, Real rho, Line line);
+  Real follow(Iterate& it, Preconditioner& P, LineSearch& search, const Vector& v, Real rho,
+              Line line);
 
  private:
   void drop_held(const Iterate& it, Line& line);

@@ -40,14 +40,9 @@ class FixedPoint {
         settings_(settings),
         tresca_(tresca),
         coulomb_(problem.increment.law == Law::coulomb),
-        g_(Vector::Zero(problem.nodes())),
-        image_(problem.nodes()),
-        relative_eps_(first_relative_eps),
-        precision_(first_precision),
-        best_(infinity) {}
+        g_(Vector::Zero(problem.nodes())) {}
 
   Solution solve(const Vector& x0) {
-    inner_ = first_tolerance;
     start(x0);
     if (!coulomb_) inner_ = finest();
     Real last = infinity;
@@ -62,7 +57,6 @@ class FixedPoint {
       if (solution_.status != Status::converged || !improve(last)) break;
     }
     if (!coulomb_) solution_.passes = 0;
-    solution_.state = classify(problem_, solution_.x, solution_.certificate);
     return std::move(solution_);
   }
 
@@ -228,10 +222,10 @@ class FixedPoint {
   Vector g_;      ///< m [force]
   Vector image_;  ///< m, G(g)
   Anderson anderson_;
-  Real relative_eps_;  ///< eps over the displacement scale, where eps is ours to choose
-  Real inner_ = 0;     ///< bound of the next minimization, over the certificate's scale
-  Real precision_;     ///< a minimization solves to this share of the mismatch of g
-  Real best_;          ///< least mismatch |G(g) - g| so far, over the scale
+  Real relative_eps_ = first_relative_eps;  ///< over the displacement scale, where eps is ours
+  Real inner_ = first_tolerance;  ///< bound of the next minimization, over the certificate's scale
+  Real precision_ = first_precision;  ///< a minimization solves to this share of the mismatch of g
+  Real best_ = infinity;              ///< least mismatch |G(g) - g| so far, over the scale
   Index since_best_ = 0;
   bool damped_ = false;
 };

@@ -1,6 +1,5 @@
 #pragma once
 #include "gradient/tresca.h"
-#include "solution.h"
 
 namespace frictioncg {
 

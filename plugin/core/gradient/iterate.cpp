@@ -7,17 +7,9 @@ ContactRows::ContactRows(const ContactProblem& problem)
       r_(Vector::Zero(problem.contact_dofs())),
       dx_C_(Vector::Zero(problem.contact_dofs())) {}
 
-Real ContactRows::row_product(Index c, const Vector& v_in) const {
-  const auto [row, col, a] = arrays_of(system_.entries());
-  const Real* v = v_in.data();
-  const Index i = system_.interior() + c;
-  Real sum = 0;
-  for (Index k = row[i]; k < row[i + 1]; ++k) sum += a[k] * v[col[k]];
-  return sum;
-}
-
 void ContactRows::advance(Real rho, const Vector& v) {
-  for (Index c = 0; c < r_.size(); ++c) r_[c] -= rho * row_product(c, v);
+  for (Index c = 0; c < r_.size(); ++c)
+    r_[c] -= rho * row_product(system_, system_.interior() + c, v);
 }
 
 void ContactRows::owe(Index c, Real dx) {
@@ -155,6 +147,36 @@ Real ActiveSet::violation(const Vector& r_C, const Vector& g) const {
     if (tangential > 0) sum += tangential * tangential / system_.weight[N + 1];
   }
   return std::sqrt(sum);
+}
+
+Iterate::Iterate(const ContactProblem& problem)
+    : system(*problem.system),
+      rows(problem),
+      faces(problem),
+      part{std::vector<char>(problem.contact_dofs(), 1), Vector::Zero(problem.contact_dofs())},
+      piece_(problem.nodes(), 0) {}
+
+bool Iterate::update_friction() {
+  bool crossed = false;
+  r = rows.r();
+  for (Index i = 0; i < system.nodes(); ++i) {
+    const Index c = system.first[i] - system.interior(), t = system.tangents(i);
+    part.free[c] = !faces.contact(i);
+    if (faces.contact(i)) r[c] = 0;
+    for (Index k = 1; k <= t; ++k) part.free[c + k] = !faces.at_rest(i);
+    part.hessian.segment(c + 1, t).setZero();
+    if (faces.at_rest(i)) {
+      r.segment(c + 1, t).setZero();
+    } else if (t > 0 && g[i] > 0) {
+      const auto x_T = x.segment(system.first[i] + 1, t);
+      const Real slip = x_T.norm();
+      r.segment(c + 1, t) -= g[i] * phi.slope_over_t(slip) * x_T;
+      part.hessian.segment(c + 1, t).setConstant(g[i] * phi.mean_second_derivative(slip, t));
+      const char piece = phi.eps > 0 ? slip <= phi.eps : t == 1 && x_T[0] > 0;
+      crossed |= std::exchange(piece_[i], piece) != piece;
+    }
+  }
+  return crossed;
 }
 
 }  // namespace frictioncg

@@ -1,9 +1,19 @@
 #pragma once
 #include "gradient/preconditioner.h"
+#include "gradient/regularization.h"
 #include "gradient/tresca.h"
 #include "model/contact_problem.h"
 
 namespace frictioncg {
+
+/// (A v)_i, at one dof, of v (n).
+inline Real row_product(const System& system, Index i, const Vector& v_in) {
+  const auto [row, col, a] = arrays_of(system.entries());
+  const Real* v = v_in.data();
+  Real sum = 0;
+  for (Index k = row[i]; k < row[i + 1]; ++k) sum += a[k] * v[col[k]];
+  return sum;
+}
 
 /// The residual F - Ax on the contact dofs, kept while x moves.
 ///
@@ -28,9 +38,6 @@ class ContactRows {
 
   /// Tells the interior of the displacements since the last call; set_contact has to follow.
   void settle(Preconditioner& P);
-
-  /// (A v)_c of v (n), at one contact dof.
-  Real row_product(Index c, const Vector& v) const;
 
   /// <A_CC d, d>, of d (contact_dofs()).
   Real energy(const Vector& d) const;
@@ -95,14 +102,26 @@ class ActiveSet {
 
 /// Where a minimization stands.
 struct Iterate {
-  explicit Iterate(const ContactProblem& problem)
-      : system(*problem.system), rows(problem), faces(problem) {}
+  explicit Iterate(const ContactProblem& problem);
+
+  /// Makes r and part, after x, rows or faces have changed. True where a node has come to another
+  /// piece of a piecewise quadratic J: across eps, or, with eps = 0, across x_T = 0 along a single
+  /// tangent.
+  bool update_friction();
+  /// <g phi'(x_T), v>: what <F - Ax, v> has more than <-J', v>; v is 0 on held dofs.
+  Real friction_along(const Vector& v) const { return (rows.r() - r).dot(v.tail(r.size())); }
 
   const System& system;
   Vector x;          ///< n
   Vector g;          ///< m, the sliding limit
+  Phi phi;           ///< that J_eps has
   ContactRows rows;  ///< F - Ax on the contact dofs
   ActiveSet faces;   ///< that x lies on
+  Vector r;          ///< -J' of (11), contact_dofs(): that of rows less g phi'(x_T), 0 where held
+  ContactPart part;  ///< what is free, and g phi'' of (17)
+
+ private:
+  std::vector<char> piece_;  ///< m, which one x_T was on
 };
 
 }  // namespace frictioncg

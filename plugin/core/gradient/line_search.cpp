@@ -42,10 +42,8 @@ void LineSearch::gather(const Vector& g, const Vector& x, const Vector& v) {
 
 Real LineSearch::slope(const Phi& phi, Real rho) const {
   Real friction = 0;
-  for (const Node& n : nodes_) {
-    const Real t = std::sqrt(std::max(0.0, n.xx + rho * (2 * n.xv + rho * n.vv)));
-    friction += n.g * phi.slope_over_t(t) * (n.xv + rho * n.vv);
-  }
+  for (const Node& n : nodes_)
+    friction += n.g * phi.slope_over_t(n.slip(rho)) * (n.xv + rho * n.vv);
   return rho * vAv_ - a_ + friction;
 }
 
@@ -53,10 +51,8 @@ Real LineSearch::slope(const Phi& phi, Real rho) const {
 Real LineSearch::friction_curvature(const Phi& phi, Real rho) const {
   Real sum = 0;
   for (const Node& n : nodes_) {
-    const Real tt = std::max(0.0, n.xx + rho * (2 * n.xv + rho * n.vv));
-    const Real t = std::sqrt(tt);
-    const Real along = n.xv + rho * n.vv;
-    const Real radial = tt > 0 ? std::min(along * along / tt, n.vv) : n.vv;
+    const Real t = n.slip(rho), along = (n.xv + rho * n.vv) / t;
+    const Real radial = t > 0 ? std::min(along * along, n.vv) : n.vv;
     sum += n.g * (phi.second_derivative(t) * radial + phi.slope_over_t(t) * (n.vv - radial));
   }
   return sum;
@@ -88,10 +84,7 @@ Real LineSearch::operator()(const Phi& phi, const Vector& g, const Vector& x, co
 /// J(rho) - J(0).
 Real LineSearch::rise(const Phi& phi, Real rho) const {
   Real sum = rho * (0.5 * rho * vAv_ - a_);
-  for (const Node& n : nodes_) {
-    const Real t = std::sqrt(std::max(0.0, n.xx + rho * (2 * n.xv + rho * n.vv)));
-    sum += n.g * (phi.value(t) - phi.value(std::sqrt(n.xx)));
-  }
+  for (const Node& n : nodes_) sum += n.g * (phi.value(n.slip(rho)) - phi.value(n.slip(0)));
   return sum;
 }
 

@@ -28,6 +28,7 @@ class LineSearch {
   struct Node {
     Real g;           ///< sliding limit
     Real xx, xv, vv;  ///< x_T.x_T, x_T.v_T, v_T.v_T
+    Real slip(Real rho) const { return std::sqrt(std::max(0.0, xx + rho * (2 * xv + rho * vv))); }
   };
   struct Break {
     Real rho, slope, curvature;  ///< J' gains slope + curvature rho beyond rho

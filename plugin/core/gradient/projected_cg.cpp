@@ -1,5 +1,4 @@
 #include "gradient/bent_path.h"
-#include "gradient/friction_term.h"
 #include "gradient/iterate.h"
 #include "gradient/line_search.h"
 #include "gradient/preconditioner.h"
@@ -43,18 +42,16 @@ Real relaxation(const Settings& settings, const ReleaseRule& rule) {
 /// another quadratic form from there on.
 class ProjectedCG final : public TrescaSolver {
  public:
-  ProjectedCG(const ContactProblem& problem, const Settings& settings, Index max_iterations,
-              Observer* observer)
+  ProjectedCG(const ContactProblem& problem, const Settings& settings, Observer* observer)
       : problem_(problem),
         settings_(settings),
-        max_iterations_(max_iterations),
+        max_iterations_(bound_of(problem, settings)),
         observer_(observer),
         stiffness_(tangential_stiffness(*problem.system)),
         rule_(settings, *problem.system),
         P_(make_preconditioner(*problem.system, settings.precon, relaxation(settings, rule_))),
         line_search_(*problem.system, settings.step, settings.stop_on_step == 0),
         stopping_(settings),
-        friction_(problem),
         it_(problem),
         path_(problem),
         v_(Vector::Zero(problem.dofs())),
@@ -62,7 +59,7 @@ class ProjectedCG final : public TrescaSolver {
 
   Outcome minimize(Vector& x, const Vector& g, Real eps, Tangents tangents, Real bound) override {
     Outcome outcome;
-    phi_ = regularized() ? Phi{settings_.reg, eps} : Phi{Regularization::polynomial, 0};
+    it_.phi = regularized() ? Phi{settings_.reg, eps} : Phi{Regularization::polynomial, 0};
     it_.x.swap(x);
     Events events = begin(g, tangents, bound);  // r = F - Ax - g phi'(x_T)
     while (!events.stop && outcome.status == Status::converged) {
@@ -152,9 +149,9 @@ class ProjectedCG final : public TrescaSolver {
   Status search(Line& line, Real& rho, Real& rho_gap) {
     line.vAv = P_->curvature(v_);
     if (line.vAv.A < indefinite * line.vAv.D) return Status::not_positive_definite;
-    line.a = line.r_v + friction_.along(it_.rows.r(), v_);
+    line.a = line.r_v + it_.friction_along(v_);
     rho_gap = it_.faces.step_to_gap(it_.x, v_);
-    rho = line_search_(phi_, it_.g, it_.x, v_, line, rho_gap);
+    rho = line_search_(it_.phi, it_.g, it_.x, v_, line, rho_gap);
     return std::isfinite(rho) ? Status::converged : Status::stagnated;
   }
 
@@ -164,7 +161,7 @@ class ProjectedCG final : public TrescaSolver {
     it_.rows.advance(rho, v_);
     if (rho >= rho_gap) events.contact_hit = it_.faces.close_gaps(it_.x, v_, rho);
     if (events.contact_hit && rule_.stick_is_a_face()) {
-      const Real gained = path_.follow(it_, *P_, friction_, line_search_, phi_, v_, rho, line);
+      const Real gained = path_.follow(it_, *P_, line_search_, v_, rho, line);
       events.expanded = gained > 0;
       rho += gained;
     }
@@ -202,9 +199,9 @@ class ProjectedCG final : public TrescaSolver {
   /// r on the contact dofs, J'' and the mask. True where J has another quadratic form from here on,
   /// which matters to the exact walk along REG3 and |x_T|.
   bool update_friction() {
-    const bool crossed = friction_.update(it_.x, it_.rows.r(), it_.faces, it_.g, phi_);
-    P_->set_contact(friction_.r(), friction_.part());
-    return crossed && phi_.kind == Regularization::polynomial && settings_.step == Step::exact;
+    const bool crossed = it_.update_friction();
+    P_->set_contact(it_.r, it_.part);
+    return crossed && it_.phi.kind == Regularization::polynomial && settings_.step == Step::exact;
   }
 
   const ContactProblem& problem_;
@@ -216,10 +213,8 @@ class ProjectedCG final : public TrescaSolver {
   const std::unique_ptr<Preconditioner> P_;
   LineSearch line_search_;
   StoppingTest stopping_;
-  FrictionTerm friction_;
   Iterate it_;
   BentPath path_;
-  Phi phi_;
   Vector v_;              ///< n, the direction
   Vector residual_;       ///< n, of the start
   Real r_z_ = 0;          ///< <r, P r> of the last direction
@@ -230,11 +225,9 @@ class ProjectedCG final : public TrescaSolver {
 }  // namespace
 
 std::unique_ptr<TrescaSolver> make_tresca_solver(const ContactProblem& problem,
-                                                 const Settings& settings, Index max_iterations,
-                                                 Observer* observer) {
-  if (settings.method == Method::sorp)
-    return make_sorp(problem, settings, max_iterations, observer);
-  return std::make_unique<ProjectedCG>(problem, settings, max_iterations, observer);
+                                                 const Settings& settings, Observer* observer) {
+  if (settings.method == Method::sorp) return make_sorp(problem, settings, observer);
+  return std::make_unique<ProjectedCG>(problem, settings, observer);
 }
 
 }  // namespace frictioncg

@@ -1,4 +1,5 @@
 #include "gradient/iterate.h"
+#include "gradient/stopping.h"
 #include "gradient/tresca.h"
 #include "model/contact_problem.h"
 
@@ -9,20 +10,15 @@ namespace {
 /// The paper's optima are 1.58 to 1.96, scene by scene; 1.8 is best for its first example.
 constexpr Real usual_omega = 1.8;
 
-/// After so many sweeps the ratio of violation and change is measured anew: that costs one product
-/// in 20.
-constexpr Index measure_every = 20;
-
 /// Successive over-relaxation with projection, the peer of the paper's tables: each dof in turn to
 /// the minimizer of J along it, over-relaxed by omega, normals projected on x_N <= gap, tangents
 /// thresholded at g. Not regularized.
 class Sorp final : public TrescaSolver {
  public:
-  Sorp(const ContactProblem& problem, const Settings& settings, Index max_iterations,
-       Observer* observer)
-      : problem_(problem),
+  Sorp(const ContactProblem& problem, const Settings& settings, Observer* observer)
+      : problem_(at_given_limit(problem)),
         settings_(settings),
-        max_iterations_(max_iterations),
+        max_iterations_(bound_of(problem, settings)),
         observer_(observer),
         D_(problem.system->D),
         omega_(settings.omega > 0 ? settings.omega : usual_omega),
@@ -32,20 +28,20 @@ class Sorp final : public TrescaSolver {
   /// Stagnated where the sweeps leave the range of numbers: nothing is proved by that.
   Outcome minimize(Vector& x, const Vector& g, Real, Tangents tangents, Real bound) override {
     Outcome outcome;
+    problem_.increment.g = g;
     ActiveSet(problem_).start(x, g, tangents, false);
-    ratio_ = 0;
-    since_measured_ = 0;
-    bool done = violation(x, g, tangents) <= bound;
+    violation_ = {};
+    bool done = violation(x, tangents) <= bound;
     while (!done && outcome.status == Status::converged) {
       if (iterations_ >= max_iterations_) {
         outcome.status = Status::max_iterations;
         break;
       }
       ++iterations_;
-      const Change change = sweep(x, g, tangents);
+      const Change change = sweep(x, tangents);
       outcome.steps.add(StepLabel::sweep);
       if (!std::isfinite(change.energy)) outcome.status = Status::stagnated;
-      done = settled(x, g, tangents, bound, change);
+      done = settled(x, tangents, bound, change);
       if (observer_) observer_->iterate(iterations_, StepLabel::sweep, x);
     }
     return outcome;
@@ -59,7 +55,12 @@ class Sorp final : public TrescaSolver {
     Real square = 0;  ///< sum of dx_i^2
   };
 
-  Change sweep(Vector& x, const Vector& g, Tangents tangents) const {
+  static ContactProblem at_given_limit(ContactProblem problem) {
+    problem.increment.law = Law::tresca;
+    return problem;
+  }
+
+  Change sweep(Vector& x, Tangents tangents) const {
     Change change;
     for (Index i = 0; i < problem_.interior(); ++i)
       update(x, i, x[i] + omega_ * row_residual(x, i) / D_[i], change);
@@ -68,8 +69,7 @@ class Sorp final : public TrescaSolver {
       const Real gap = problem_.increment.gap[i];
       if (!problem_.increment.bilateral)
         update(x, N, std::min(x[N] + omega_ * row_residual(x, N) / D_[N], gap), change);
-      if (tangents == Tangents::sliding && problem_.tangents(i) > 0)
-        relax_tangents(x, i, g[i], change);
+      if (tangents == Tangents::sliding && problem_.tangents(i) > 0) relax_tangents(x, i, change);
     }
     return change;
   }
@@ -82,9 +82,9 @@ class Sorp final : public TrescaSolver {
   }
 
   /// x_T := soft threshold at omega g / a of x_T + omega r_T / a: fixed where r_T is in g d|x_T|.
-  void relax_tangents(Vector& x, Index node, Real g, Change& change) const {
+  void relax_tangents(Vector& x, Index node, Change& change) const {
     const Index T = problem_.system->first[node] + 1, t = problem_.tangents(node);
-    const Real step = omega_ / stiffness_[node];
+    const Real step = omega_ / stiffness_[node], g = problem_.increment.g[node];
     Tangent y(t);
     for (Index k = 0; k < t; ++k) y[k] = x[T + k] + step * row_residual(x, T + k);
     const Real norm = y.norm(), shrink = norm > step * g ? 1 - step * g / norm : 0;
@@ -92,42 +92,29 @@ class Sorp final : public TrescaSolver {
   }
 
   Real row_residual(const Vector& x, Index i) const {
-    const auto [row, col, a] = arrays_of(problem_.system->entries());
-    Real r = problem_.increment.F[i];
-    for (Index k = row[i]; k < row[i + 1]; ++k) r -= a[k] * x[col[k]];
-    return r;
+    return problem_.increment.F[i] - row_product(*problem_.system, i, x);
   }
 
   /// What is left of the optimality conditions at given g, in norm_D.
-  Real violation(const Vector& x, const Vector& g, Tangents tangents) {
+  Real violation(const Vector& x, Tangents tangents) {
     const Vector& w = problem_.system->weight;
     const Index interior = problem_.interior();
     problem_.system->multiply(x, residual_);
     residual_ = problem_.increment.F - residual_;
-    Real sum = (residual_.head(interior).array().square() / w.head(interior).array()).sum();
-    for (Index i = 0; i < problem_.nodes(); ++i) {
-      const Index N = problem_.system->first[i], size = problem_.tangents(i) + 1;
-      const Violation v = frictioncg::violation(given_limit(g[i], problem_.increment.bilateral),
-                                                problem_.increment.gap[i], w.segment(N, size),
-                                                x.segment(N, size), residual_.segment(N, size));
-      sum += v.normal + (tangents == Tangents::sliding ? v.friction : 0);
-    }
-    return std::sqrt(sum);
+    const Real equilibrium =
+        (residual_.head(interior).array().square() / w.head(interior).array()).sum();
+    const Violation v = frictioncg::violation(problem_, w, x, residual_);
+    return std::sqrt(equilibrium + v.normal + (tangents == Tangents::sliding ? v.friction : 0));
   }
 
-  bool settled(const Vector& x, const Vector& g, Tangents tangents, Real bound,
-               const Change& change) {
+  bool settled(const Vector& x, Tangents tangents, Real bound, const Change& change) {
     if (settings_.stop_on_step > 0)
       return std::sqrt(change.square) <= settings_.stop_on_step * x.norm();
-    const Real size = std::sqrt(change.energy);
-    if (ratio_ * size > bound && ++since_measured_ < measure_every) return false;
-    const Real measured = violation(x, g, tangents);
-    ratio_ = size > 0 ? measured / size : 0;
-    since_measured_ = 0;
-    return measured <= bound;
+    return violation_(std::sqrt(change.energy), bound, [&] { return violation(x, tangents); }) <=
+           bound;
   }
 
-  const ContactProblem& problem_;
+  ContactProblem problem_;  ///< at the limit of the minimization
   const Settings& settings_;
   const Index max_iterations_;
   Observer* const observer_;
@@ -135,16 +122,15 @@ class Sorp final : public TrescaSolver {
   const Real omega_;
   const Vector stiffness_;  ///< m, of A_TT
   Vector residual_;         ///< n, of the last measurement
-  Real ratio_ = 0;          ///< last measured violation over the change of its sweep
-  Index since_measured_ = 0;
-  Index iterations_ = 0;  ///< over all minimizations
+  RareMeasure violation_;   ///< by the change of a sweep
+  Index iterations_ = 0;    ///< over all minimizations
 };
 
 }  // namespace
 
 std::unique_ptr<TrescaSolver> make_sorp(const ContactProblem& problem, const Settings& settings,
-                                        Index max_iterations, Observer* observer) {
-  return std::make_unique<Sorp>(problem, settings, max_iterations, observer);
+                                        Observer* observer) {
+  return std::make_unique<Sorp>(problem, settings, observer);
 }
 
 }  // namespace frictioncg

@@ -11,6 +11,7 @@ class SsorPreconditioner final : public Preconditioner {
         on_hessian_(on_hessian),
         omega_(omega),
         kappa_((2 - omega) / omega),
+        A_(arrays_of(system.entries())),
         diagonal_(system.dofs()),
         C_(D_),
         inverse_(omega * D_.cwiseInverse()),
@@ -24,25 +25,21 @@ class SsorPreconditioner final : public Preconditioner {
         dE_y_(Vector::Zero(system.contact_dofs())),
         dy_C_(Vector::Zero(system.contact_dofs())),
         dy_I_(Vector::Zero(system.interior())) {
-    const auto [row, col, a] = arrays_of(system.entries());
+    const auto [row, col, a] = A_;
     for (Index i = 0; i < system.dofs(); ++i)
       diagonal_[i] = static_cast<Index>(std::lower_bound(col + row[i], col + row[i + 1], i) - col);
   }
 
   void start(const Vector& r) override {
-    const auto [row, col, a] = arrays_of(system_.entries());
-    const Real* y = y_.data();
     interior_r_z_ = interior_dr_z_ = 0;
     for (Index i = 0; i < interior_; ++i) {
-      Real sum = r[i];
-      for (Index k = row[i]; k < diagonal_[i]; ++k) sum -= a[k] * y[col[k]];
-      y_[i] = sum * inverse_[i];
+      y_[i] = less_lower(r[i], i, y_.data()) * inverse_[i];
       interior_r_z_ += kappa_ * C_[i] * y_[i] * y_[i];
     }
   }
 
   void set_contact(const Vector& r_C, const ContactPart& part) override {
-    const auto [row, col, a] = arrays_of(system_.entries());
+    const auto [row, col, a] = A_;
     const Real* y = y_.data();
     free_ = part.free;
     if (on_hessian_ && C_.tail(r_C.size()) != D_.tail(r_C.size()) + part.hessian) {
@@ -62,8 +59,8 @@ class SsorPreconditioner final : public Preconditioner {
       E_y_[c] = sum;
       r_C_[c] = r_C[c];
     }
-    forward_contact(dE_y_, dr_C_, dy_C_);
-    forward_contact(E_y_, r_C_, y_);
+    forward_contact(dE_y_, dr_C_, dy_C_.data());
+    forward_contact(E_y_, r_C_, y_.data() + interior_);
 
     r_z_ = interior_r_z_;
     dr_z_ = interior_dr_z_;
@@ -77,17 +74,12 @@ class SsorPreconditioner final : public Preconditioner {
   /// s := kappa C y + gamma s, then (C/omega + E') v = s from the last row up. Each row ends on the
   /// entry that was computed last, so that the rest of its sum does not wait for it.
   void direction(Real gamma, Vector& v_out) override {
-    const auto [row, col, a] = arrays_of(system_.entries());
-    const Index* diagonal = diagonal_.data();
     const Real *C = C_.data(), *y = y_.data(), *inverse = inverse_.data();
     Real *s = s_.data(), *v = v_out.data();
     // On the contact rows C may have changed since s was formed: s = (C/omega + E') v anew.
-    if (gamma != 0 && C_changed_) {
-      for (Index i = interior_; i < system_.dofs(); ++i) {
-        s[i] = C[i] / omega_ * v[i];
-        for (Index k = diagonal[i] + 1; k < row[i + 1]; ++k) s[i] += a[k] * v[col[k]];
-      }
-    }
+    if (gamma != 0 && C_changed_)
+      for (Index i = interior_; i < system_.dofs(); ++i)
+        s[i] = -less_upper(-C[i] / omega_ * v[i], i, v);
     C_changed_ = false;
     for (Index i = system_.dofs() - 1; i >= interior_; --i) {
       if (!free_[i - interior_]) {
@@ -95,41 +87,31 @@ class SsorPreconditioner final : public Preconditioner {
         continue;
       }
       s[i] = kappa_ * C[i] * y[i] + (gamma != 0 ? gamma * s[i] : 0);
-      Real sum = s[i];
-      for (Index k = row[i + 1] - 1; k > diagonal[i]; --k) sum -= a[k] * v[col[k]];
-      v[i] = sum * inverse[i];
+      v[i] = less_upper(s[i], i, v) * inverse[i];
     }
     for (Index i = interior_ - 1; i >= 0; --i) {
-      Real sum = kappa_ * C[i] * y[i] + gamma * s[i];
-      s[i] = sum;
-      for (Index k = row[i + 1] - 1; k > diagonal[i]; --k) sum -= a[k] * v[col[k]];
-      v[i] = sum * inverse[i];
+      s[i] = kappa_ * C[i] * y[i] + gamma * s[i];
+      v[i] = less_upper(s[i], i, v) * inverse[i];
     }
   }
 
   /// (C/omega + E) e = s + (D - 2C/omega) v, so that A v = (C/omega + E)(v + e), and <Av,v> = <v+e,
   /// s>.
   Curvature curvature(const Vector& v_in) override {
-    const auto [row, col, a] = arrays_of(system_.entries());
-    const Index* diagonal = diagonal_.data();
     const Real *C = C_.data(), *v = v_in.data(), *s = s_.data(), *inverse = inverse_.data();
     Real* e = e_.data();
     const Real shift = 1 - 2 / omega_;
     Real vAv = 0, vDv = 0;
     for (Index i = 0; i < interior_; ++i) {
       const Real Cv = C[i] * v[i];
-      Real sum = s[i] + shift * Cv;
-      for (Index k = row[i]; k < diagonal[i]; ++k) sum -= a[k] * e[col[k]];
-      e[i] = sum * inverse[i];
+      e[i] = less_lower(s[i] + shift * Cv, i, e) * inverse[i];
       vAv += (v[i] + e[i]) * s[i];
       vDv += Cv * v[i];
     }
     for (Index i = interior_; i < system_.dofs(); ++i) {
       e[i] = 0;
       if (!free_[i - interior_]) continue;
-      Real sum = s[i] + (D_[i] - 2 / omega_ * C[i]) * v[i];
-      for (Index k = row[i]; k < diagonal[i]; ++k) sum -= a[k] * e[col[k]];
-      e[i] = sum * inverse[i];
+      e[i] = less_lower(s[i] + (D_[i] - 2 / omega_ * C[i]) * v[i], i, e) * inverse[i];
       vAv += (v[i] + e[i]) * s[i];
       vDv += D_[i] * v[i] * v[i];
     }
@@ -155,15 +137,14 @@ class SsorPreconditioner final : public Preconditioner {
 
   /// y_I -= dy_I = (C/omega + E)_II^{-1} A_IC dx_C.
   void move_contact(const Vector& dx_C) override {
-    const auto [row, col, a] = arrays_of(system_.entries());
-    const Real *dx = dx_C.data(), *dy = dy_I_.data();
+    const auto [row, col, a] = A_;
+    const Real* dx = dx_C.data();
     interior_r_z_ = 0;
     for (Index i = 0; i < interior_; ++i) {
       Real sum = 0;
       for (Index k = row[i + 1] - 1; k > diagonal_[i] && col[k] >= interior_; --k)
         sum += a[k] * dx[col[k] - interior_];
-      for (Index k = row[i]; k < diagonal_[i]; ++k) sum -= a[k] * dy[col[k]];
-      dy_I_[i] = sum * inverse_[i];
+      dy_I_[i] = less_lower(sum, i, dy_I_.data()) * inverse_[i];
       y_[i] -= dy_I_[i];
       interior_r_z_ += kappa_ * C_[i] * y_[i] * y_[i];
     }
@@ -173,12 +154,9 @@ class SsorPreconditioner final : public Preconditioner {
   Real dr_z() const override { return dr_z_; }
   Real r_v(const Vector&) const override { return y_.dot(s_); }
   Real free_norm() const override {
-    const auto [row, col, a] = arrays_of(system_.entries());
-    const Real* y = y_.data();
     Real sum = 0;
     for (Index i = 0; i < interior_; ++i) {
-      Real r = C_[i] / omega_ * y_[i];
-      for (Index k = row[i]; k < diagonal_[i]; ++k) r += a[k] * y[col[k]];
+      const Real r = -less_lower(-C_[i] / omega_ * y_[i], i, y_.data());
       sum += r * r / system_.weight[i];
     }
     for (Index c = 0; c < r_C_.size(); ++c)
@@ -187,27 +165,36 @@ class SsorPreconditioner final : public Preconditioner {
   }
 
  private:
-  /// y_C = (C/omega + E)_CC^{-1} (rhs - lower_interior) on the free contact dofs; y_C into y's
-  /// tail.
-  void forward_contact(const Vector& lower_interior, const Vector& rhs, Vector& y_out) const {
-    const auto [row, col, a] = arrays_of(system_.entries());
-    const Index shift = interior_ - static_cast<Index>(system_.dofs() - y_out.size());
-    Real* y = y_out.data();
+  /// sum less what row i of A has left of the diagonal, times y.
+  Real less_lower(Real sum, Index i, const Real* y) const {
+    for (Index k = A_.row[i]; k < diagonal_[i]; ++k) sum -= A_.a[k] * y[A_.col[k]];
+    return sum;
+  }
+  /// ... right of the diagonal, from the last column on.
+  Real less_upper(Real sum, Index i, const Real* v) const {
+    for (Index k = A_.row[i + 1] - 1; k > diagonal_[i]; --k) sum -= A_.a[k] * v[A_.col[k]];
+    return sum;
+  }
+
+  /// y_C = (C/omega + E)_CC^{-1} (rhs - lower_interior) on the free contact dofs.
+  void forward_contact(const Vector& lower_interior, const Vector& rhs, Real* y_C) const {
+    const auto [row, col, a] = A_;
     for (Index c = 0; c < rhs.size(); ++c) {
       const Index i = interior_ + c;
       Real sum = 0;
       if (free_[c]) {
         sum = rhs[c] - lower_interior[c];
         for (Index k = diagonal_[i] - 1; k >= row[i] && col[k] >= interior_; --k)
-          sum -= a[k] * y[col[k] - interior_ + shift];
+          sum -= a[k] * y_C[col[k] - interior_];
         sum *= inverse_[i];
       }
-      y[c + shift] = sum;
+      y_C[c] = sum;
     }
   }
 
   const bool on_hessian_;
-  const Real omega_, kappa_;     ///< kappa = (2 - omega)/omega
+  const Real omega_, kappa_;  ///< kappa = (2 - omega)/omega
+  const Arrays A_;
   std::vector<Index> diagonal_;  ///< n, position of a_ii in the row
   Vector C_;                     ///< n, D of A or of J''
   Vector inverse_;               ///< n, omega/C

@@ -1,6 +1,5 @@
 #pragma once
-#include "model/law.h"
-#include "settings.h"
+#include "solution.h"
 
 namespace frictioncg {
 
@@ -33,12 +32,11 @@ class TrescaSolver {
   virtual bool regularized() const { return true; }
 };
 
-/// The method of the settings. max_iterations bounds all its minimizations together; the observer
-/// may be null.
+/// The method of the settings, which bound all its minimizations together. The observer may be
+/// null.
 std::unique_ptr<TrescaSolver> make_tresca_solver(const ContactProblem& problem,
-                                                 const Settings& settings, Index max_iterations,
-                                                 Observer* observer);
+                                                 const Settings& settings, Observer* observer);
 std::unique_ptr<TrescaSolver> make_sorp(const ContactProblem& problem, const Settings& settings,
-                                        Index max_iterations, Observer* observer);
+                                        Observer* observer);
 
 }  // namespace frictioncg

@@ -7,6 +7,7 @@ namespace {
 /// that touches; at 1e-6 Newton's method does not take it over from them, at 1e-2 hardly more
 /// often.
 constexpr Real almost = 1e-4;
+constexpr Real half_wave = 3;  ///< about pi
 }  // namespace
 
 Eigen::Matrix2d Branch::stiffness() const {
@@ -52,6 +53,11 @@ Branch branch_at(const NodeLaw& law, Real closing, const Eigen::Ref<const Vector
   b.choose_limit(law, r[0]);
   if (t > 0) b.choose_friction(r.tail(t) + c * x.tail(t), b.g, c, most);
   return b;
+}
+
+Real wave_share(const System& system) {
+  const Real m = system.sum(Real(system.nodes()));
+  return std::min(1.0, half_wave / (system.dimension == 2 ? m : std::sqrt(m)));
 }
 
 Branches all_stick(const Increment& increment) {

@@ -48,13 +48,19 @@ using Branches = std::vector<Branch>;  ///< m
 Branch branch_at(const NodeLaw& law, Real closing, const Eigen::Ref<const Vector>& x,
                  const Eigen::Ref<const Vector>& r, Real c, Real most = infinity);
 
+/// The stiffness of a body for half a wave along the contact, over that of one node, which meets
+/// S_TT, about E: a wave of wave number k meets S = E k h, h the distance of the m nodes. Sliding
+/// zones are as wide as the contact, L = m^{1/(d-1)} h, so that k = pi/L: with a c of that size
+/// r_T + c x_T weighs force and slip of such a motion alike, and tells the branches that it leads
+/// to.
+Real wave_share(const System& system);
+
 /// Where every node that can close is closed, and every one of them with friction in stick.
 Branches all_stick(const Increment& increment);
 
 /// The same where the last answer was closed, or nothing where there is none: where an increment
-/// starts. From the slip of the last
-/// one a load that is taken off would push out what friction holds, an answer that no path leads
-/// to.
+/// starts. From the slip of the last one a load that is taken off would push out what friction
+/// holds, an answer that no path leads to.
 Branches stick_where_closed(const Increment& increment, const Branches& last);
 
 }  // namespace frictioncg

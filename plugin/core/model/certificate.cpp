@@ -75,14 +75,8 @@ Certificate certify(const ContactProblem& problem, const Vector& x) {
 
   const Index interior = problem.interior();
   c.equilibrium = (c.r.head(interior).array().square() / w.head(interior).array()).sum();
-  for (Index i = 0; i < problem.nodes(); ++i) {
-    const Index N = problem.system->first[i], size = problem.tangents(i) + 1;
-    const Violation v = violation(law_of(problem.increment, i), problem.increment.gap[i],
-                                  w.segment(N, size), x.segment(N, size), c.r.segment(N, size));
-    c.normal += v.normal;
-    c.friction += v.friction;
-  }
-  Real squares[] = {c.equilibrium, c.normal, c.friction};
+  const Violation of_laws = frictioncg::violation(problem, w, x, c.r);
+  Real squares[] = {c.equilibrium, of_laws.normal, of_laws.friction};
   problem.system->sum(squares, 3);
   std::tie(c.equilibrium, c.normal, c.friction) = std::tie(squares[0], squares[1], squares[2]);
   const Real violation = std::sqrt(c.equilibrium + c.normal + c.friction);

@@ -37,4 +37,18 @@ Violation violation(const NodeLaw& law, Real gap, const Eigen::Ref<const Vector>
   return touching.normal + touching.friction < v.normal + v.friction ? touching : v;
 }
 
+Violation violation(const ContactProblem& problem, const Vector& w, const Vector& x,
+                    const Vector& r) {
+  Violation sum;
+  const Index left_out = problem.dofs() - static_cast<Index>(x.size());
+  for (Index i = 0; i < problem.nodes(); ++i) {
+    const Index N = problem.system->first[i] - left_out, size = problem.tangents(i) + 1;
+    const Violation v = violation(law_of(problem.increment, i), problem.increment.gap[i],
+                                  w.segment(N, size), x.segment(N, size), r.segment(N, size));
+    sum.normal += v.normal;
+    sum.friction += v.friction;
+  }
+  return sum;
+}
+
 }  // namespace frictioncg

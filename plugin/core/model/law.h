@@ -67,4 +67,8 @@ struct Violation {
 Violation violation(const NodeLaw& law, Real gap, const Eigen::Ref<const Vector>& w,
                     const Eigen::Ref<const Vector>& x, const Eigen::Ref<const Vector>& r);
 
+/// Their sums over the contact nodes of this process. w, x, r: of all dofs, or of the last ones.
+Violation violation(const ContactProblem& problem, const Vector& w, const Vector& x,
+                    const Vector& r);
+
 }  // namespace frictioncg

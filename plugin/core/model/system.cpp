@@ -179,9 +179,7 @@ std::vector<char> supported(const System& system, const std::vector<Index>& stif
   const DenseMatrix M = system.rigid_modes ? system.rigid_modes() : DenseMatrix();
   if (M.rows() != system.dofs() || !M.allFinite()) return found;
   for (Index k : stiff) {
-    Vector resisted = Vector::Zero(M.cols());
-    for (Matrix::InnerIterator a(system.entries(), k); a; ++a)
-      resisted += a.value() * M.row(a.col()).transpose();
+    const Eigen::RowVectorXd resisted = system.entries().row(k) * M;
     found[k] = resisted.cwiseAbs().maxCoeff() > resists * system.D[k];
   }
   std::vector<char> beside = found;

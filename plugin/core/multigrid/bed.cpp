@@ -6,8 +6,6 @@ namespace frictioncg {
 
 namespace {
 
-/// The waves along the contact that wave_share means.
-constexpr Real waves_of_contact = 3;
 /// A start need not be exact: the bed is left as it is after so many steps.
 constexpr int most_steps = 50;
 /// What fewer springs leave free does not move ...
@@ -18,11 +16,6 @@ constexpr Real unheld = 1e-6;
 constexpr Real rounding = 1e-9;
 
 }  // namespace
-
-Real wave_share(const System& system) {
-  const Real m = system.sum(Real(system.nodes()));
-  return std::min(1.0, waves_of_contact / (system.dimension == 2 ? m : std::sqrt(m)));
-}
 
 Branches reached(const ContactProblem& problem) {
   const System& system = *problem.system;

@@ -4,9 +4,6 @@
 
 namespace frictioncg {
 
-/// The stiffness of the bodies for few waves along the contact, over that of one node.
-Real wave_share(const System& system);
-
 /// The faces where Newton's method starts: stick (all_stick), and open where free obstacles do not
 /// reach under their loads f, if each contact node i has a spring k_i of its own for a body:
 ///

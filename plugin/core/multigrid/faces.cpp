@@ -1,7 +1,5 @@
 #include "multigrid/faces.h"
 
-#include "multigrid/bed.h"
-
 namespace frictioncg {
 
 namespace {

@@ -18,15 +18,16 @@ Vector SparsePathMatrix::multiply(const Vector& y) const {
 bool SparsePathMatrix::factor(const PathLaws& laws) {
   laws_ = laws;
   const Index interior = system_.interior();
-  Vector springs = (laws.diagonal.array() * system_.weight.array()).tail(system_.contact_dofs());
+  Vector springs(system_.contact_dofs());
   std::vector<TangentialStiffness> W;
-  for (Index i = 0; i < system_.nodes() && !laws.symmetric; ++i) {
-    const Index T = system_.first[i] + 1;
-    if (system_.tangents(i) == 1)
-      springs[T - interior] += laws.tangential(T, 0) * system_.weight[T];
-    if (system_.tangents(i) != 2) continue;
-    const Eigen::Matrix2d B = laws.tangential.block<2, 2>(T, 0);
-    W.push_back({T, system_.weight[T] / 2 * (B + B.transpose())});
+  for (Index i = 0; i < system_.nodes(); ++i) {
+    const Index N = system_.first[i], size = system_.tangents(i) + 1;
+    const NodeBlock block = system_.weight.segment(N, size).asDiagonal() * laws.blocks[i];
+    springs.segment(N - interior, size) = block.diagonal();
+    if (size < 3 || laws.symmetric) continue;
+    springs.segment<2>(N + 1 - interior).setZero();
+    const Eigen::Matrix2d B = block.bottomRightCorner<2, 2>();
+    W.push_back({N + 1, (B + B.transpose()) / 2});
   }
   factor_.truncate(std::vector<char>(system_.contact_dofs(), 0), W, springs);
   return factor_.definite();

@@ -21,16 +21,14 @@ void SparseSolver::renew(const SystemPtr& system) {
   newton_.take(system);
 }
 
-Solution SparseSolver::solve(const ContactProblem& problem, const Settings& settings,
-                             const Vector& x0, Observer* observer) {
-  Solution s = go_on(problem, settings, x0, observer);
-  const Index bound = bound_of(problem, settings);
-  if (decided(s) || s.iterations >= bound) return s;
-  return after(s, follow_path(problem, settings, bound - s.iterations, observer));
+Solution SparseSolver::solve(const Request& request) {
+  Solution s = go_on(request);
+  const Index left = request.bound() - s.iterations;
+  return decided(s) || left <= 0 ? s : after(s, follow_path(request, left));
 }
 
-Solution SparseSolver::go_on(const ContactProblem& problem, const Settings& settings,
-                             const Vector& x0, Observer* observer) {
+Solution SparseSolver::go_on(const Request& request) {
+  const auto& [problem, settings, x0, observer] = request;
   Solution s = newton_.solve(problem, settings, x0, observer, bounded);
   s.route = Route::sparse;
   if (s.layer == Layer::multigrid) s.layer = Layer::sparse_newton;
@@ -38,17 +36,17 @@ Solution SparseSolver::go_on(const ContactProblem& problem, const Settings& sett
   return s;
 }
 
-Solution SparseSolver::follow_path(const ContactProblem& problem, const Settings& settings,
-                                   Index max_steps, Observer* observer) {
+Solution SparseSolver::follow_path(const Request& request, Index max_steps) {
+  const ContactProblem& problem = request.problem;
   const System& system = *problem.system;
   CentralPath path(problem, std::make_unique<SparsePathMatrix>(system, *factor_),
-                   problem.increment.F, system.weight, observer);
+                   problem.increment.F, system.weight, request.observer);
   Index steps = path.follow(max_steps);
   const auto from_its_end = [&](Index left) {
-    Settings rest = settings;
+    Settings rest = request.settings;
     rest.nbiter = std::clamp<Index>(left, 1, from_path);
     newton_.forget();  // the end of the path has the faces
-    return newton_.solve(problem, rest, steps > 0 ? path.x() : Vector(), observer);
+    return newton_.solve(problem, rest, steps > 0 ? path.x() : Vector(), request.observer);
   };
   answered_ = false;
   Solution s = from_its_end(max_steps - steps);

@@ -24,15 +24,12 @@ class SparseSolver {
   bool laid_out() const { return factor_->laid_out(); }
   bool has_answered() const { return answered_; }
 
-  /// Newton's method, then the central path. x0: n, or empty to start from the last answer.
-  Solution solve(const ContactProblem& problem, const Settings& settings, const Vector& x0,
-                 Observer* observer);
+  /// Newton's method, then the central path. Without x0 it starts from the last answer.
+  Solution solve(const Request& request);
   /// Newton's method alone.
-  Solution go_on(const ContactProblem& problem, const Settings& settings, const Vector& x0,
-                 Observer* observer);
+  Solution go_on(const Request& request);
   /// The central path at once.
-  Solution follow_path(const ContactProblem& problem, const Settings& settings, Index max_steps,
-                       Observer* observer);
+  Solution follow_path(const Request& request, Index max_steps);
   /// Whether A has no negative energy beside an answer: a body that buckles may not have buckled.
   bool is_definite_at(const ContactProblem& problem, const Solution& s);
 

@@ -82,20 +82,19 @@ void sum(const System& system, std::vector<DenseMatrix>& of_bodies) {
   }
 }
 
-/// Sums over each body's dofs of M_i' R_i, for rows R_i over the candidates: one matrix a body.
-template <class Rows>
-std::vector<DenseMatrix> gram(const System& system, const Candidates& all, const Rows& for_each) {
+/// Sums over each body's dofs of M_i' R_i, for entries (i, j, value) of R, whose columns are those
+/// of the candidates: one matrix a body.
+template <class Entries>
+std::vector<DenseMatrix> gram(const System& system, const Candidates& all,
+                              const Entries& for_each) {
   std::vector<DenseMatrix> sums;
   for (const std::vector<Index>& own : all.of_body)
     sums.push_back(DenseMatrix::Zero(Index(own.size()), Index(own.size())));
-  for_each([&](Index i, const std::vector<Index>& columns, const Vector& values) {
-    const Index body = all.bodies.of[i];
-    for (Index j : columns) {
-      const Index to = all.place(body, j);
-      if (to < 0) continue;  // a zero that is stored, or what rounding leaves between bodies
-      for (Matrix::InnerIterator m(all.M, i); m; ++m)
-        sums[body](all.place(body, Index(m.col())), to) += m.value() * values[j];
-    }
+  for_each([&](Index i, Index j, Real value) {
+    const Index body = all.bodies.of[i], to = all.place(body, j);
+    if (to < 0) return;  // a zero that is stored, or what rounding leaves between bodies
+    for (Matrix::InnerIterator m(all.M, i); m; ++m)
+      sums[body](all.place(body, Index(m.col())), to) += m.value() * value;
   });
   sum(system, sums);
   return sums;
@@ -103,17 +102,9 @@ std::vector<DenseMatrix> gram(const System& system, const Candidates& all, const
 
 /// The same of the candidates in the product of a diagonal.
 std::vector<DenseMatrix> gram_in(const System& system, const Candidates& all, const Vector& diag) {
-  return gram(system, all, [&](const VisitRow& visit) {
-    std::vector<Index> columns;
-    Vector values(all.count());
-    for (Index i = 0; i < diag.size(); ++i) {
-      columns.clear();
-      for (Matrix::InnerIterator m(all.M, i); m; ++m) {
-        columns.push_back(Index(m.col()));
-        values[m.col()] = diag[i] * m.value();
-      }
-      visit(i, columns, values);
-    }
+  return gram(system, all, [&](const auto& visit) {
+    for (Index i = 0; i < diag.size(); ++i)
+      for (Matrix::InnerIterator m(all.M, i); m; ++m) visit(i, Index(m.col()), diag[i] * m.value());
   });
 }
 
@@ -121,12 +112,14 @@ std::vector<DenseMatrix> gram_in(const System& system, const Candidates& all, co
 /// combination of each.
 class RigidMotions {
  public:
-  RigidMotions(const System& system, const Candidates& all) : system_(system), all_(all) {}
+  RigidMotions(const System& system, const Candidates& all)
+      : system_(system), all_(all), W_(system.dofs(), 0) {}
 
-  /// c: of each body, as columns over its own candidates. Which of them are motions.
+  /// c: of each body, as columns over its own candidates. Adds those that are motions, and says
+  /// which they are.
   std::vector<std::vector<Index>> add(const std::vector<Matrix>& c) {
     std::vector<std::vector<Index>> accepted(c.size());
-    Matrix T = combined(c);
+    const Matrix T = combined(c);
     if (T.cols() == 0) return accepted;
     DenseMatrix size = DenseMatrix::Zero(T.cols(), all_.bodies.count), energy = size;
     system_.product(T, [&](Index i, const std::vector<Index>&, const Vector& AT) {
@@ -138,37 +131,27 @@ class RigidMotions {
     });
     system_.sum(size.data(), Index(size.size()));
     system_.sum(energy.data(), Index(energy.size()));
+    Eigen::MatrixXi column = Eigen::MatrixXi::Constant(T.cols(), all_.bodies.count, -1);
+    const Index before = Index(W_.cols());
+    Index after = before;
     for (Index body = 0; body < all_.bodies.count; ++body)
       for (Index j = 0; j < Index(c[body].cols()); ++j) {
         if (!(size(j, body) > 0) || !costs_no_energy(energy(j, body), size(j, body))) continue;
-        found_.push_back({body, tried_.size(), j, 1 / std::sqrt(size(j, body))});
+        column(j, body) = after++;
         accepted[body].push_back(j);
       }
-    tried_.emplace_back();
-    tried_.back().swap(T);
+    W_.conservativeResize(Eigen::NoChange, after);
+    W_.rightCols(after - before).setZero();
+    for (Index i = 0; i < W_.rows(); ++i)
+      for (Matrix::InnerIterator t(T, i); t; ++t) {
+        const Index body = all_.bodies.of[i], k = column(t.col(), body);
+        if (k >= 0) W_(i, k) = t.value() / std::sqrt(size(t.col(), body));
+      }
     return accepted;
   }
-  DenseMatrix columns() const {
-    std::map<std::tuple<std::size_t, Index, Index>, Index> column;
-    for (std::size_t k = 0; k < found_.size(); ++k)
-      column[{found_[k].tried, found_[k].body, found_[k].j}] = Index(k);
-    DenseMatrix W = DenseMatrix::Zero(all_.M.rows(), Index(found_.size()));
-    for (std::size_t q = 0; q < tried_.size(); ++q)
-      for (Index i = 0; i < W.rows(); ++i)
-        for (Matrix::InnerIterator t(tried_[q], i); t; ++t) {
-          const auto k = column.find({q, all_.bodies.of[i], Index(t.col())});
-          if (k != column.end()) W(i, k->second) = found_[k->second].scale * t.value();
-        }
-    return W;
-  }
+  const DenseMatrix& columns() const { return W_; }
 
  private:
-  struct Found {
-    Index body;
-    std::size_t tried;
-    Index j;
-    Real scale;
-  };
   /// Row by row the candidates times the combinations of the row's body.
   Matrix combined(const std::vector<Matrix>& c) const {
     Index most = 0;
@@ -193,8 +176,7 @@ class RigidMotions {
 
   const System& system_;
   const Candidates& all_;
-  std::vector<Matrix> tried_;  ///< n x the most of a body
-  std::vector<Found> found_;
+  DenseMatrix W_;  ///< n x k: the motions, <Dw,w> = 1
 };
 
 /// Of one body of A: of each group of `each` candidates, the motions that it makes alone.
@@ -253,7 +235,11 @@ Matrix rigid_candidates(const System& system) {
 DenseMatrix floating_motions(const System& system) {
   const Candidates all(system);
   if (all.count() == 0) return DenseMatrix(system.dofs(), 0);
-  const auto of_A = [&](const VisitRow& visit) { system.product(all.M, visit); };
+  const auto of_A = [&](const auto& visit) {
+    system.product(all.M, [&](Index i, const std::vector<Index>& columns, const Vector& values) {
+      for (Index j : columns) visit(i, j, values[j]);
+    });
+  };
   const std::vector<DenseMatrix> in_A = gram(system, all, of_A),
                                  in_D = gram_in(system, all, system.D);
   const Index each = rigid_components(system.dimension);

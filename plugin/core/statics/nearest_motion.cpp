@@ -32,15 +32,14 @@ constexpr Real far_away = 2000;
 /// The motion of one body in words; where a part of the body moves, the node that moves most.
 std::string describe_one(const std::vector<NodePlace>& nodes, int d, const Vector& u) {
   const RigidMotion m = nearest_rigid_motion(nodes, d, u);
-  if (m.misfit > rigid_misfit) {
-    const NodePlace* most = &nodes.front();
-    for (const NodePlace& n : nodes)
-      if (displacement_at(n, d, u).norm() > displacement_at(*most, d, u).norm()) most = &n;
-    return "a motion of a part of the body, most at " +
-           components_of(most->x, d, 1e-6 + most->x.norm()) + ", along " +
-           components_of(displacement_at(*most, d, u).normalized(), d, 1);
-  }
-  return describe(m, d);
+  if (m.misfit <= rigid_misfit) return describe(m, d);
+  const auto less = [&](const NodePlace& a, const NodePlace& b) {
+    return displacement_at(a, d, u).norm() < displacement_at(b, d, u).norm();
+  };
+  const NodePlace& most = *std::max_element(nodes.begin(), nodes.end(), less);
+  return "a motion of a part of the body, most at " +
+         components_of(most.x, d, 1e-6 + most.x.norm()) + ", along " +
+         components_of(displacement_at(most, d, u).normalized(), d, 1);
 }
 
 /// Rotation over strain, from which on a body hardly strains: loads that turn it far strain it. Of
@@ -121,12 +120,11 @@ RigidMotion nearest_rigid_motion(const std::vector<NodePlace>& nodes, int d, con
     moment += (n.x - motion.c).cross(v);
   }
   motion.w = least_squares(inertia_of(nodes, motion.c), moment);
-  Real most = 0;
   for (const NodePlace& n : nodes) {
     const Vec3 v = displacement_at(n, d, u);
-    most = std::max(most, v.norm());
     motion.misfit = std::max(motion.misfit, (v - motion.a - motion.w.cross(n.x - motion.c)).norm());
   }
+  const Real most = largest_displacement(nodes, d, u);
   if (most > 0) motion.misfit /= most;
   return motion;
 }

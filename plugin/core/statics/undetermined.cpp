@@ -151,8 +151,14 @@ Vector least_within(const ContactProblem& problem, const Branches& branches, con
 
 void leave_least(const ContactProblem& problem, Real tol, Solution& s) {
   if (s.undetermined.cols() == 0) return;
+  const System& system = *problem.system;
   const Branches branches = branches_of(problem, s.x, s.certificate);
-  const Vector x = least(s.x, s.undetermined, *problem.system);
+  const DenseMatrix &Z = s.undetermined, DZ = system.D.asDiagonal() * Z;
+  DenseMatrix sums(Z.cols(), Z.cols() + 1);
+  sums << Z.transpose().lazyProduct(DZ), DZ.transpose().lazyProduct(s.x);
+  system.sum(sums.data(), static_cast<Index>(sums.size()));
+  const Vector part = least_squares(sums.leftCols(Z.cols()), sums.rightCols(1));
+  const Vector x = s.x - Z.lazyProduct(part);
   const auto take = [&](const Vector& other) {
     Certificate certificate = certify(problem, other);
     if (!(certificate.residual <= std::max(tol, s.certificate.residual))) return false;
@@ -160,16 +166,35 @@ void leave_least(const ContactProblem& problem, Real tol, Solution& s) {
     s.certificate = std::move(certificate);
     return true;
   };
-  if (!take(x)) take(least_within(problem, branches, x, s.undetermined));
+  if (!take(x)) take(least_within(problem, branches, x, Z));
 }
 
-Vector least(const Vector& x, const DenseMatrix& motions, const System& system) {
-  const DenseMatrix weighted = system.D.asDiagonal() * motions;
-  DenseMatrix size = motions.transpose().lazyProduct(weighted);
-  Vector part = weighted.transpose().lazyProduct(x);
-  system.sum(size.data(), static_cast<Index>(size.size()));
-  system.sum(part.data(), static_cast<Index>(part.size()));
-  return x - motions.lazyProduct(Vector(least_squares(size, part)));
+Real leave_out_uncertain_work(const System& system, const DenseMatrix& W, Real told, Vector& F) {
+  constexpr Real rounding = 1e-13;  // of squares of n.w, over those of the motion most resisted
+  const Index k = static_cast<Index>(W.cols());
+  if (k == 0 || told <= 0) return 0;
+  DenseMatrix Q = DenseMatrix::Zero(k, k);
+  for (Index i = 0; i < system.nodes(); ++i) {
+    const Vector n = W.row(system.first[i]).transpose();
+    Q += n * n.transpose();
+  }
+  system.sum(Q.data(), static_cast<Index>(Q.size()));
+  const Eigenpairs found = eigenpairs(Q);
+  Index slipping = 0;
+  while (slipping < k && found.values[slipping] <= rounding * found.values[k - 1]) ++slipping;
+  if (slipping == 0) return 0;
+  const DenseMatrix Z = W.lazyProduct(found.vectors.leftCols(slipping)),
+                    DZ = system.D.asDiagonal() * Z;
+  DenseMatrix sums(slipping, slipping + 1);
+  sums << Z.transpose().lazyProduct(DZ), Z.transpose().lazyProduct(F);
+  system.sum(sums.data(), static_cast<Index>(sums.size()));
+  const Vector work = sums.col(slipping);
+  const Real could =
+      system.sum(F.lpNorm<1>()) * system.largest(Z.size() > 0 ? Z.cwiseAbs().maxCoeff() : 0);
+  constexpr Real exact = 1e-13;  // as it is: rounding of the load
+  if (!(work.norm() > exact * could && work.norm() <= told * could)) return 0;
+  F -= DZ.lazyProduct(solve(sums.leftCols(slipping), work));
+  return work.norm() / could;
 }
 
 }  // namespace frictioncg

@@ -20,11 +20,18 @@ bool touches_without_force(const ContactProblem& problem, const Vector& x,
                            const Certificate& certificate);
 
 /// Takes the undetermined motions of s out of s.x, as far as the laws allow it within tol: gaps
-/// stay open or close, and slip goes on.
+/// stay open or close, and slip goes on. x is then the least that differs from it by them, in the
+/// product of D.
 void leave_least(const ContactProblem& problem, Real tol, Solution& s);
 
-/// x (n) less its part along the motions (n x k), in the product of D: the least that differs from
-/// x by them.
-Vector least(const Vector& x, const DenseMatrix& motions, const System& system);
+/// Takes off a load F what works on motions that no normal resists, where that is no more than
+/// `told` of what the load could work on them at most. Where the mesh tells the normals, it tells
+/// the axis of such motions up to their errors, and a load straight along the axis of a seat turns
+/// about the one that is told. Of motions that some process owns.
+///
+///   F <- F - D Z (Z'DZ)^{-1} Z'F,   Z of W (n x k) with Z_N = 0,   |Z'F| <= told |F|_1 max |Z|
+///
+/// Returns |Z'F| over what it could be, and 0 where nothing is taken off.
+Real leave_out_uncertain_work(const System& system, const DenseMatrix& W, Real told, Vector& F);
 
 }  // namespace frictioncg

@@ -146,7 +146,7 @@ TEST(Condensed, FurtherPassesRefineTheFirstAndTheBestIsKept) {
       EXPECT_EQ(solver.factor(1e9), Elimination::Outcome::done);
       Settings settings;
       settings.tol = tol;
-      return solver.solve(posed.problem(), settings, {});
+      return solver.solve({posed.problem(), settings, {}, nullptr});
     };
     const Solution first = by_itself(1e-5);
     if (first.status != Status::converged || first.layer != Layer::newton) continue;
@@ -171,7 +171,8 @@ TEST(Condensed, AFurtherIncrementStartsFromStickWhereTheLastAnswerWasClosed) {
     const ContactProblem p = posed(o);
     CondensedSolver solver(p.system);
     ASSERT_EQ(solver.factor(1e9), Elimination::Outcome::done);
-    const Solution first = solver.solve(p, Settings(), {}), next = solver.solve(p, Settings(), {});
+    const Request request{p, Settings(), {}, nullptr};
+    const Solution first = solver.solve(request), next = solver.solve(request);
     EXPECT_LT(next.iterations, first.iterations);
     if (law == Law::frictionless) {
       EXPECT_LE(next.iterations, 2);  // a step, and one that ends it

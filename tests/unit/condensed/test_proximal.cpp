@@ -3,7 +3,7 @@
 
 #include "../statics.h"
 #include "../statics/bodies.h"
-#include "core/condensed/attempt.h"
+#include "core/condensed/semismooth_newton.h"
 
 using namespace frictioncg;
 using namespace frictioncg::test;

@@ -55,12 +55,13 @@ struct Minimized {
   std::vector<Recorded> steps;
 };
 
-inline Minimized minimize(const ContactProblem& p, const Settings& settings, const Vector& g,
+inline Minimized minimize(const ContactProblem& p, Settings settings, const Vector& g,
                           const Vector& x0, Real eps, Real bound,
                           Tangents tangents = Tangents::sliding) {
   Recorder recorder;
   Minimized m;
-  const auto solver = make_tresca_solver(p, settings, 20000, &recorder);
+  settings.nbiter = 20000;
+  const auto solver = make_tresca_solver(p, settings, &recorder);
   m.phi = solver->regularized() ? Phi{settings.reg, eps} : Phi{Regularization::polynomial, 0};
   m.x = x0;
   m.outcome = solver->minimize(m.x, g, eps, tangents, bound);

@@ -25,16 +25,13 @@ struct Bend {
   const ContactProblem& p;
   Iterate it;
   std::unique_ptr<Preconditioner> P;
-  FrictionTerm friction;
   LineSearch search;
   BentPath path;
-  const Phi phi{Regularization::square_root, 1e-5};
 
   explicit Bend(const ContactProblem& problem)
       : p(problem),
         it(p),
         P(make_preconditioner(*p.system, Precon::diagonal, 1)),
-        friction(p),
         search(*p.system, Step::exact),
         path(p) {
     it.x = Vector::Zero(p.dofs());
@@ -42,8 +39,9 @@ struct Bend {
     it.faces.start(it.x, it.g, Tangents::sliding, false);
     it.rows.start(p.increment.F);
     P->start(p.increment.F);
-    friction.update(it.x, it.rows.r(), it.faces, it.g, phi);
-    P->set_contact(friction.r(), friction.part());
+    it.phi = {Regularization::square_root, 1e-5};
+    it.update_friction();
+    P->set_contact(it.r, it.part);
   }
   Real beyond_the_gap(const Vector& v) {
     Line line;
@@ -53,7 +51,7 @@ struct Bend {
     P->advance(rho, v, it.x);
     it.rows.advance(rho, v);
     EXPECT_TRUE(it.faces.close_gaps(it.x, v, rho));
-    return path.follow(it, *P, friction, search, phi, v, rho, line);
+    return path.follow(it, *P, search, v, rho, line);
   }
   /// J' along w at x.
   Real slope(const Vector& w) const {
@@ -61,7 +59,7 @@ struct Bend {
     for (Index i = 0; i < p.nodes(); ++i) {
       const Index T = p.system->first[i] + 1, t = p.tangents(i);
       const Vector x_T = it.x.segment(T, t);
-      if (it.g[i] > 0) sum += it.g[i] * phi.slope_over_t(x_T.norm()) * x_T.dot(w.segment(T, t));
+      if (it.g[i] > 0) sum += it.g[i] * it.phi.slope_over_t(x_T.norm()) * x_T.dot(w.segment(T, t));
     }
     return sum;
   }

@@ -240,7 +240,8 @@ TEST(Minimize, TheBoundOnIterationsIsSharedByAllMinimizationsOfASolver) {
     const Given c(2, false, 1);
     Settings settings;
     settings.method = m;
-    const auto solver = make_tresca_solver(c.p, settings, 5, nullptr);
+    settings.nbiter = 5;
+    const auto solver = make_tresca_solver(c.p, settings, nullptr);
     Vector x = Vector::Zero(c.p.dofs());
     const Outcome a = solver->minimize(x, c.g, c.eps(), Tangents::sliding, 1e-12 * c.scale);
     EXPECT_EQ(a.status, Status::max_iterations);

@@ -3,7 +3,7 @@
 
 #include "bodies.h"
 #include "core/statics/floating.h"
-#include "core/statics/uncertain_work.h"
+#include "core/statics/undetermined.h"
 
 using namespace frictioncg;
 using namespace frictioncg::test;

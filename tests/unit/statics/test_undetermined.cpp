@@ -347,12 +347,20 @@ TEST(Undetermined, BranchesBarTheMotionsThatTheyStandAgainst) {
 TEST(Undetermined, TheLeastIsOrthogonalAndDiffersByTheMotionsAlone) {
   const Vector D = Vector::LinSpaced(5, 1, 3);
   const DenseMatrix V = DenseMatrix::Random(5, 2);
-  AssembledSystem system;
-  system.D = D;
-  const Vector x = Vector::Random(5), y = least(x, V, system);
-  EXPECT_LT((V.transpose() * D.cwiseProduct(y)).norm(), 1e-13);
-  const Vector c = V.colPivHouseholderQr().solve(x - y);
-  EXPECT_LT((V * c - (x - y)).norm(), 1e-13);
+  const auto system = std::make_shared<AssembledSystem>();
+  system->first = {5};
+  system->A.resize(5, 5);
+  system->D = system->weight = D;
+  ContactProblem problem{system, {}};
+  problem.increment.F = Vector::Zero(5);
+  Solution s;
+  s.x = Vector::Random(5);
+  s.undetermined = V;
+  const Vector x = s.x;
+  leave_least(problem, 1e-8, s);
+  EXPECT_LT((V.transpose() * D.cwiseProduct(s.x)).norm(), 1e-13);
+  const Vector c = V.colPivHouseholderQr().solve(x - s.x);
+  EXPECT_LT((V * c - (x - s.x)).norm(), 1e-13);
 }
 
 /// leave_least from x, whose certificate is as good as rounding: what it makes of it obeys the laws
