@@ -1,7 +1,5 @@
 #include "shared_matrix.h"
 
-#include "parts.h"
-
 namespace frictioncg {
 
 SharedMatrix::SharedMatrix(std::shared_ptr<const Domain> domain, Numbering numbering,
