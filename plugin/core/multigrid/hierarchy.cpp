@@ -334,15 +334,15 @@ class DenseHierarchy final : public Hierarchy {
                 const Vector& springs) override {
     const Eigen::Index interior = A_.rows() - Eigen::Index(fixed.size());
     fixed_ = fixed;
-    truncated_ = A_;
-    truncated_.diagonal().tail(springs.size()) += springs;
-    for (const TangentialStiffness& w : W) truncated_.block<2, 2>(w.first, w.first) += w.M;
+    Eigen::MatrixXd A = A_;
+    A.diagonal().tail(springs.size()) += springs;
+    for (const TangentialStiffness& w : W) A.block<2, 2>(w.first, w.first) += w.M;
     for (std::size_t c = 0; c < fixed.size(); ++c)
       if (fixed[c]) {
-        truncated_.row(interior + Eigen::Index(c)).setZero();
-        truncated_.col(interior + Eigen::Index(c)).setZero();
+        A.row(interior + Eigen::Index(c)).setZero();
+        A.col(interior + Eigen::Index(c)).setZero();
       }
-    factor_shifted(truncated_, far_above_rounding, factor_);
+    factor_shifted(std::move(A), far_above_rounding, factor_);
   }
   void apply(const Vector& r, Vector& z) override {
     z = r;
@@ -351,12 +351,11 @@ class DenseHierarchy final : public Hierarchy {
   }
   Index levels() const override { return 1; }
   Real operator_complexity() const override { return 1; }
-  double bytes() const override { return 3.0 * sizeof(Real) * double(A_.size()); }
-  Eigen::MatrixXd matrix(Index) const override { return truncated_; }  ///< by dofs
+  double bytes() const override { return 2.0 * sizeof(Real) * double(A_.size()); }
 
  private:
   static constexpr Real far_above_rounding = 1e-10;  ///< and far below A
-  Eigen::MatrixXd A_, truncated_;
+  const Eigen::MatrixXd A_;
   std::vector<char> fixed_;
   Factor factor_;
 };
