@@ -53,9 +53,9 @@ void Domain::add(const std::map<int, Exchange>& more, Index offset) {
 
 /// One message of all processes where on any of them something is wrong with the lists.
 void Domain::require_match(bool matches) const {
-  fail_together(!matches,
-                "the lists of shared dofs do not match between the processes; make the domain by "
-                "createMat(Th, C, Pk) of macro_ddm.idp, Th being made by buildDmesh or createMat");
+  agree({!matches,
+         "the lists of shared dofs do not match between the processes; make the domain by "
+         "createMat(Th, C, Pk) of macro_ddm.idp, Th being made by buildDmesh or createMat"});
 }
 
 std::map<int, int> Domain::told(const std::map<int, int>& mine) const {
@@ -172,15 +172,10 @@ Vector Domain::combined(Vector own,
   return own;
 }
 
-void Domain::agree(const std::function<void()>& body) const {
-  const Attempt own_part = attempt(body);
-  fail_together(own_part.failed, own_part.message);
-}
-
-void Domain::fail_together(bool failed, const std::string& message) const {
-  int least[] = {failed ? rank_ : size_, failed};
+void Domain::agree(const Attempt& own_part) const {
+  int least[] = {own_part.failed ? rank_ : size_, own_part.failed};
   MPI_Allreduce(MPI_IN_PLACE, least, 2, MPI_INT, MPI_MIN, *communicator_);
-  if (least[0] < size_) throw_together(*communicator_, least[0], least[1] != 0, message);
+  if (least[0] < size_) throw_together(*communicator_, least[0], least[1] != 0, own_part.message);
 }
 
 /// By what dofs are here and at their owners.

@@ -69,7 +69,8 @@ class Domain {
 
   /// Runs what one process does by itself. Where it throws on any of them, all throw IllegalInput
   /// with the message of the lowest rank that failed.
-  void agree(const std::function<void()>& body) const;
+  void agree(const std::function<void()>& body) const { agree(attempt(body)); }
+  void agree(const Attempt& own_part) const;  ///< what has been run
 
  private:
   static constexpr int message_tag = 1412;
@@ -84,7 +85,6 @@ class Domain {
   void check_neighbours(const std::vector<Neighbour>& neighbours) const;
   void choose_owners(const std::vector<Neighbour>& neighbours, const Vector& D);
   void make_exchanges(const std::vector<Neighbour>& neighbours, const std::vector<int>& owner);
-  void fail_together(bool failed, const std::string& message) const;
   void add(const std::map<int, Exchange>& more, Index offset);
 
   std::shared_ptr<Meeting> meeting_;

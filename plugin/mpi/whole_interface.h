@@ -1,6 +1,6 @@
 #pragma once
 #include "assembly/mortar/coupling.h"
-#include "node_numbers.h"
+#include "numbering.h"
 
 namespace frictioncg {
 
