@@ -1,7 +1,6 @@
 #include <Eigen/Cholesky>
 
 #include "linear_algebra.h"
-#include "multigrid/dense.h"
 #include "multigrid/exact_matrix.h"
 #include "multigrid/hierarchy.h"
 #include "multigrid/level.h"
@@ -72,17 +71,10 @@ class HierarchyOf final : public Hierarchy {
   void truncate(const std::vector<char>& fixed, const std::vector<TangentialStiffness>& W,
                 const Vector& springs) override {
     set_contact_rows(fixed, W, springs);
-    coarse_.front().touched.clear(coarse_.front().A);
-    fine_product_.add(fine_.A, fine_.P, fine_.touched, coarse_.front().A);
-    restrict_border(fine_.P, fine_.border, coarse_.front().border);
+    fine_.restrict_touched(fine_product_, coarse_.front());
     for (std::size_t l = 0; l < coarse_.size(); ++l) {
       Coarse& level = coarse_[l];
-      if (l + 1 < coarse_.size()) {
-        Coarse& next = coarse_[l + 1];
-        next.touched.clear(next.A);
-        product_.add(level.A, level.P, level.touched, next.A);
-        restrict_border(level.P, level.border, next.border);
-      }
+      if (l + 1 < coarse_.size()) level.restrict_touched(product_, coarse_[l + 1]);
       level.touched.add(1, level.base, level.A);
       for (const Index i : level.touched.rows) invert_diagonal(level.A, i);
     }

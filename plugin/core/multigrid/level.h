@@ -109,13 +109,19 @@ struct Level {
     next.base = next.touched.read(next.A);
 
     touched.add(0, contact, A);
-    next.touched.clear(next.A);
-    product.add(A, P, touched, next.A);
+    restrict_touched(product, next);
     touched.add(1, base, A);
     contact = next.touched.read(next.A);
     next.touched.add(1, next.base, next.A);
     for (Index i = 0; i < next.A.rows(); ++i) invert_diagonal(next.A, i);
     next.allocate();
+  }
+
+  /// What is not 0 but in touched blocks: those of next.A, without their base, and the border.
+  void restrict_touched(GalerkinProduct<B, K>& product, Level<K, K>& next) const {
+    next.touched.clear(next.A);
+    product.add(A, P, touched, next.A);
+    restrict_border(P, border, next.border);
   }
 
   double bytes() const {

@@ -4,7 +4,6 @@
 
 #include <Eigen/Dense>
 
-#include "core/multigrid/dense.h"
 #include "core/multigrid/exact_matrix.h"
 #include "core/multigrid/prolongation.h"
 
