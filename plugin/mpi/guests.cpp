@@ -28,23 +28,37 @@ struct Growth {
   std::vector<Number> whole_rows_ = {};  ///< of the interface: own, and received ones; sorted
   std::vector<Number> guests_ = {};      ///< nodes in ascending order: by owners
 
+  /// Row i goes to the owners of all p that T_ip or W_ip couple it to.
   void exchange_rows(const Triplets& A, const Dirichlet& of_A) {
-    std::vector<Index> place(A.n, -1);  // of a row among those that may be sent
-    std::vector<std::vector<Entry>> rows;
-    for (const InterfaceNode& node : interface_.nodes) {
-      if (!owns(node.number)) continue;
+    struct Row {
+      std::set<int> readers;
+      std::vector<Entry> entries;
+    };
+    std::vector<Row> rows;              // that are sent
+    std::vector<Index> place(A.n, -1);  // of a row among these
+    for (Index node = 0; node < interface_.count(); ++node) {
+      const Number number = interface_.nodes[node].number;
+      if (numbers_.owner(number) != part_.rank()) continue;
       for (Index c = 0; c < interface_.d; ++c) {
-        const Index dof = numbers_.dof(node.number, c);
+        const Index dof = numbers_.dof(number, c);
         whole_rows_.push_back(numbers_.of(dof));
-        if (of_A.holds(dof)) continue;
+        std::set<int> readers;
+        for (const Matrix* M : {&basis_.T[c], &basis_.W[c]})
+          for (Matrix::InnerIterator e(*M, node); e; ++e)
+            readers.insert(numbers_.owner(interface_.nodes[e.col()].number));
+        readers.erase(part_.rank());
+        if (readers.empty() || of_A.holds(dof)) continue;
         place[dof] = static_cast<Index>(rows.size());
-        rows.emplace_back();
+        rows.push_back({std::move(readers), {}});
       }
     }
     for_each_entry(A, [&](Index i, Index j, Real a) {
-      if (place[i] >= 0) rows[place[i]].push_back({numbers_.of(i), numbers_.of(j), a});
+      if (place[i] >= 0) rows[place[i]].entries.push_back({numbers_.of(i), numbers_.of(j), a});
     });
-    for (const auto& [rank, entries] : part_.delivered(sent_rows(place, rows)))
+    Domain::Letters<Entry> out;
+    for (const Row& row : rows)
+      for (int r : row.readers) out[r].insert(out[r].end(), row.entries.begin(), row.entries.end());
+    for (const auto& [rank, entries] : part_.delivered(out))
       received_.insert(received_.end(), entries.begin(), entries.end());
     for (const Entry& e : received_) whole_rows_.push_back(e.i);
     sort_once(whole_rows_);
@@ -158,26 +172,6 @@ struct Growth {
     }
     grown_.coupling = mortar::on_all_dofs(coupled, std::move(T), std::move(W));
   }
-  /// Row i for the owners of all p that T_ip or W_ip couple it to.
-  Domain::Letters<Entry> sent_rows(const std::vector<Index>& place,
-                                   const std::vector<std::vector<Entry>>& rows) const {
-    Domain::Letters<Entry> out;
-    for (Index i = 0; i < interface_.count(); ++i) {
-      if (!owns(interface_.nodes[i].number)) continue;
-      for (Index c = 0; c < interface_.d; ++c) {
-        const Index dof = numbers_.dof(interface_.nodes[i].number, c);
-        if (place[dof] < 0) continue;
-        std::set<int> readers;
-        for (const Matrix* M : {&basis_.T[c], &basis_.W[c]})
-          for (Matrix::InnerIterator e(*M, i); e; ++e)
-            readers.insert(numbers_.owner(interface_.nodes[e.col()].number));
-        readers.erase(part_.rank());
-        const std::vector<Entry>& row = rows[place[dof]];
-        for (int r : readers) out[r].insert(out[r].end(), row.begin(), row.end());
-      }
-    }
-    return out;
-  }
   bool is_whole(Number row) const {
     return std::binary_search(whole_rows_.begin(), whole_rows_.end(), row);
   }
@@ -192,7 +186,6 @@ struct Growth {
     for (Matrix::InnerIterator e(M, node); e && whole; ++e)
       entries.emplace_back(i, first[e.col()] + component, e.value());
   }
-  bool owns(Number node) const { return numbers_.owner(node) == part_.rank(); }
 };
 
 GrownPart::GrownPart(const Domain& part, const Triplets& A, const Dirichlet& of_A,

@@ -51,8 +51,7 @@ inline std::shared_ptr<SharedScene> read_shared(Stack stack, const Arguments& ar
     laws = read_point_laws(stack, args, everywhere, scene, opening.laws);
     matrix = matrix_of(stack, A, scene.dofs);
   });
-  const Real counts[] = {Real(scene.nodes.size()), Real(scene.averted.size())};
-  if (shared->domain->largest(counts[0]) == 0 && shared->domain->largest(counts[1]) > 0)
+  if (shared->domain->largest(Real(scene.nodes.size())) == 0)
     shared->domain->agree([&] {
       if (!scene.averted.empty()) refuse_inward(scene);
     });

@@ -12,11 +12,9 @@ namespace frictioncg {
 /// A line of rank 0 on what all processes have together.   Collective.
 inline void report_plan(const SharedScene& shared, const ContactProblem& problem, long verb) {
   const Domain& domain = *shared.domain;
-  Real sums[] = {Real(problem.dofs()), Real(problem.nodes())};
-  domain.sum(sums, 2);
+  Real sums[] = {Real(problem.dofs()), Real(problem.nodes()), Real(shared.scene->averted.size())};
+  domain.sum(sums, 3);
   const Real most = domain.largest(problem.dofs()), mu = domain.largest(largest_friction(problem));
-  Real averted = shared.scene->averted.size();
-  domain.sum(&averted, 1);
   if (verb <= 0) return;
   report_pairs(*shared.scene, verb);
   line() << shared.scene->d << "D, " << static_cast<long>(sums[0]) << " dofs on " << domain.size()
@@ -25,8 +23,8 @@ inline void report_plan(const SharedScene& shared, const ContactProblem& problem
          << " contact nodes, " << name_of(problem.increment.law);
   if (problem.increment.bilateral) std::cout << ", bilateral";
   std::cout << "; multigrid by PETSc; version " << version << std::endl;
-  if (averted > 0)
-    line() << static_cast<long>(averted)
+  if (sums[2] > 0)
+    line() << static_cast<long>(sums[2])
            << " nodes face away from the normal given, and cannot touch: left out" << std::endl;
   report_large_friction(mu);
 }
