@@ -17,6 +17,7 @@ constexpr Real single_precision = 1e-5;
 template <int B>
 SymmetricBlocks<B> random_blocks(Index rows) {
   SymmetricBlocks<B> A;
+  A.parts.first = {0, rows};
   for (Index i = 0; i < rows; ++i) {
     for (const Index j : {i - 3, i - 1})
       if (j >= 0) A.col.push_back(j);
