@@ -18,8 +18,7 @@ Numbering::Numbering(const Domain& domain, const LocalSystem& local,
       start_of[node] = static_cast<Index>(at.size()) * dimension;
       at.push_back(dofs);
     }
-  nodes = static_cast<Index>(at.size());
-  first = static_cast<PetscInt>(domain.sum_before(nodes)) * dimension;
+  first = static_cast<PetscInt>(domain.sum_before(slots()));
 
   Vector start = Vector::Constant(domain.dofs(), -1);  // of the node, at each dof of the script
   for (Index i = 0; i < domain.dofs(); ++i) {

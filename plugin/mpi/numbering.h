@@ -18,7 +18,7 @@ struct Numbering {
   /// mesh_node: of each dof of the script.   Collective.
   Numbering(const Domain& domain, const LocalSystem& local, const std::vector<Index>& mesh_node);
 
-  Index slots() const { return dimension * nodes; }  ///< of this process
+  Index slots() const { return dimension * static_cast<Index>(at.size()); }  ///< of this process
   bool is_own(Index local_dof) const {
     return slot[local_dof] >= first && slot[local_dof] < first + slots();
   }
@@ -27,7 +27,6 @@ struct Numbering {
   Index contact_slot(std::size_t c) const { return own_slot[own_first.front() + c]; }
 
   Index dimension = 2;
-  Index nodes = 0;                     ///< that this process owns
   PetscInt first = 0;                  ///< its first slot
   std::vector<PetscInt> slot;          ///< of each local dof
   std::vector<std::vector<Index>> at;  ///< local dofs of each owned node, slot by slot
