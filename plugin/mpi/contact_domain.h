@@ -34,15 +34,9 @@ AnyType together(const char* name, MPI_Comm communicator, Body body) {
 }
 
 /// What a script's variable of type contactdomain stands for, as ContactProblemVariable.
-class ContactDomainVariable {
- public:
-  void destroy() { domain_.reset(); }
-  void set(std::shared_ptr<const Domain> domain) { domain_ = std::move(domain); }
-  /// Null where createMat was not called: one process.
-  std::shared_ptr<const Domain> get() const { return domain_; }
-
- private:
-  std::shared_ptr<const Domain> domain_;
+struct ContactDomainVariable {
+  std::shared_ptr<const Domain> domain;  ///< null where createMat was not called: one process
+  void destroy() { domain.reset(); }
 };
 
 /// [C1, C2]: the domains of two spaces, whose dofs follow each other in a call.
@@ -51,12 +45,12 @@ class JoinedDomains : public E_F0mps {
   using C = ContactDomainVariable*;
   JoinedDomains(C_F0 first, C_F0 second) : first_(to<C>(first)), second_(to<C>(second)) {}
   AnyType operator()(Stack stack) const override {
-    const auto a = GetAny<C>((*first_)(stack))->get(), b = GetAny<C>((*second_)(stack))->get();
+    const auto a = GetAny<C>((*first_)(stack))->domain, b = GetAny<C>((*second_)(stack))->domain;
     if (!a != !b)
       refuse("domain = [C1, C2]: the ", (a ? "second" : "first"),
              " is a contactdomain that is not set; let createMat(Th, C, Pk) set both");
     auto* joined = new ContactDomainVariable;
-    if (a) joined->set(std::make_shared<const Domain>(*a, *b));
+    if (a) joined->domain = std::make_shared<const Domain>(*a, *b);
     return SetAny<C>(Add2StackOfPtr2Free(stack, joined));
   }
 
@@ -110,7 +104,7 @@ class MakeDomain : public E_F0mps {
       auto* C = GetAny<ContactDomainVariable*>((*C_)(stack));
       const Lists& lists = *GetAny<Lists*>((*lists_)(stack));
       const KN_<double> D = GetAny<KN_<double>>((*D_)(stack));
-      C->set(std::make_shared<const Domain>(communicator, neighbours(lists), copy_of(D)));
+      C->domain = std::make_shared<const Domain>(communicator, neighbours(lists), copy_of(D));
       return SetAny<ContactDomainVariable*>(C);
     });
   }

@@ -1,4 +1,4 @@
-#include "levels.h"
+#include "hierarchy.h"
 
 namespace frictioncg {
 

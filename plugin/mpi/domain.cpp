@@ -4,20 +4,6 @@ namespace frictioncg {
 
 namespace {
 
-constexpr int message_tag = 1412;
-
-/// All letters out and in at once; the sizes of those received are known.
-void exchange(MPI_Comm communicator, const Domain::Letters& out, Domain::Letters& in) {
-  std::vector<MPI_Request> requests;
-  for (auto& [rank, values] : in)
-    MPI_Irecv(values.data(), static_cast<int>(values.size()), MPI_DOUBLE, rank, message_tag,
-              communicator, &requests.emplace_back());
-  for (const auto& [rank, values] : out)
-    MPI_Isend(values.data(), static_cast<int>(values.size()), MPI_DOUBLE, rank, message_tag,
-              communicator, &requests.emplace_back());
-  MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
-}
-
 /// Domains that are made of this one share it.
 std::shared_ptr<const MPI_Comm> own_copy(MPI_Comm communicator) {
   return {new MPI_Comm(duplicate(communicator)), [](MPI_Comm* copy) {
@@ -67,9 +53,9 @@ void Domain::add(const std::map<int, Exchange>& more, Index offset) {
 
 /// One message of all processes where on any of them something is wrong with the lists.
 void Domain::require_match(bool matches) const {
-  fail_together(!matches,
-                "the lists of shared dofs do not match between the processes; make the domain by "
-                "createMat(Th, C, Pk) of macro_ddm.idp, Th being made by buildDmesh or createMat");
+  agree({!matches,
+         "the lists of shared dofs do not match between the processes; make the domain by "
+         "createMat(Th, C, Pk) of macro_ddm.idp, Th being made by buildDmesh or createMat"});
 }
 
 std::map<int, int> Domain::told(const std::map<int, int>& mine) const {
@@ -95,13 +81,13 @@ void Domain::check_neighbours(const std::vector<Neighbour>& neighbours) const {
 }
 
 void Domain::choose_owners(const std::vector<Neighbour>& neighbours, const Vector& D) {
-  Letters out, in;
+  Letters<Real> out, in;
   for (const Neighbour& n : neighbours) {
     std::vector<Real>& shares = out[n.rank];
     for (Index dof : n.shared) shares.push_back(D[dof]);
     in[n.rank].resize(n.shared.size());
   }
-  exchange(*communicator_, out, in);
+  exchange(out, in);
   std::vector<int> owner(dofs(), rank_);
   Vector most = D;
   for (const auto& [rank, shared] : neighbours)
@@ -133,56 +119,19 @@ void Domain::make_exchanges(const std::vector<Neighbour>& neighbours,
   require_match(told(sent) == received);
 }
 
-/// Both processes have their lists in the same order.
-void Domain::transfer(List from, List to, Index width, const Pack& pack,
-                      const Unpack& unpack) const {
-  Letters out, in;
-  for (const auto& [rank, e] : exchanges_) {
-    const std::vector<Index>&sent = e.*from, &received = e.*to;
-    if (!received.empty()) in[rank].resize(received.size() * width);
-    if (sent.empty()) continue;
-    std::vector<Real>& values = out[rank];
-    values.resize(sent.size() * width);
-    for (std::size_t s = 0; s < sent.size(); ++s) pack(sent[s], &values[s * width]);
-  }
-  exchange(*communicator_, out, in);
-  for (const auto& [rank, values] : in) {
-    const std::vector<Index>& received = exchanges_.at(rank).*to;
-    for (std::size_t s = 0; s < received.size(); ++s) unpack(received[s], &values[s * width]);
-  }
-}
-
-/// What a third process owns is sent by it alone.
-void Domain::update(Index width, const Pack& pack, const Unpack& unpack) const {
-  transfer(&Exchange::sent, &Exchange::received, width, pack, unpack);
-}
-
+/// Both processes have their lists in the same order. What a third one owns is sent by it alone.
 void Domain::update(Eigen::Ref<Eigen::MatrixXd> values) const {
-  const Index width = static_cast<Index>(values.rows());
-  update(
-      width, [&](Index dof, Real* out) { std::copy_n(&values(0, dof), width, out); },
-      [&](Index dof, const Real* in) { std::copy_n(in, width, &values(0, dof)); });
+  std::map<int, Eigen::MatrixXd> out, in;
+  for (const auto& [rank, e] : exchanges_) {
+    if (!e.sent.empty()) out[rank] = values(Eigen::all, e.sent);
+    if (!e.received.empty()) in[rank].resize(values.rows(), Eigen::Index(e.received.size()));
+  }
+  exchange(out, in);
+  for (const auto& [rank, columns] : in) values(Eigen::all, exchanges_.at(rank).received) = columns;
 }
 
 void Domain::update(Vector& values) const {
   update(Eigen::Map<Eigen::MatrixXd>(values.data(), 1, values.size()));
-}
-
-/// What others have goes to the owners first.
-void Domain::least(Vector& values) const {
-  transfer(
-      &Exchange::received, &Exchange::sent, 1, [&](Index dof, Real* out) { *out = values[dof]; },
-      [&](Index dof, const Real* in) { values[dof] = std::min(values[dof], *in); });
-  update(values);
-}
-
-std::vector<Real> Domain::lists(const PackList& pack) const {
-  Letters out;
-  for (const auto& [rank, e] : exchanges_)
-    if (!e.sent.empty()) out[rank] = pack(e.sent);
-  std::vector<Real> all;
-  for (const auto& [rank, list] : delivered(out)) all.insert(all.end(), list.begin(), list.end());
-  return all;
 }
 
 void Domain::sum(Real* values, Index count) const {
@@ -204,17 +153,6 @@ Real Domain::sum_before(Real value) const {
   return rank_ == 0 ? 0 : before;
 }
 
-Vector Domain::gathered(const Vector& own) const {
-  const int count = static_cast<int>(own.size());
-  std::vector<int> counts(size_), starts(size_, 0);
-  MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, *communicator_);
-  for (int r = 1; r < size_; ++r) starts[r] = starts[r - 1] + counts[r - 1];
-  Vector all(starts.back() + counts.back());
-  MPI_Allgatherv(own.data(), count, MPI_DOUBLE, all.data(), counts.data(), starts.data(),
-                 MPI_DOUBLE, *communicator_);
-  return all;
-}
-
 /// Two by two, then the results two by two.
 Vector Domain::combined(Vector own,
                         const std::function<Vector(const Vector&, const Vector&)>& both) const {
@@ -234,25 +172,34 @@ Vector Domain::combined(Vector own,
   return own;
 }
 
-/// Their lengths first.
-Domain::Letters Domain::delivered(const Letters& out) const {
-  std::map<int, int> lengths;
-  Letters in;
-  for (const auto& [rank, values] : out) lengths[rank] = static_cast<int>(values.size());
-  for (const auto& [rank, length] : told(lengths)) in[rank].resize(length);
-  exchange(*communicator_, out, in);
-  return in;
-}
-
-void Domain::agree(const std::function<void()>& body) const {
-  const Attempt own_part = attempt(body);
-  fail_together(own_part.failed, own_part.message);
-}
-
-void Domain::fail_together(bool failed, const std::string& message) const {
-  int least[] = {failed ? rank_ : size_, failed};
+void Domain::agree(const Attempt& own_part) const {
+  int least[] = {own_part.failed ? rank_ : size_, own_part.failed};
   MPI_Allreduce(MPI_IN_PLACE, least, 2, MPI_INT, MPI_MIN, *communicator_);
-  if (least[0] < size_) throw_together(*communicator_, least[0], least[1] != 0, message);
+  if (least[0] < size_) throw_together(*communicator_, least[0], least[1] != 0, own_part.message);
+}
+
+/// By what dofs are here and at their owners.
+Bodies join_parts(const Domain& domain, const std::vector<Index>& dofs, const Bodies& parts) {
+  Real count = parts.count;
+  domain.sum(&count, 1);
+  const Index first = static_cast<Index>(domain.sum_before(parts.count));
+  Vector part = Vector::Constant(domain.dofs(), -1);  // as all processes number them
+  for (std::size_t k = 0; k < dofs.size(); ++k) part[dofs[k]] = first + parts.of[k];
+  Vector of_owner = part;
+  domain.update(of_owner);
+  std::vector<std::array<Index, 2>> pairs;
+  for (Index i : dofs)
+    if (of_owner[i] != part[i])
+      pairs.push_back({static_cast<Index>(of_owner[i]), static_cast<Index>(part[i])});
+  sort_once(pairs);
+  Groups groups(static_cast<Index>(count));
+  for (const auto& [p, q] : domain.gathered(pairs)) groups.join(p, q);
+  Bodies wholes;
+  std::vector<Index> whole;  // of each part
+  for (Index p = 0; p < count; ++p)
+    whole.push_back(groups.of(p) == p ? wholes.count++ : whole[groups.of(p)]);
+  for (Index p : parts.of) wholes.of.push_back(whole[first + p]);
+  return wholes;
 }
 
 }  // namespace frictioncg

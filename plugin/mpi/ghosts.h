@@ -27,47 +27,37 @@ inline void refuse_other_domain(const Domain& domain, const std::vector<NodePlac
         "different places; make it by createMat(Th, C, Pk) with the mesh of Vh");
 }
 
-/// Calls visit for each number that is sent of a contact point.
-template <class Visit>
-void for_each_number(BoundaryNode& n, const Visit& visit) {
-  ContactPoint& p = n.point;
-  for (int c = 0; c < 3; ++c) {
-    visit(n.x[c]);
-    visit(p.normal[c]);
-    visit(p.direction[c]);
-    visit(p.dof[c]);
-  }
-  visit(n.label);
-  visit(p.friction);
-  visit(p.mu_ratio);
-}
-
 /// Adds the contact points of ghosts, as their owners have them: point by point of a node, in the
 /// owner's order.
 inline void add_ghost_points(const Domain& domain, Scene& scene) {
-  constexpr Index of_point = 15, most = 3;
+  struct Sent {
+    std::size_t place;  ///< of the node's first dof among those shared
+    Vec3 x;
+    long label;
+    ContactPoint point;
+  };
   std::map<Index, std::vector<BoundaryNode>> points;
   for (const BoundaryNode& n : scene.nodes) points[n.point.dof[0]].push_back(n);
-  const auto pack = [&](Index dof, Real* out) {
-    std::fill(out, out + 1 + most * of_point, 0);
-    const auto found = points.find(dof);
-    if (found == points.end()) return;
-    *out++ = static_cast<Real>(found->second.size());
-    for (BoundaryNode n : found->second) {
-      for (Index& of_component : n.point.dof) of_component -= dof;
-      for_each_number(n, [&](const auto& value) { *out++ = static_cast<Real>(value); });
+  const auto pack = [&](const std::vector<Index>& dofs) {
+    std::vector<Sent> sent;
+    for (std::size_t k = 0; k < dofs.size(); ++k)
+      if (const auto found = points.find(dofs[k]); found != points.end())
+        for (const BoundaryNode& n : found->second) {
+          sent.push_back({k, n.x, n.label, n.point});
+          sent.back().point.dof = shifted(-dofs[k], scene.d, n.point.dof);
+        }
+    return sent;
+  };
+  const auto unpack = [&](const std::vector<Index>& dofs, const std::vector<Sent>& received) {
+    for (const Sent& from : received) {
+      BoundaryNode& n = scene.nodes.emplace_back();
+      n.x = from.x;
+      n.label = from.label;
+      n.point = from.point;
+      n.point.dof = shifted(dofs[from.place], scene.d, from.point.dof);
     }
   };
-  const auto unpack = [&](Index dof, const Real* in) {
-    for (Index count = static_cast<Index>(*in++); count > 0; --count) {
-      BoundaryNode n;
-      for_each_number(
-          n, [&](auto& value) { value = static_cast<std::decay_t<decltype(value)>>(*in++); });
-      for (Index& of_component : n.point.dof) of_component += dof;
-      scene.nodes.push_back(n);
-    }
-  };
-  domain.update(1 + most * of_point, pack, unpack);
+  domain.tell<Sent>(pack, unpack);
 }
 
 /// The script's matrix, with Dirichlet rows of ghosts that this process does not see as such: the

@@ -5,8 +5,8 @@ namespace frictioncg {
 InterfaceBasis basis_of(const WholeInterface& interface, const mortar::Mortar& mortar) {
   InterfaceBasis basis;
   for (Index c = 0; c < interface.d; ++c) {
-    std::vector<char> held(interface.held.size());
-    for (std::size_t i = 0; i < held.size(); ++i) held[i] = (interface.held[i] >> c) & 1;
+    std::vector<char> held;
+    for (const InterfaceNode& n : interface.nodes) held.push_back((n.held >> c) & 1);
     basis.T.push_back(mortar.change_of_basis(held));
     basis.W.push_back(mortar.inverse_basis(held));
   }
@@ -24,35 +24,43 @@ struct Growth {
   const std::vector<NumberedEntry>& addend_;
   NodeNumbers& numbers_;
   GrownPart& grown_;
-  std::vector<Entry> received_ = {};        ///< of rows of others
-  std::vector<Number> received_rows_ = {};  ///< dofs
-  std::vector<Number> whole_rows_ = {};     ///< of the interface: own, and received ones; sorted
-  std::vector<Number> guests_ = {};         ///< nodes in ascending order: by owners
+  std::vector<Entry> received_ = {};     ///< of rows of others
+  std::vector<Number> whole_rows_ = {};  ///< of the interface: own, and received ones; sorted
+  std::vector<Number> guests_ = {};      ///< nodes in ascending order: by owners
 
+  /// Row i goes to the owners of all p that T_ip or W_ip couple it to.
   void exchange_rows(const Triplets& A, const Dirichlet& of_A) {
-    std::vector<Index> place(A.n, -1);  // of a row among those that may be sent
-    std::vector<std::vector<Entry>> rows;
-    for (Number node : interface_.number) {
-      if (!owns(node)) continue;
+    struct Row {
+      std::set<int> readers;
+      std::vector<Entry> entries;
+    };
+    std::vector<Row> rows;              // that are sent
+    std::vector<Index> place(A.n, -1);  // of a row among these
+    for (Index node = 0; node < interface_.count(); ++node) {
+      const Number number = interface_.nodes[node].number;
+      if (numbers_.owner(number) != part_.rank()) continue;
       for (Index c = 0; c < interface_.d; ++c) {
-        const Index dof = numbers_.dof(node, c);
+        const Index dof = numbers_.dof(number, c);
         whole_rows_.push_back(numbers_.of(dof));
-        if (of_A.holds(dof)) continue;
+        std::set<int> readers;
+        for (const Matrix* M : {&basis_.T[c], &basis_.W[c]})
+          for (Matrix::InnerIterator e(*M, node); e; ++e)
+            readers.insert(numbers_.owner(interface_.nodes[e.col()].number));
+        readers.erase(part_.rank());
+        if (readers.empty() || of_A.holds(dof)) continue;
         place[dof] = static_cast<Index>(rows.size());
-        rows.emplace_back();
+        rows.push_back({std::move(readers), {}});
       }
     }
     for_each_entry(A, [&](Index i, Index j, Real a) {
-      if (place[i] >= 0) rows[place[i]].push_back({numbers_.of(i), numbers_.of(j), a});
+      if (place[i] >= 0) rows[place[i]].entries.push_back({numbers_.of(i), numbers_.of(j), a});
     });
-    for (const auto& [rank, letter] : part_.delivered(packed_rows(place, rows)))
-      for (const Real* in = letter.data(); in != letter.data() + letter.size();) {
-        const Number i = static_cast<Number>(*in++);
-        received_rows_.push_back(i);
-        for (Index left = static_cast<Index>(*in++); left > 0; --left, in += 2)
-          received_.push_back({i, static_cast<Number>(in[0]), in[1]});
-      }
-    whole_rows_.insert(whole_rows_.end(), received_rows_.begin(), received_rows_.end());
+    Domain::Letters<Entry> out;
+    for (const Row& row : rows)
+      for (int r : row.readers) out[r].insert(out[r].end(), row.entries.begin(), row.entries.end());
+    for (const auto& [rank, entries] : part_.delivered(out))
+      received_.insert(received_.end(), entries.begin(), entries.end());
+    for (const Entry& e : received_) whole_rows_.push_back(e.i);
     sort_once(whole_rows_);
   }
   /// Own rows off the interface, too, see ghosts of the slave: their rows of T are needed whole.
@@ -65,15 +73,14 @@ struct Growth {
         in_T.push_back(numbers_.of(j));
     for (const Entry& e : received_) {
       in_T.push_back(e.j);
-      guests_.push_back(numbers_.node(e.j));
+      for (Number dof : {e.i, e.j}) guests_.push_back(numbers_.node(dof));
     }
     for (const Entry& e : addend_)
       if (is_whole(e.i)) {
         in_T.push_back(e.j);
         guests_.push_back(numbers_.node(e.j));
       }
-    for (Number i : received_rows_) guests_.push_back(numbers_.node(i));
-    std::vector<char> wanted(interface_.nodes(), 0);
+    std::vector<char> wanted(interface_.count(), 0);
     const auto add_columns = [&](std::vector<Number>& dofs, const std::vector<Matrix>& M) {
       sort_once(dofs);
       for (Number j : dofs) {
@@ -85,8 +92,8 @@ struct Growth {
     };
     add_columns(in_T, basis_.T);
     add_columns(whole_rows_, basis_.W);
-    for (Index i = 0; i < interface_.nodes(); ++i)
-      if (wanted[i]) guests_.push_back(interface_.number[i]);
+    for (Index i = 0; i < interface_.count(); ++i)
+      if (wanted[i]) guests_.push_back(interface_.nodes[i].number);
     sort_once(guests_);
     guests_.erase(std::remove_if(guests_.begin(), guests_.end(),
                                  [&](Number node) { return numbers_.is_here(node); }),
@@ -95,19 +102,18 @@ struct Growth {
   /// Owners learn whom their nodes visit.
   void invite_guests() {
     const Index d = interface_.d;
-    Domain::Letters asked;
+    Domain::Letters<Number> asked;
     std::map<int, Domain::Exchange> exchanges;
     Index next = part_.dofs();
     for (Number node : guests_) {
       const int owner = numbers_.owner(node);
-      asked[owner].push_back(Real(node));
+      asked[owner].push_back(node);
       numbers_.add(node, next);
       for (Index c = 0; c < d; ++c) exchanges[owner].received.push_back(next++);
     }
     for (const auto& [rank, wanted] : part_.delivered(asked))
-      for (Real node : wanted)
-        for (Index c = 0; c < d; ++c)
-          exchanges[rank].sent.push_back(numbers_.dof(static_cast<Number>(node), c));
+      for (Number node : wanted)
+        for (Index c = 0; c < d; ++c) exchanges[rank].sent.push_back(numbers_.dof(node, c));
     const Index more = d * static_cast<Index>(guests_.size());
     grown_.domain = std::make_shared<const Domain>(part_, more, exchanges);
   }
@@ -126,7 +132,7 @@ struct Growth {
     }
     grown_.dirichlet = std::make_unique<const Dirichlet>(of_A.with_more(grown_.held, diagonal));
     std::vector<char> replaced(domain.dofs(), 0);
-    for (Number i : received_rows_) replaced[numbers_.dof(i)] = 1;
+    for (const Entry& e : received_) replaced[numbers_.dof(e.i)] = 1;
     const std::vector<char>& fixed = grown_.held;
     const std::size_t most = (A.half ? 2 : 1) * A.size + 2 * received_.size() + domain.dofs() - A.n;
     grown_.i_.reserve(most);
@@ -152,11 +158,11 @@ struct Growth {
   }
   void fill_coupling() {
     std::vector<Index> first;
-    for (Number node : interface_.number)
-      first.push_back(numbers_.is_here(node) ? numbers_.dof(node, 0) : -1);
+    for (const InterfaceNode& n : interface_.nodes)
+      first.push_back(numbers_.is_here(n.number) ? numbers_.dof(n.number, 0) : -1);
     EntryList T, W;
     std::vector<char> coupled(grown_.domain->dofs(), 0);
-    for (Index i = 0; i < interface_.nodes(); ++i) {
+    for (Index i = 0; i < interface_.count(); ++i) {
       if (first[i] < 0) continue;
       for (Index c = 0; c < interface_.d; ++c) {
         coupled[first[i] + c] = 1;
@@ -165,30 +171,6 @@ struct Growth {
       }
     }
     grown_.coupling = mortar::on_all_dofs(coupled, std::move(T), std::move(W));
-  }
-  /// Row i for the owners of all p that T_ip or W_ip couple it to: the number, how many entries,
-  /// these.
-  Domain::Letters packed_rows(const std::vector<Index>& place,
-                              const std::vector<std::vector<Entry>>& rows) const {
-    Domain::Letters out;
-    for (Index i = 0; i < interface_.nodes(); ++i) {
-      if (!owns(interface_.number[i])) continue;
-      for (Index c = 0; c < interface_.d; ++c) {
-        const Index dof = numbers_.dof(interface_.number[i], c);
-        if (place[dof] < 0) continue;
-        std::set<int> readers;
-        for (const Matrix* M : {&basis_.T[c], &basis_.W[c]})
-          for (Matrix::InnerIterator e(*M, i); e; ++e)
-            readers.insert(numbers_.owner(interface_.number[e.col()]));
-        readers.erase(part_.rank());
-        const std::vector<Entry>& row = rows[place[dof]];
-        for (int r : readers) {
-          out[r].insert(out[r].end(), {Real(numbers_.of(dof)), Real(row.size())});
-          for (const Entry& e : row) out[r].insert(out[r].end(), {Real(e.j), e.a});
-        }
-      }
-    }
-    return out;
   }
   bool is_whole(Number row) const {
     return std::binary_search(whole_rows_.begin(), whole_rows_.end(), row);
@@ -204,7 +186,6 @@ struct Growth {
     for (Matrix::InnerIterator e(M, node); e && whole; ++e)
       entries.emplace_back(i, first[e.col()] + component, e.value());
   }
-  bool owns(Number node) const { return numbers_.owner(node) == part_.rank(); }
 };
 
 GrownPart::GrownPart(const Domain& part, const Triplets& A, const Dirichlet& of_A,

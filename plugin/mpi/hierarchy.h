@@ -1,8 +1,10 @@
 #pragma once
 #include "multigrid/hierarchy.h"
-#include "levels.h"
+#include "shared_matrix.h"
 
 namespace frictioncg {
+
+enum class Coarsening { aggregation, none };
 
 /// Smoothed aggregation of PETSc's (GAMG) for A of all processes, and its cycle (PCMG) with the
 /// contact faces cut out on every level:
@@ -18,5 +20,33 @@ namespace frictioncg {
 /// Collective.
 std::unique_ptr<Hierarchy> shared_hierarchy(std::shared_ptr<const SharedMatrix> A,
                                             const Eigen::MatrixXd& modes, Coarsening coarsening);
+
+// What it is made of.
+
+constexpr const char* petsc_prefix = "frictioncg_";  ///< of PETSc's options
+/// A level of the hierarchy of A.
+struct Level {
+  MatHandle A;          ///< of the untruncated matrix
+  MatHandle truncated;  ///< what the cycle works on
+  MatHandle P;          ///< from the next coarser level; none on the coarsest
+  MatHandle change;     ///< truncated - A; none on the finest
+  VecHandle diagonal;   ///< of A
+  bool exact = false;   ///< the coarsest: few enough dofs for a factorization on one process
+};
+
+/// From the finest to the coarsest. modes: as in shared_hierarchy.   Collective.
+std::vector<Level> make_levels(const SharedMatrix& A, const Eigen::MatrixXd& modes,
+                               Coarsening coarsening);
+
+/// Whether a factorization of A on one process is within reach, where multigrid does not arrive.
+bool may_be_factorized(const SharedMatrix& A);
+
+/// What is to be done once matrices are truncated. Where several processes correct what they share
+/// more than once, their sum may overshoot, and the smoother diverges: damps it on the levels where
+/// it would. Shows the cycle where PETSc's options ask for it.   Collective.
+void settle(PC cycle, const std::vector<Level>& levels);
+
+/// A V-cycle on the truncated matrices of the levels, or what PETSc's options make of it.
+PCHandle make_cycle(const std::vector<Level>& levels, Index dimension);
 
 }  // namespace frictioncg

@@ -1,4 +1,4 @@
-#include "levels.h"
+#include "hierarchy.h"
 
 namespace frictioncg {
 
@@ -50,9 +50,8 @@ std::vector<VecHandle> orthonormal(const SharedMatrix& A, const Eigen::MatrixXd&
         check(VecDot(v.get(), b.get(), &along));
         check(VecAXPY(v.get(), -along, b.get()));
       }
-    check(VecNorm(v.get(), NORM_2, &after));
+    check(VecNormalize(v.get(), &after));
     if (!(after > dependent * before)) continue;
-    check(VecScale(v.get(), 1 / after));
     basis.push_back(std::move(v));
   }
   return basis;

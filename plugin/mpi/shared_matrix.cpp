@@ -1,7 +1,5 @@
 #include "shared_matrix.h"
 
-#include "parts.h"
-
 namespace frictioncg {
 
 SharedMatrix::SharedMatrix(std::shared_ptr<const Domain> domain, Numbering numbering,
@@ -11,8 +9,8 @@ SharedMatrix::SharedMatrix(std::shared_ptr<const Domain> domain, Numbering numbe
   D = own_part(local_->D);
   weight = own_part(local_->weight);
   first = numbering_.own_first;
-  assemble(*local_);
-  find_contact(*local_);
+  assemble();
+  find_contact();
   const Bodies wholes = join_parts(*domain_, local.basis().origin, bodies_of(local_->entries()));
   for (Index p : numbering_.own) bodies_.of.push_back(wholes.of[p]);
   bodies_.count = wholes.count;
@@ -31,8 +29,9 @@ namespace {
 /// The rows of one node, with all slots of each node that any of them touches: aggregation counts
 /// on whole blocks. Empty slots get `filler` on their diagonal.
 void add_node(const Numbering& numbering, const System& local, const std::vector<Index>& dofs,
-              PetscInt first_slot, Rows& rows) {
+              Rows& rows) {
   const Index d = numbering.dimension;
+  const PetscInt first_slot = numbering.slot[dofs.front()];
   std::vector<PetscInt> touched{first_slot / d};
   for (Index p : dofs)
     for (Matrix::InnerIterator e(local.entries(), p); e; ++e)
@@ -59,11 +58,9 @@ void add_node(const Numbering& numbering, const System& local, const std::vector
 
 }  // namespace
 
-void SharedMatrix::assemble(const System& local) {
+void SharedMatrix::assemble() {
   Rows rows;
-  for (Index k = 0; k < numbering_.nodes; ++k)
-    add_node(numbering_, local, numbering_.at[k], numbering_.first + k * numbering_.dimension,
-             rows);
+  for (const std::vector<Index>& dofs : numbering_.at) add_node(numbering_, *local_, dofs, rows);
   A_ = matrix_of(rows);
   check(MatSetOption(A_.get(), MAT_SYMMETRIC, PETSC_TRUE));
   check(MatSetOption(A_.get(), MAT_SPD, PETSC_TRUE));
@@ -85,8 +82,9 @@ MatHandle SharedMatrix::matrix_of(const Rows& rows) const {
 }
 
 /// The blocks of contact nodes are stored whole: laws add to them where A has zeros.
-void SharedMatrix::find_contact(const System& local) {
+void SharedMatrix::find_contact() {
   const Numbering& N = numbering_;
+  const System& local = *local_;
   Rows rows;
   std::map<PetscInt, Real> row;
   const auto fill = [&](Index p) {

@@ -47,8 +47,8 @@ class SharedMatrix final : public System {
   Vector on_local(const Vector& own) const;
 
  private:
-  void assemble(const System& local);
-  void find_contact(const System& local);
+  void assemble();
+  void find_contact();
   MatHandle matrix_of(const Rows& rows) const;
 
   std::shared_ptr<const Domain> domain_;

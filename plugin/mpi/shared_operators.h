@@ -18,7 +18,7 @@ inline std::shared_ptr<const Domain> domain_of(Stack stack, const Arguments& arg
   if (!args.has(p_domain)) return nullptr;
   auto domain = evaluated(name_of(p_domain), [&] {
                   return GetAny<ContactDomainVariable*>((*args.expression(p_domain))(stack));
-                })->get();
+                })->domain;
   if (!domain && site.is_on_part(stack))
     throw IllegalInput(
         "domain is a contactdomain that is not set, but the mesh is one process's part of a "
@@ -51,8 +51,7 @@ inline std::shared_ptr<SharedScene> read_shared(Stack stack, const Arguments& ar
     laws = read_point_laws(stack, args, everywhere, scene, opening.laws);
     matrix = matrix_of(stack, A, scene.dofs);
   });
-  const Real counts[] = {Real(scene.nodes.size()), Real(scene.averted.size())};
-  if (shared->domain->largest(counts[0]) == 0 && shared->domain->largest(counts[1]) > 0)
+  if (shared->domain->largest(Real(scene.nodes.size())) == 0)
     shared->domain->agree([&] {
       if (!scene.averted.empty()) refuse_inward(scene);
     });
@@ -184,26 +183,22 @@ class SharedSolveIncrement : public SolveIncrement {
       PointLaws laws = opening.laws;
       if (shared.interface && arguments_.has(p_gap))
         laws.gap = gap_of_all(stack, arguments_, shared);
-      domain->agree([&] { laws = read_increment_laws(stack, shared, laws); });
+      laws = read_increment_laws(stack, shared, laws);
       return result(stack, solve_together(stack, *opening.call, shared, with_ghosts(laws, shared)));
     });
   }
 
  private:
-  /// Expressions of the call at the own points alone: ghosts have no place.
-  PointLaws read_increment_laws(Stack stack, SharedScene& shared, PointLaws given) const {
-    Scene& scene = *shared.scene;
-    std::vector<BoundaryNode> all = scene.nodes;
-    scene.nodes.resize(shared.own_points);
-    if (given.gap.size() > 0) given.gap.conservativeResize(static_cast<Index>(shared.own_points));
-    PointLaws laws;
-    try {
-      laws = read_laws(stack, arguments_, scene, given);
-    } catch (...) {
-      scene.nodes = std::move(all);
-      throw;
-    }
-    scene.nodes = std::move(all);
+  /// Expressions of the call at the own points alone: ghosts have no place.   Collective.
+  PointLaws read_increment_laws(Stack stack, const SharedScene& shared, PointLaws laws) const {
+    std::vector<BoundaryNode>& nodes = shared.scene->nodes;
+    const std::vector<BoundaryNode> all = nodes;
+    nodes.resize(shared.own_points);
+    if (laws.gap.size() > 0) laws.gap.conservativeResize(static_cast<Index>(shared.own_points));
+    const Attempt own_part =
+        attempt([&] { laws = read_laws(stack, arguments_, *shared.scene, laws); });
+    nodes = all;
+    shared.domain->agree(own_part);
     return laws;
   }
 };

@@ -12,35 +12,36 @@ inline InterfacePart interface_part(Stack stack, const Arguments& args, const Sc
                                     const Dirichlet& dirichlet) {
   const Interface& faces = scene.pairing->between();
   InterfacePart part;
-  part.X = faces.X;
   part.dof = faces.dof;
   part.pairs = faces.pairs;
   part.slaves = static_cast<Index>(faces.slave.size());
-  part.held = mortar::held_components(scene.d, faces.dof, dirichlet);
-  part.body = scene.pairing->body_of_nodes(scene.places(), static_cast<Index>(scene.ndof()));
+  const auto held = mortar::held_components(scene.d, faces.dof, dirichlet);
+  const auto body = scene.pairing->body_of_nodes(scene.places(), static_cast<Index>(scene.ndof()));
   for (std::size_t i = 0; i < faces.dof.size(); ++i) {
     for (Index c = 1; c < scene.d; ++c)
       if (faces.dof[i][c] != faces.dof[i][0] + c)
         throw std::logic_error("the dofs of a node do not follow each other");
     const auto groups = faces.body_count.find(static_cast<Index>(i));
-    part.groups.push_back(groups == faces.body_count.end() ? 1 : groups->second);
+    part.nodes.push_back(
+        {-1, faces.X[i], held[i], body[i], groups == faces.body_count.end() ? 1 : groups->second});
   }
-  part.is_moved = scene.at != nullptr;
-  const auto given = [&](Parameter p) {
-    Vector v = args.vector(stack, p);
-    if (args.has(p)) check_vector(v, name_of(p), scene.dofs);
-    if (!args.has(p)) v = Vector::Zero(scene.ndof());
+  const auto set = [&](Vec3 InterfaceNode::*value, const std::vector<Vec3>& of_node) {
+    for (std::size_t i = 0; i < of_node.size(); ++i) part.nodes[i].*value = of_node[i];
+  };
+  const auto given = [&](Parameter p) -> std::vector<Vec3> {
+    if (!args.has(p)) return {};
+    const Vector v = args.vector(stack, p);
+    check_vector(v, name_of(p), scene.dofs);
     return scene.pairing->at_nodes(v, scene.d);
   };
-  if (part.is_moved) part.motion = {faces.moved, given(p_uold), given(p_forceold)};
-  part.options.resize(faces.slave.size());
-  if (args.has(p_normal)) {
-    const std::vector<Vec3> normals = slave_normals(stack, args, scene);
-    for (std::size_t i = 0; i < normals.size(); ++i)
-      part.options[i].assign(normals[i].data(), normals[i].data() + 3);
+  if (scene.at) {
+    set(&InterfaceNode::now, faces.moved);
+    set(&InterfaceNode::before, given(p_uold));
+    set(&InterfaceNode::force, given(p_forceold));
   }
+  if (args.has(p_normal)) set(&InterfaceNode::normal, slave_normals(stack, args, scene));
   const std::vector<Real> weight = slave_weights(stack, args, scene);
-  for (std::size_t i = 0; i < weight.size(); ++i) part.options[i].push_back(weight[i]);
+  for (std::size_t i = 0; i < weight.size(); ++i) part.nodes[i].weight = weight[i];
   return part;
 }
 
@@ -95,13 +96,15 @@ inline std::vector<BoundaryNode> face_whole(const Arguments& args, const Opening
   mortar::Options options;
   if (args.has(p_maxgap)) options.maxgap = opening.maxgap;
   options.smooth = opening.smooth;
-  for (const std::vector<Real>& given : faces.options) {
-    if (args.has(p_normal)) options.normals.emplace_back(given[0], given[1], given[2]);
-    if (args.has(p_weight)) options.weight.push_back(given.back());
+  for (Index i = 0; i < faces.slaves; ++i) {
+    if (args.has(p_normal)) options.normals.push_back(faces.nodes[i].normal);
+    if (args.has(p_weight)) options.weight.push_back(faces.nodes[i].weight);
   }
-  options.bodies = [&] { return faces.body; };
+  const std::vector<Vec3> X = faces.at_all(&InterfaceNode::X);
+  options.bodies = [&] { return faces.at_all(&InterfaceNode::body); };
   options.freedom = [&] {
-    FreedomOfBodies bodies(faces.d, extent_of(faces.X), faces.body, count_of(faces.body));
+    const std::vector<Index> body = options.bodies();
+    FreedomOfBodies bodies(faces.d, extent_of(X), body, count_of(body));
     part.agree([&] {
       bodies.add(A.triplets(), A.dirichlet(), scene.places(),
                  [&](Index i) { return part.owns(i); });
@@ -109,16 +112,17 @@ inline std::vector<BoundaryNode> face_whole(const Arguments& args, const Opening
     bodies.sum([&](Real* values, Index count) { part.sum(values, count); });
     return bodies.freedom();
   };
-  options.element_groups = [&](Index i) { return faces.groups[i]; };
-  if (args.has(p_forceold)) options.force = faces.motion.force;
-  mortar::Nodes nodes{faces.d, faces.X, faces.held};
-  for (std::size_t i = 0; i < faces.motion.now.size(); ++i) {
-    nodes.reference.push_back(faces.X[i] - faces.motion.now[i]);
-    if (args.has(p_uold)) nodes.before.push_back(nodes.reference[i] + faces.motion.before[i]);
-  }
+  options.element_groups = [&](Index i) { return faces.nodes[i].groups; };
+  if (args.has(p_forceold)) options.force = faces.at_all(&InterfaceNode::force);
+  mortar::Nodes nodes{faces.d, X, faces.at_all(&InterfaceNode::held)};
+  if (scene.at)
+    for (const InterfaceNode& n : faces.nodes) {
+      nodes.reference.push_back(n.X - n.now);
+      if (args.has(p_uold)) nodes.before.push_back(nodes.reference.back() + n.before);
+    }
   shared.mortar = std::make_shared<mortar::Mortar>(nodes, faces.pairs, options);
   std::vector<BoundaryNode> contact(shared.mortar->nodes().size());
-  Pairing::add_motions(*shared.mortar, faces.motion.now, contact);
+  Pairing::add_motions(*shared.mortar, faces.at_all(&InterfaceNode::now), contact);
   return contact;
 }
 
@@ -132,7 +136,7 @@ inline void face_part(const NodeNumbers& numbers, const Domain& part,
   std::unordered_map<Index, Index> here;  // first dof -> node of the part's interface
   for (std::size_t i = 0; i < dof.size(); ++i) here.emplace(dof[i][0], static_cast<Index>(i));
   const auto local = [&](Index node) -> Index {
-    const NodeNumbers::Number number = faces.number[node];
+    const NodeNumbers::Number number = faces.nodes[node].number;
     const auto found = here.find(numbers.is_here(number) ? numbers.dof(number, 0) : -1);
     return found == here.end() ? -1 : found->second;
   };
@@ -151,8 +155,9 @@ inline void face_part(const NodeNumbers& numbers, const Domain& part,
   for (const mortar::MidEdge& e : shared.mortar->edges())
     if (is_own(local(e.node)))
       faced.edges.push_back({local(e.node), local(e.a), local(e.b), e.distance});
+  const std::vector<Vec3> X = faces.at_all(&InterfaceNode::X);
   for (std::size_t p = 0; p < faces.pairs.size(); ++p)
-    faced.add(faces.pairs[p], shared.mortar->statistics(static_cast<Index>(p)), scene.d, faces.X);
+    faced.add(faces.pairs[p], shared.mortar->statistics(static_cast<Index>(p)), scene.d, X);
   scene.pairing->set(std::move(faced));
 }
 
@@ -166,7 +171,7 @@ inline Vector gap_of_all(Stack stack, const Arguments& args, const SharedScene& 
   shared.domain->agree(
       [&] { given = at_nodes(stack, args, p_gap, scene, scene.pairing->slave_nodes()); });
   const WholeInterface& faces = *shared.interface;
-  Vector at_faces = Vector::Zero(faces.nodes());
+  Vector at_faces = Vector::Zero(faces.count());
   const Vector at_slaves = faces.gathered(*shared.domain, given);
   at_faces.head(at_slaves.size()) = at_slaves;
   const Vector weighted = shared.mortar->weighted(at_faces);
@@ -261,8 +266,8 @@ inline void check_transformed(const Triplets& A, const Domain& part, const Share
 inline std::vector<NumberedEntry> less_stiffness(const WholeInterface& faces,
                                                  const mortar::Mortar& mortar) {
   std::vector<NumberedEntry> entries;
-  const auto is_held = [&](Index node, Index c) { return (faces.held[node] >> c & 1) != 0; };
-  const auto dof = [&](Index node, Index c) { return faces.d * faces.number[node] + c; };
+  const auto is_held = [&](Index node, Index c) { return (faces.nodes[node].held >> c & 1) != 0; };
+  const auto dof = [&](Index node, Index c) { return faces.d * faces.nodes[node].number + c; };
   mortar.stiffness().for_each_symmetric(faces.d, [&](Index i, int a, Index j, int b, Real s) {
     if (!is_held(i, a) && !is_held(j, b)) entries.push_back({dof(i, a), dof(j, b), -s});
   });

@@ -12,11 +12,9 @@ namespace frictioncg {
 /// A line of rank 0 on what all processes have together.   Collective.
 inline void report_plan(const SharedScene& shared, const ContactProblem& problem, long verb) {
   const Domain& domain = *shared.domain;
-  Real sums[] = {Real(problem.dofs()), Real(problem.nodes())};
-  domain.sum(sums, 2);
+  Real sums[] = {Real(problem.dofs()), Real(problem.nodes()), Real(shared.scene->averted.size())};
+  domain.sum(sums, 3);
   const Real most = domain.largest(problem.dofs()), mu = domain.largest(largest_friction(problem));
-  Real averted = shared.scene->averted.size();
-  domain.sum(&averted, 1);
   if (verb <= 0) return;
   report_pairs(*shared.scene, verb);
   line() << shared.scene->d << "D, " << static_cast<long>(sums[0]) << " dofs on " << domain.size()
@@ -25,8 +23,8 @@ inline void report_plan(const SharedScene& shared, const ContactProblem& problem
          << " contact nodes, " << name_of(problem.increment.law);
   if (problem.increment.bilateral) std::cout << ", bilateral";
   std::cout << "; multigrid by PETSc; version " << version << std::endl;
-  if (averted > 0)
-    line() << static_cast<long>(averted)
+  if (sums[2] > 0)
+    line() << static_cast<long>(sums[2])
            << " nodes face away from the normal given, and cannot touch: left out" << std::endl;
   report_large_friction(mu);
 }
@@ -60,25 +58,19 @@ class Sample {
     const auto bodies = by_body(own);
     const Index count = std::max<Index>(static_cast<Index>(bodies.size()), 1);
     const std::size_t most = std::max(least, of_all / (domain_.size() * count));
-    std::vector<Real> packed;
+    std::vector<NodePlace> picked;
     for (const auto& [number, body] : bodies)
       for (std::size_t k = 0; k < body.size(); k += 1 + body.size() / most) {
-        packed.insert(packed.end(), {body[k].x[0], body[k].x[1], body[k].x[2], Real(number)});
+        picked.push_back(body[k]);
         own_dofs_.insert(own_dofs_.end(), body[k].dof.begin(), body[k].dof.begin() + d);
       }
-    const Vector all = domain_.gathered(
-        Eigen::Map<const Vector>(packed.data(), static_cast<Index>(packed.size())));
-    for (Index i = 0; 4 * i < all.size(); ++i) {
-      NodePlace n;
-      n.x = all.segment<3>(4 * i);
-      n.body = static_cast<Index>(all[4 * i + 3]);
-      for (int c = 0; c < d; ++c) n.dof[c] = i * d + c;
-      nodes_.push_back(n);
-    }
+    nodes_ = domain_.gathered(picked);
+    Index next = 0;
+    for (NodePlace& n : nodes_) std::generate_n(n.dof.begin(), d, [&] { return next++; });
   }
   const std::vector<NodePlace>& nodes() const { return nodes_; }  ///< of all processes
   /// A field at these: `d` values a node.   Collective.
-  Vector of(const Vector& field) const { return domain_.gathered(field(own_dofs_)); }
+  Vector of(const Vector& field) const { return domain_.gathered(Vector(field(own_dofs_))); }
 
  private:
   const Domain& domain_;

@@ -153,27 +153,18 @@ inline void share(const Triplets& A, SharedScene& shared) {
 
 /// As leftovers, of the bodies of all processes.   Collective.
 inline std::vector<Leftover> leftovers_of_all(const SharedScene& shared, const Vector& b) {
-  constexpr Index of_body = 7;  // the largest entry; the least and the largest of each component
   const Domain& domain = *shared.domain;
   const std::vector<NodePlace> places = shared.scene->places();
-  const Index bodies = count_bodies(domain, places);
-  std::vector<Leftover> left(bodies);
+  std::vector<Leftover> left(count_bodies(domain, places));
   for (const NodePlace& n : places)
     if (domain.owns(n.dof[0])) left[n.body].add(*shared.scene, b, n);
-  Eigen::Matrix<Real, 2, Eigen::Dynamic> counts(2, bodies);
-  Eigen::Matrix<Real, of_body, Eigen::Dynamic> most(of_body, bodies);
-  for (Index k = 0; k < bodies; ++k) {
-    counts.col(k) << left[k].loaded, left[k].empty;
-    most.col(k) << left[k].most, left[k].largest, -left[k].least;
-  }
-  domain.sum(counts.data(), static_cast<Index>(counts.size()));
-  domain.largest(most.data(), static_cast<Index>(most.size()));
-  for (Index k = 0; k < bodies; ++k) {
-    left[k].loaded = counts(0, k);
-    left[k].empty = counts(1, k);
-    left[k].most = most(0, k);
-    left[k].largest = most.col(k).segment<3>(1);
-    left[k].least = -most.col(k).tail<3>();
+  for (Leftover& of_body : left) {
+    Eigen::Vector2d counts(of_body.loaded, of_body.empty);
+    Eigen::Matrix<Real, 7, 1> most;
+    most << of_body.most, of_body.largest, -of_body.least;
+    domain.sum(counts.data(), 2);
+    domain.largest(most.data(), 7);
+    of_body = {counts[0], counts[1], most[0], -most.tail<3>(), most.segment<3>(1)};
   }
   return left;
 }

@@ -4,30 +4,26 @@
 #include <unordered_map>
 
 #include "../freefem/scene.h"
-#include "parts.h"
+#include "domain.h"
 
 namespace frictioncg {
 
 // The normals of a process's own nodes are those of one process: they need more of the contact
 // boundary than the facets around, and sums over all processes of one body.
 
-/// A facet as it is sent, in columns: label and normal, then number and place of each of its 2 or 3
-/// vertices.
+/// A facet as it is sent, with number and place of each of its 2 or 3 vertices.
 struct NumberedFacet {
-  using Key = std::array<Real, 3>;  ///< the numbers in ascending order
-  using Columns = Eigen::Matrix<Real, 4, 4, Eigen::DontAlign>;
+  using Numbers = std::array<Real, 3>;
 
-  Columns values = Columns::Constant(-1);
+  long label;
+  Vec3 normal;
+  Numbers number{{-1, -1, -1}};
+  std::array<Vec3, 3> x = {};
   bool was_sent = false;  ///< by another process
 
-  long label() const { return static_cast<long>(values(0, 0)); }
-  Vec3 normal() const { return place(0); }
-  Real number(int v) const { return values(0, v + 1); }
-  Vec3 x(int v) const { return place(v + 1); }
-  Vec3 place(int k) const { return {values(1, k), values(2, k), values(3, k)}; }
-  void set(int k, Real first, const Vec3& x) { values.col(k) << first, x; }
-  Key key() const {
-    Key sorted{{number(0), number(1), number(2)}};
+  /// The numbers in ascending order.
+  Numbers key() const {
+    Numbers sorted = number;
     std::sort(sorted.begin(), sorted.end());
     return sorted;
   }
@@ -36,22 +32,22 @@ struct NumberedFacet {
 /// The facets of the contact boundary that a process knows: at first those of its part.
 class KnownFacets {
  public:
-  using Facets = std::map<NumberedFacet::Key, const NumberedFacet*>;
+  using Facets = std::map<NumberedFacet::Numbers, const NumberedFacet*>;
   /// d: vertices of a facet.
   KnownFacets(int d, const Boundary& boundary, const Vector& number) : d_(d) {
     for (const BoundaryFacet& f : boundary.facets) {
-      NumberedFacet facet;
-      facet.set(0, Real(f.label), f.normal);
+      NumberedFacet facet{f.label, f.normal};
       for (int v = 0; v < d; ++v) {
         const SharedNode& n = boundary.nodes[f.node[v]];
-        facet.set(v + 1, number[n.dof[0]], n.x);
+        facet.number[v] = number[n.dof[0]];
+        facet.x[v] = n.x;
       }
       add(facet);
     }
   }
   void add(const NumberedFacet& f) {
     const auto [place, is_new] = facets_.emplace(f.key(), f);
-    for (int v = 0; is_new && v < d_; ++v) around_[f.number(v)].push_back(&place->second);
+    for (int v = 0; is_new && v < d_; ++v) around_[f.number[v]].push_back(&place->second);
   }
   /// Those within so many facets of the vertices.
   Facets within(int rings, std::set<Real> vertices) const {
@@ -62,14 +58,14 @@ class KnownFacets {
         if (facets == around_.end()) continue;
         for (const NumberedFacet* f : facets->second)
           if (found.emplace(f->key(), f).second)
-            for (int v = 0; v < d_; ++v) next.insert(f->number(v));
+            for (int v = 0; v < d_; ++v) next.insert(f->number[v]);
       }
     return found;
   }
 
  private:
   const int d_;
-  std::map<NumberedFacet::Key, NumberedFacet> facets_;
+  std::map<NumberedFacet::Numbers, NumberedFacet> facets_;
   std::unordered_map<Real, std::vector<const NumberedFacet*>> around_;
 };
 
@@ -78,18 +74,21 @@ class KnownFacets {
 /// number: of each dof, over all processes.   Collective.
 inline void learn_facets(const Domain& domain, int rings, const Vector& number,
                          KnownFacets& known) {
-  constexpr std::size_t width = NumberedFacet::Columns::SizeAtCompileTime;
+  const auto unpack = [&](const std::vector<Index>&, const std::vector<NumberedFacet>& received) {
+    for (NumberedFacet f : received) {
+      f.was_sent = true;
+      known.add(f);
+    }
+  };
   for (int round = 1; round < rings; ++round) {
-    const std::vector<Real> sent = domain.lists([&](const std::vector<Index>& dofs) {
+    const auto pack = [&](const std::vector<Index>& dofs) {
       std::set<Real> vertices;
       for (Index dof : dofs) vertices.insert(number[dof]);
-      std::vector<Real> list;
-      for (const auto& [key, facet] : known.within(round, vertices))
-        list.insert(list.end(), facet->values.data(), facet->values.data() + width);
-      return list;
-    });
-    for (std::size_t k = 0; k < sent.size(); k += width)
-      known.add({Eigen::Map<const NumberedFacet::Columns>(&sent[k]), true});
+      std::vector<NumberedFacet> sent;
+      for (const auto& [key, facet] : known.within(round, vertices)) sent.push_back(*facet);
+      return sent;
+    };
+    domain.tell<NumberedFacet>(pack, unpack);
   }
 }
 
@@ -114,10 +113,10 @@ inline void add_facets_of_others(const Domain& domain, int d, Boundary& boundary
   learn_facets(domain, rings, number, known);
   for (const auto& [key, sent] : known.within(rings, own)) {
     if (!sent->was_sent) continue;
-    BoundaryFacet facet{sent->label(), sent->normal(), {}};
+    BoundaryFacet facet{sent->label, sent->normal, {}};
     for (int v = 0; v < d; ++v) {
-      const auto [entry, is_new] = node_of.emplace(sent->number(v), boundary.nodes.size());
-      if (is_new) boundary.nodes.emplace_back().x = sent->x(v);
+      const auto [entry, is_new] = node_of.emplace(sent->number[v], boundary.nodes.size());
+      if (is_new) boundary.nodes.emplace_back().x = sent->x[v];
       AdjacentFacet at;
       at.label = facet.label;
       at.normal = at.deciding = facet.normal;

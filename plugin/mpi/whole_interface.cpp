@@ -2,14 +2,6 @@
 
 namespace frictioncg {
 
-namespace {
-
-Vector as_vector(const std::vector<Real>& values) {
-  return Eigen::Map<const Vector>(values.data(), static_cast<Index>(values.size()));
-}
-
-}  // namespace
-
 WholeInterface::WholeInterface(const Domain& domain, const NodeNumbers& numbers, Index dimension,
                                const InterfacePart& part)
     : d(dimension), pairs(part.pairs) {
@@ -24,85 +16,58 @@ WholeInterface::WholeInterface(const Domain& domain, const NodeNumbers& numbers,
 /// Slaves and others, one gather each.
 void WholeInterface::gather_nodes(const Domain& domain, const NodeNumbers& numbers,
                                   const InterfacePart& part) {
-  const Index all = static_cast<Index>(part.X.size());
-  const auto gather = [&](Index first, Index end) {
-    std::vector<Real> own;
+  const auto gathered = [&](Index first, Index end) {
+    std::vector<InterfaceNode> own;
     for (Index i = first; i < end; ++i) {
       if (!domain.owns(part.dof[i][0])) continue;
-      const Vec3& x = part.X[i];
-      const auto number_of_node = numbers.node(numbers.of(part.dof[i][0]));
-      own.insert(own.end(), {Real(number_of_node), x[0], x[1], x[2], Real(part.held[i]),
-                             Real(part.body[i]), Real(part.groups[i])});
-      const Motion& moved = part.motion;
-      if (part.is_moved)
-        for (const auto* of : {&moved.now, &moved.before, &moved.force})
-          own.insert(own.end(), (*of)[i].data(), (*of)[i].data() + 3);
-      if (i >= part.slaves) continue;
-      own_slaves_.push_back(i);
-      own.insert(own.end(), part.options[i].begin(), part.options[i].end());
+      if (i < part.slaves) own_slaves_.push_back(i);
+      own.push_back(part.nodes[i]);
+      own.back().number = numbers.node(numbers.of(part.dof[i][0]));
     }
-    return domain.gathered(as_vector(own));
+    return domain.gathered(own);
   };
-  const Index more =
-      static_cast<Index>(domain.largest(part.options.empty() ? 0 : part.options.front().size()));
-  const auto add = [&](const Vector& sent, Index extra) {
-    for (const Real* in = sent.data(); in != sent.data() + sent.size();) {
-      number.push_back(static_cast<NodeNumbers::Number>(*in++));
-      at.emplace(number.back(), nodes() - 1);
-      X.emplace_back(in[0], in[1], in[2]);
-      held.push_back(static_cast<unsigned char>(in[3]));
-      body.push_back(static_cast<Index>(in[4]));
-      groups.push_back(static_cast<Index>(in[5]));
-      in += 6;
-      if (part.is_moved)
-        for (auto* of : {&motion.now, &motion.before, &motion.force}) {
-          of->emplace_back(in[0], in[1], in[2]);
-          in += 3;
-        }
-      if (extra > 0) options.emplace_back(in, in + extra);
-      in += extra;
-    }
-  };
-  add(gather(0, part.slaves), more);
-  add(gather(part.slaves, all), 0);
+  nodes = gathered(0, part.slaves);
+  slaves = count();
+  const auto others = gathered(part.slaves, static_cast<Index>(part.nodes.size()));
+  nodes.insert(nodes.end(), others.begin(), others.end());
+  for (Index i = 0; i < count(); ++i) at.emplace(nodes[i].number, i);
 }
 
 void WholeInterface::gather_facets(const Domain& domain, const NodeNumbers& numbers,
                                    const InterfacePart& part) {
-  std::vector<Real> own;
-  const auto number_at = [&](Index i) { return numbers.node(numbers.of(part.dof[i][0])); };
+  using Number = NodeNumbers::Number;
+  struct Sent {
+    std::size_t pair;
+    bool of_master, quadratic;
+    mortar::Facet facet;
+    std::array<Number, 6> node;  ///< of which the facet has the places on one process
+    Number behind;
+  };
+  const auto number_at = [&](Index i) {
+    return i < 0 ? -1 : numbers.node(numbers.of(part.dof[i][0]));
+  };
+  std::vector<Sent> own;
   for (std::size_t p = 0; p < part.pairs.size(); ++p)
-    for (int side = 0; side < 2; ++side) {
-      const mortar::Surface& surface = side == 0 ? part.pairs[p].slave : part.pairs[p].master;
-      const int count = mortar::nodes_of_facet(d, surface.quadratic);
+    for (const bool of_master : {false, true}) {
+      const mortar::Surface& surface = of_master ? part.pairs[p].master : part.pairs[p].slave;
       for (const mortar::Facet& f : surface.facets) {
-        Index first = f.node[0];
-        for (int v = 1; v < d; ++v)
-          if (number_at(f.node[v]) < number_at(first)) first = f.node[v];
+        const Index first =
+            *std::min_element(f.node.begin(), f.node.begin() + d,
+                              [&](Index i, Index j) { return number_at(i) < number_at(j); });
         if (!domain.owns(part.dof[first][0])) continue;
-        own.insert(own.end(),
-                   {Real(p), Real(side), Real(f.label), f.outward[0], f.outward[1], f.outward[2],
-                    f.behind < 0 ? -1 : Real(number_at(f.behind)), f.thickness, Real(count)});
-        for (int k = 0; k < count; ++k) own.push_back(Real(number_at(f.node[k])));
+        Sent& sent =
+            own.emplace_back(Sent{p, of_master, surface.quadratic, f, {}, number_at(f.behind)});
+        std::transform(f.node.begin(), f.node.end(), sent.node.begin(), number_at);
       }
     }
-  const Vector sent = domain.gathered(as_vector(own));
-  const auto node = [&](Real numbered) {
-    return at.at(static_cast<NodeNumbers::Number>(numbered));
-  };
-  for (const Real* in = sent.data(); in != sent.data() + sent.size();) {
-    mortar::Pair& pair = pairs[static_cast<std::size_t>(in[0])];
-    mortar::Surface& surface = in[1] == 0 ? pair.slave : pair.master;
-    mortar::Facet f;
-    f.label = static_cast<long>(in[2]);
-    f.outward = {in[3], in[4], in[5]};
-    if (in[6] >= 0) f.behind = node(in[6]);
-    f.thickness = in[7];
-    const int count = static_cast<int>(in[8]);
-    in += 9;
-    surface.quadratic = count > d;
-    for (int k = 0; k < count; ++k) f.node[k] = node(*in++);
-    surface.facets.push_back(f);
+  const auto place_of = [&](Number number) { return number < 0 ? -1 : at.at(number); };
+  for (Sent& sent : domain.gathered(own)) {
+    mortar::Pair& pair = pairs[sent.pair];
+    mortar::Surface& surface = sent.of_master ? pair.master : pair.slave;
+    std::transform(sent.node.begin(), sent.node.end(), sent.facet.node.begin(), place_of);
+    sent.facet.behind = place_of(sent.behind);
+    surface.quadratic = sent.quadratic;
+    surface.facets.push_back(sent.facet);
   }
 }
 
@@ -110,7 +75,7 @@ void WholeInterface::gather_facets(const Domain& domain, const NodeNumbers& numb
 void WholeInterface::find_one_body() {
   for (mortar::Pair& pair : pairs) {
     for (mortar::Surface* side : {&pair.slave, &pair.master})
-      for (mortar::Facet& f : side->facets) f.body = body[f.node[0]];
+      for (mortar::Facet& f : side->facets) f.body = nodes[f.node[0]].body;
     std::set<Index> of_slave;
     for (const mortar::Facet& f : pair.slave.facets) of_slave.insert(f.body);
     for (mortar::Facet& f : pair.master.facets) f.one_body = of_slave.count(f.body) > 0;
@@ -119,10 +84,10 @@ void WholeInterface::find_one_body() {
 
 /// Of the nodes that facets name: one process has no others.
 void WholeInterface::find_own(const Domain& domain, const NodeNumbers& numbers) {
-  own_dof_.assign(number.size(), -1);
+  own_dof_.assign(nodes.size(), -1);
   const auto add = [&](Index i) {
-    if (i >= 0 && numbers.owner(number[i]) == domain.rank())
-      own_dof_[i] = numbers.dof(number[i], 0);
+    if (i >= 0 && numbers.owner(nodes[i].number) == domain.rank())
+      own_dof_[i] = numbers.dof(nodes[i].number, 0);
   };
   for (const mortar::Pair& pair : pairs)
     for (const mortar::Surface* side : {&pair.slave, &pair.master})
@@ -133,24 +98,22 @@ void WholeInterface::find_own(const Domain& domain, const NodeNumbers& numbers) 
 }
 
 Vector WholeInterface::gathered(const Domain& domain, const Vector& at_part) const {
-  Vector own(static_cast<Index>(own_slaves_.size()));
-  for (Index k = 0; k < own.size(); ++k) own[k] = at_part[own_slaves_[k]];
-  return domain.gathered(own);
+  return domain.gathered(Vector(at_part(own_slaves_)));
 }
 
 std::vector<Vec3> WholeInterface::at_nodes(const Domain& domain, const Vector& u) const {
-  std::vector<Vec3> of_node(number.size(), Vec3::Zero());
-  for (Index i = 0; i < nodes(); ++i)
+  std::vector<Vec3> of_node(nodes.size(), Vec3::Zero());
+  for (Index i = 0; i < count(); ++i)
     for (Index c = 0; c < d && own_dof_[i] >= 0; ++c) of_node[i][c] = u[own_dof_[i] + c];
-  domain.sum(of_node.front().data(), 3 * nodes());
+  domain.sum(of_node.front().data(), 3 * count());
   return of_node;
 }
 
 Vector WholeInterface::on_free_dofs(const std::vector<Vec3>& of_node, Index n) const {
   Vector of_dof = Vector::Zero(n);
-  for (Index i = 0; i < nodes(); ++i)
+  for (Index i = 0; i < count(); ++i)
     for (Index c = 0; c < d && own_dof_[i] >= 0; ++c)
-      if ((held[i] >> c & 1) == 0) of_dof[own_dof_[i] + c] = of_node[i][c];
+      if ((nodes[i].held >> c & 1) == 0) of_dof[own_dof_[i] + c] = of_node[i][c];
   return of_dof;
 }
 

@@ -1,28 +1,28 @@
 #pragma once
 #include "assembly/mortar/coupling.h"
-#include "node_numbers.h"
+#include "numbering.h"
 
 namespace frictioncg {
 
-/// Of each node of a geometry that is moved; empty where it is not.
-struct Motion {
-  std::vector<Vec3> now;     ///< the displacement that X has already
-  std::vector<Vec3> before;  ///< uold
-  std::vector<Vec3> force;   ///< forceold
+/// A node of the faces, as it is sent.
+struct InterfaceNode {
+  NodeNumbers::Number number;
+  Vec3 X;
+  unsigned char held;
+  Index body;    ///< over all processes
+  Index groups;  ///< of elements around it: mortar::Options
+  Vec3 normal = Vec3::Zero();
+  Real weight = 0;  ///< of slaves, where given, like the normal
+  /// Where the geometry is moved: the displacement that X has already, uold, and forceold.
+  Vec3 now = Vec3::Zero(), before = Vec3::Zero(), force = Vec3::Zero();
 };
 
 /// What a process knows of the faces of two bodies: its own part with overlap.
 struct InterfacePart {
-  std::vector<Vec3> X;
+  std::vector<InterfaceNode> nodes;  ///< those of slaves come first
+  Index slaves = 0;
   mortar::NodeDofs dof;
   std::vector<mortar::Pair> pairs;  ///< the same on all processes, but for their facets
-  Index slaves = 0;                 ///< nodes: those of slaves come first
-  std::vector<unsigned char> held;
-  std::vector<Index> body;                 ///< of each node, over all processes
-  std::vector<Index> groups;               ///< of elements around it: mortar::Options
-  std::vector<std::vector<Real>> options;  ///< of each slave node: normal and weight, where given
-  bool is_moved = false;                   ///< the same on all processes
-  Motion motion;
 };
 
 /// The faces of two bodies whole, the same on all processes in every bit and order: what they make
@@ -33,7 +33,14 @@ struct WholeInterface {
   WholeInterface(const Domain& domain, const NodeNumbers& numbers, Index dimension,
                  const InterfacePart& part);
 
-  Index nodes() const { return static_cast<Index>(number.size()); }
+  Index count() const { return static_cast<Index>(nodes.size()); }
+  /// One of their values at all nodes.
+  template <class T>
+  std::vector<T> at_all(T InterfaceNode::*value) const {
+    std::vector<T> values;
+    for (const InterfaceNode& n : nodes) values.push_back(n.*value);
+    return values;
+  }
   /// A value at each of the part's slave nodes, by their owners, at all slave nodes.   Collective.
   Vector gathered(const Domain& domain, const Vector& at_part) const;
   /// A displacement by the part's dofs, as owners have it, at all nodes; 0 at those that no facet
@@ -44,13 +51,9 @@ struct WholeInterface {
   Vector on_free_dofs(const std::vector<Vec3>& of_node, Index n) const;
 
   Index d = 2;
-  std::vector<NodeNumbers::Number> number;            ///< of each node; those of slaves come first
-  std::unordered_map<NodeNumbers::Number, Index> at;  ///< and back
-  std::vector<Vec3> X;
-  std::vector<unsigned char> held;
-  std::vector<Index> body, groups;
-  std::vector<std::vector<Real>> options;  ///< of each slave node
-  Motion motion;
+  std::vector<InterfaceNode> nodes;  ///< those of slaves come first
+  Index slaves = 0;
+  std::unordered_map<NodeNumbers::Number, Index> at;  ///< of each number, the node
   std::vector<mortar::Pair> pairs;
 
  private:

@@ -40,7 +40,7 @@ bool ExactMatrix<D>::multiply(const SymmetricBlocks<D>& places, const std::vecto
   in_ranges(n, [&](Index first, Index end) {
     for (Index p = first; p < end; ++p) x_[slot[p]] = x[p];
   });
-  places.parts.upwards(places.rows(), [&](std::size_t first, std::size_t end) {
+  places.parts.upwards([&](std::size_t first, std::size_t end) {
     for (std::size_t i = first; i < end; ++i) {
       const Real* x_i = x_.data() + i * D;
       Reals<D> sum[D] = {};

@@ -3,37 +3,50 @@
 
 namespace frictioncg {
 
-/// The blocks of a coarse matrix that contact dofs contribute to, A = base + contact part: only
-/// they change with the faces. The rows own their diagonal block and some of their lower blocks.
+/// Some rows of a matrix, each with its diagonal block and some of its lower blocks. Contact dofs
+/// contribute to few blocks of a coarse matrix, A = base + contact part: only they change with the
+/// faces.
 template <int B>
 struct Touched {
   std::vector<Index> rows;
   std::vector<Index> begin{0};  ///< rows + 1, into lower
   std::vector<Index> lower;     ///< indices of stored blocks
 
-  /// What P' X P reaches, X being the blocks `finer` of A.
-  template <int R>
-  static Touched reached(const SymmetricBlocks<R>& A, const Touched<R>& finer,
-                         const Prolongation<R, B>& P, const SymmetricBlocks<B>& coarse) {
-    std::vector<char> row_hit(coarse.rows(), 0), lower_hit(coarse.col.size(), 0);
-    std::vector<Index> columns, seen_by(coarse.rows(), -1);
-    for (std::size_t q = 0; q < finer.rows.size(); ++q) {
-      const Index i = finer.rows[q];
+  static Touched all(const SymmetricBlocks<B>& A) {
+    Touched t{std::vector<Index>(A.rows()), A.row, std::vector<Index>(A.col.size())};
+    std::iota(t.rows.begin(), t.rows.end(), 0);
+    std::iota(t.lower.begin(), t.lower.end(), 0);
+    return t;
+  }
+  /// Whose pairs of coarse rows P' X P fills, X being these blocks of A: visit(I, J), perhaps more
+  /// than once.
+  template <int C, class Visit>
+  void for_each_reached(const SymmetricBlocks<B>& A, const Prolongation<B, C>& P,
+                        const Visit& visit) const {
+    std::vector<Index> columns, seen_by(P.columns, -1);
+    for (std::size_t q = 0; q < rows.size(); ++q) {
+      const Index i = rows[q];
       columns.clear();
-      const auto visit = [&](Index j) {
+      const auto reach = [&](Index j) {
         for (Index c = P.row[j]; c < P.row[j + 1]; ++c)
-          if (seen_by[P.col[c]] != i) seen_by[P.col[c]] = i, columns.push_back(P.col[c]);
+          if (std::exchange(seen_by[P.col[c]], i) != i) columns.push_back(P.col[c]);
       };
-      visit(i);
-      for (Index k = finer.begin[q]; k < finer.begin[q + 1]; ++k) visit(A.col[finer.lower[k]]);
+      reach(i);
+      for (Index k = begin[q]; k < begin[q + 1]; ++k) reach(A.col[lower[k]]);
       for (Index c = P.row[i]; c < P.row[i + 1]; ++c)
-        for (const Index J : columns) {
-          const Index I = P.col[c];
-          row_hit[I] = row_hit[J] = 1;
-          if (I != J) lower_hit[coarse.find(std::max(I, J), std::min(I, J))] = 1;
-        }
+        for (const Index J : columns) visit(P.col[c], J);
     }
-    Touched t;
+  }
+  /// The blocks of the coarse matrix that P' X P fills.
+  template <int C>
+  Touched<C> reached(const SymmetricBlocks<B>& A, const Prolongation<B, C>& P,
+                     const SymmetricBlocks<C>& coarse) const {
+    std::vector<char> row_hit(coarse.rows(), 0), lower_hit(coarse.col.size(), 0);
+    for_each_reached(A, P, [&](Index I, Index J) {
+      row_hit[I] = row_hit[J] = 1;
+      if (I != J) lower_hit[coarse.find(std::max(I, J), std::min(I, J))] = 1;
+    });
+    Touched<C> t;
     for (Index I = 0; I < coarse.rows(); ++I) {
       if (!row_hit[I]) continue;
       t.rows.push_back(I);
@@ -94,26 +107,16 @@ struct Grid {
   }
 };
 
-/// The places of P' A P, zero, in parts. The columns of P, at `place`, become the rows `number`.
+/// The places of P' A P, zero, in parts. all: blocks of A. The columns of P, at `place`, become the
+/// rows `number`.
 template <int B, int K>
-SymmetricBlocks<K> galerkin_pattern(const SymmetricBlocks<B>& A, const Prolongation<B, K>& P,
-                                    const Eigen::MatrixXd& place, std::vector<Index>& number) {
+SymmetricBlocks<K> galerkin_pattern(const SymmetricBlocks<B>& A, const Touched<B>& all,
+                                    const Prolongation<B, K>& P, const Eigen::MatrixXd& place,
+                                    std::vector<Index>& number) {
   std::vector<std::vector<Index>> beside(P.columns);
-  std::vector<Index> reached, seen_by(P.columns, -1);
-  for (Index i = 0; i < A.rows(); ++i) {
-    reached.clear();
-    const auto visit = [&](Index j) {
-      for (Index q = P.row[j]; q < P.row[j + 1]; ++q)
-        if (seen_by[P.col[q]] != i) seen_by[P.col[q]] = i, reached.push_back(P.col[q]);
-    };
-    visit(i);
-    for (Index k = A.row[i]; k < A.row[i + 1]; ++k) visit(A.col[k]);
-    for (Index q = P.row[i]; q < P.row[i + 1]; ++q)
-      for (Index J : reached) {
-        const Index I = P.col[q];
-        if (I != J) beside[std::max(I, J)].push_back(std::min(I, J));
-      }
-  }
+  all.for_each_reached(A, P, [&](Index I, Index J) {
+    if (I != J) beside[std::max(I, J)].push_back(std::min(I, J));
+  });
   Dissection halves(place);
   for (Index I = 0; I < P.columns; ++I) {
     sort_once(beside[I]);
@@ -138,28 +141,31 @@ SymmetricBlocks<K> galerkin_pattern(const SymmetricBlocks<B>& A, const Prolongat
   return coarse;
 }
 
-/// coarse += P' (X + X') P, A = X + X': rows of X have strictly lower blocks and half of the
-/// diagonal one, so each block of A belongs to one row. Threads share the rows of X P, some of them
-/// at a time, and then the rows of the coarse matrix, which add them up in their order.
+/// coarse += P' (X + X') P: rows of X have strictly lower blocks of A and half of the diagonal one,
+/// so each block belongs to one row. Threads share the rows of X P, some of them at a time, and
+/// then the rows of the coarse matrix, which add them up in their order.
 template <int B, int K>
 class GalerkinProduct {
  public:
-  void add(const SymmetricBlocks<B>& A, const Prolongation<B, K>& P, SymmetricBlocks<K>& coarse) {
-    add_rows(A, P, A.rows(), coarse, [&](Index i, const auto& add) {
-      add.start(i);
-      for (Index k = A.row[i]; k < A.row[i + 1]; ++k) add.lower(k);
-    });
-  }
-
-  /// Only these blocks of A.
+  /// X + X': these blocks of A
   void add(const SymmetricBlocks<B>& A, const Prolongation<B, K>& P, const Touched<B>& of,
            SymmetricBlocks<K>& coarse) {
-    add_rows(A, P, static_cast<Index>(of.rows.size()), coarse, [&](Index q, const auto& add) {
-      const Index i = of.rows[q];
-      if (are_zero(P.at(P.row[i]), P.at(P.row[i + 1]))) return;  // a node that sticks
-      add.start(i);
-      for (Index k = of.begin[q]; k < of.begin[q + 1]; ++k) add.lower(of.lower[k]);
-    });
+    const Index count = static_cast<Index>(of.rows.size());
+    rows_.resize(std::max<std::size_t>(rows_.size(), std::min(count, at_a_time)));
+    const Index shares = std::clamp(rows_of_vector * count / least_range, 1,
+                                    std::min({P.columns, Threads::own(), most_shares}));
+    for (Index begin = 0; begin < count; begin += at_a_time) {
+      const Index n = std::min(at_a_time, count - begin);
+      in_ranges(n, rows_of_vector * n, [&](Index first, Index end) {
+        std::vector<Index> place(P.columns, -1);
+        for (Index q = first; q < end; ++q) make_row(A, P, of, begin + q, place, rows_[q]);
+      });
+      side_by_side(shares, [&](Index k) {
+        const Index first = share_begin(coarse, k, shares);
+        const Index end = share_begin(coarse, k + 1, shares);
+        for (Index q = 0; q < n; ++q) scatter(P, rows_[q], first, end, coarse);
+      });
+    }
   }
 
  private:
@@ -169,68 +175,39 @@ class GalerkinProduct {
 
   /// A row of X P
   struct Row {
-    Index of = -1;
+    Index of;
     std::vector<Index> column;
     std::vector<float> product;  ///< B x K for each column
-  };
-  struct Adder {
-    const SymmetricBlocks<B>& A;
-    const Prolongation<B, K>& P;
-    std::vector<Index>& place;  ///< of a coarse column in the row; -1: absent
-    Row& row;
-
-    void start(Index i) const {
-      row.of = i;
-      multiply(0.5f, A.diagonal_at(i), i);
-    }
-    void lower(Index k) const { multiply(1, A.at(k), A.col[k]); }
-    /// The row += factor a P_j
-    void multiply(float factor, const float* a, Index j) const {
-      if (are_zero(a, a + B * B)) return;
-      for (Index q = P.row[j]; q < P.row[j + 1]; ++q) {
-        Index& at = place[P.col[q]];
-        if (at < 0) {
-          at = static_cast<Index>(row.column.size());
-          row.column.push_back(P.col[q]);
-          row.product.resize(row.product.size() + B * K, 0);
-        }
-        add_block_product<B, B, K>(factor, a, P.at(q),
-                                   row.product.data() + std::size_t(at) * B * K);
-      }
-    }
   };
 
   static bool are_zero(const float* begin, const float* end) {
     return std::all_of(begin, end, [](float a) { return a == 0; });
   }
 
-  /// make(q, adder) for the rows q = 0 .. count-1
-  template <class Make>
-  void add_rows(const SymmetricBlocks<B>& A, const Prolongation<B, K>& P, Index count,
-                SymmetricBlocks<K>& coarse, const Make& make) {
-    rows_.resize(std::max<std::size_t>(rows_.size(), std::min(count, at_a_time)));
-    const Index shares = std::clamp(rows_of_vector * count / least_range, 1,
-                                    std::min({P.columns, Threads::own(), most_shares}));
-    for (Index begin = 0; begin < count; begin += at_a_time) {
-      const Index n = std::min(at_a_time, count - begin);
-      in_ranges(n, rows_of_vector * n, [&](Index first, Index end) {
-        std::vector<Index> place(P.columns, -1);
-        for (Index q = first; q < end; ++q) {
-          Row& row = rows_[q];
-          row.of = -1;
-          row.column.clear();
-          row.product.clear();
-          make(begin + q, Adder{A, P, place, row});
-          for (const Index J : row.column) place[J] = -1;
+  /// place: of each coarse column in the row; -1: absent, as all are before and after
+  static void make_row(const SymmetricBlocks<B>& A, const Prolongation<B, K>& P,
+                       const Touched<B>& of, Index q, std::vector<Index>& place, Row& row) {
+    const Index i = row.of = of.rows[q];
+    row.column.clear();
+    row.product.clear();
+    if (are_zero(P.at(P.row[i]), P.at(P.row[i + 1]))) return;      // a node that sticks
+    const auto add = [&](float factor, const float* a, Index j) {  // the row += factor a P_j
+      if (are_zero(a, a + B * B)) return;
+      for (Index c = P.row[j]; c < P.row[j + 1]; ++c) {
+        Index& at = place[P.col[c]];
+        if (at < 0) {
+          at = static_cast<Index>(row.column.size());
+          row.column.push_back(P.col[c]);
+          row.product.resize(row.product.size() + B * K, 0);
         }
-      });
-      side_by_side(shares, [&](Index k) {
-        const Index first = share_begin(coarse, k, shares);
-        const Index end = share_begin(coarse, k + 1, shares);
-        for (Index q = 0; q < n; ++q)
-          if (rows_[q].of >= 0) scatter(P, rows_[q], first, end, coarse);
-      });
-    }
+        add_block_product<B, B, K>(factor, a, P.at(c),
+                                   row.product.data() + std::size_t(at) * B * K);
+      }
+    };
+    add(0.5f, A.diagonal_at(i), i);
+    for (Index k = of.begin[q]; k < of.begin[q + 1]; ++k)
+      add(1, A.at(of.lower[k]), A.col[of.lower[k]]);
+    for (const Index J : row.column) place[J] = -1;
   }
   /// The row of A at which share k of its blocks begins
   static Index share_begin(const SymmetricBlocks<K>& A, Index k, Index shares) {

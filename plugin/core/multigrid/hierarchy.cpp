@@ -1,7 +1,6 @@
 #include <Eigen/Cholesky>
 
 #include "linear_algebra.h"
-#include "multigrid/dense.h"
 #include "multigrid/exact_matrix.h"
 #include "multigrid/hierarchy.h"
 #include "multigrid/level.h"
@@ -72,17 +71,10 @@ class HierarchyOf final : public Hierarchy {
   void truncate(const std::vector<char>& fixed, const std::vector<TangentialStiffness>& W,
                 const Vector& springs) override {
     set_contact_rows(fixed, W, springs);
-    coarse_.front().touched.clear(coarse_.front().A);
-    fine_product_.add(fine_.A, fine_.P, fine_.touched, coarse_.front().A);
-    restrict_border(fine_.P, fine_.border, coarse_.front().border);
+    fine_.restrict_touched(fine_product_, coarse_.front());
     for (std::size_t l = 0; l < coarse_.size(); ++l) {
       Coarse& level = coarse_[l];
-      if (l + 1 < coarse_.size()) {
-        Coarse& next = coarse_[l + 1];
-        next.touched.clear(next.A);
-        product_.add(level.A, level.P, level.touched, next.A);
-        restrict_border(level.P, level.border, next.border);
-      }
+      if (l + 1 < coarse_.size()) level.restrict_touched(product_, coarse_[l + 1]);
       level.touched.add(1, level.base, level.A);
       for (const Index i : level.touched.rows) invert_diagonal(level.A, i);
     }
@@ -334,15 +326,15 @@ class DenseHierarchy final : public Hierarchy {
                 const Vector& springs) override {
     const Eigen::Index interior = A_.rows() - Eigen::Index(fixed.size());
     fixed_ = fixed;
-    truncated_ = A_;
-    truncated_.diagonal().tail(springs.size()) += springs;
-    for (const TangentialStiffness& w : W) truncated_.block<2, 2>(w.first, w.first) += w.M;
+    Eigen::MatrixXd A = A_;
+    A.diagonal().tail(springs.size()) += springs;
+    for (const TangentialStiffness& w : W) A.block<2, 2>(w.first, w.first) += w.M;
     for (std::size_t c = 0; c < fixed.size(); ++c)
       if (fixed[c]) {
-        truncated_.row(interior + Eigen::Index(c)).setZero();
-        truncated_.col(interior + Eigen::Index(c)).setZero();
+        A.row(interior + Eigen::Index(c)).setZero();
+        A.col(interior + Eigen::Index(c)).setZero();
       }
-    factor_shifted(truncated_, far_above_rounding, factor_);
+    factor_shifted(std::move(A), far_above_rounding, factor_);
   }
   void apply(const Vector& r, Vector& z) override {
     z = r;
@@ -351,12 +343,11 @@ class DenseHierarchy final : public Hierarchy {
   }
   Index levels() const override { return 1; }
   Real operator_complexity() const override { return 1; }
-  double bytes() const override { return 3.0 * sizeof(Real) * double(A_.size()); }
-  Eigen::MatrixXd matrix(Index) const override { return truncated_; }  ///< by dofs
+  double bytes() const override { return 2.0 * sizeof(Real) * double(A_.size()); }
 
  private:
   static constexpr Real far_above_rounding = 1e-10;  ///< and far below A
-  Eigen::MatrixXd A_, truncated_;
+  const Eigen::MatrixXd A_;
   std::vector<char> fixed_;
   Factor factor_;
 };

@@ -1,7 +1,5 @@
 #include "multigrid/inexact_newton.h"
 
-#include "multigrid/bed.h"
-
 namespace frictioncg {
 
 namespace {

@@ -97,24 +97,31 @@ struct Level {
   /// blocks, the contact part alone. contact: that part of A, replaced by that of next.A. The rows
   /// of `grid` and the columns of P are renumbered for threads.
   void make_next(Level<K, K>& next, Grid<K>& grid, std::vector<float>& contact) {
+    const Touched<B> all = Touched<B>::all(A);
     std::vector<Index> number;
-    next.A = galerkin_pattern(A, P, grid.place, number);
+    next.A = galerkin_pattern(A, all, P, grid.place, number);
     for (Index& column : P.col) column = number[column];
     grid.renumber(number);
-    next.touched = Touched<K>::reached(A, touched, P, next.A);
+    next.touched = touched.reached(A, P, next.A);
     GalerkinProduct<B, K> product;
     touched.add(0, base, A);
-    product.add(A, P, next.A);
+    product.add(A, P, all, next.A);
     next.base = next.touched.read(next.A);
 
     touched.add(0, contact, A);
-    next.touched.clear(next.A);
-    product.add(A, P, touched, next.A);
+    restrict_touched(product, next);
     touched.add(1, base, A);
     contact = next.touched.read(next.A);
     next.touched.add(1, next.base, next.A);
     for (Index i = 0; i < next.A.rows(); ++i) invert_diagonal(next.A, i);
     next.allocate();
+  }
+
+  /// What is not 0 but in touched blocks: those of next.A, without their base, and the border.
+  void restrict_touched(GalerkinProduct<B, K>& product, Level<K, K>& next) const {
+    next.touched.clear(next.A);
+    product.add(A, P, touched, next.A);
+    restrict_border(P, border, next.border);
   }
 
   double bytes() const {

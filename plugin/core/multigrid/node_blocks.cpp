@@ -33,14 +33,9 @@ NodeBlocks make_node_blocks(const Matrix& A, const std::vector<Index>& mesh_node
   b.dof.assign(b.slots(), -1);
   b.slot.resize(n);
   for (Index p = 0; p < n; ++p) {
-    const Index begin = dimension * block[mesh_node[p]];
-    Index place = 0;
-    while (place < dimension && b.dof[begin + place] >= 0) ++place;
-    if (place == dimension)
-      refuse("mesh node ", mesh_node[p], " has more than ", dimension,
-             " degrees of freedom; multigrid takes displacements only");
-    b.dof[begin + place] = p;
-    b.slot[p] = begin + place;
+    b.slot[p] = dimension * block[mesh_node[p]];
+    while (b.dof[b.slot[p]] >= 0) ++b.slot[p];
+    b.dof[b.slot[p]] = p;
   }
   return b;
 }

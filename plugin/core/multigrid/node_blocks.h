@@ -19,9 +19,8 @@ struct NodeBlocks {
   Index dofs() const { return static_cast<Index>(slot.size()); }
 };
 
-/// mesh_node (n): dofs with one number share a mesh node. Contact dofs are those from
-/// first_contact_dof on. modes: rigid motions, which tell where nodes lie. Throws IllegalInput
-/// where a node has more dofs than the dimension.
+/// mesh_node (n): dofs with one number share a mesh node, `dimension` of them at most. Contact dofs
+/// are those from first_contact_dof on. modes: rigid motions, which tell where nodes lie.
 NodeBlocks make_node_blocks(const Matrix& A, const std::vector<Index>& mesh_node,
                             const Eigen::MatrixXd& modes, int dimension, Index first_contact_dof);
 

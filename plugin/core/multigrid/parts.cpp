@@ -41,12 +41,11 @@ void Dissection::halve(const Eigen::MatrixXd& place, Index* begin, Index* end, u
 }
 
 Parts Dissection::numbered(std::vector<Index>& number) const {
-  Parts parts;
-  parts.leaves = 1 << depth_;
-  parts.first.assign(2 * parts.leaves, 0);
+  const Index leaves = 1 << depth_;
+  Parts parts{std::vector<Index>(2 * leaves, 0)};
   const auto task = [&](std::size_t i) {
     // 2^h times fewer tasks from stage h on than leaves: 2 leaves - 2 leaves/2^h before them
-    return 2 * parts.leaves - (2 * parts.leaves >> height_[i]) + (leaf_[i] >> height_[i]);
+    return 2 * leaves - (2 * leaves >> height_[i]) + (leaf_[i] >> height_[i]);
   };
   for (std::size_t i = 0; i < leaf_.size(); ++i) ++parts.first[task(i) + 1];
   std::partial_sum(parts.first.begin(), parts.first.end(), parts.first.begin());

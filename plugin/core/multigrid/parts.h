@@ -9,21 +9,19 @@ namespace frictioncg {
 /// separates: a sweep reads and writes no row of another task of its stage, and gives the same on
 /// any number of threads.
 struct Parts {
-  std::vector<Index> first{0};  ///< tasks + 1, their rows
-  Index leaves = 0;             ///< a power of 2, or 0: all rows are one task
+  std::vector<Index> first;                                              ///< tasks + 1, their rows
+  Index leaves() const { return static_cast<Index>(first.size()) / 2; }  ///< a power of 2
 
   /// work(first row, end) for each task, the leaves first
   template <class Work>
-  void upwards(Index rows, const Work& work) const {
-    if (leaves < 2) return work(0, rows);
-    for (Index stage = 0, tasks = leaves; tasks > 0; stage += tasks, tasks /= 2)
+  void upwards(const Work& work) const {
+    for (Index stage = 0, tasks = leaves(); tasks > 0; stage += tasks, tasks /= 2)
       of(stage, tasks, work);
   }
   /// The same, the leaves last
   template <class Work>
-  void downwards(Index rows, const Work& work) const {
-    if (leaves < 2) return work(0, rows);
-    for (Index tasks = 1; tasks <= leaves; tasks *= 2) of(2 * (leaves - tasks), tasks, work);
+  void downwards(const Work& work) const {
+    for (Index tasks = 1; tasks <= leaves(); tasks *= 2) of(2 * (leaves() - tasks), tasks, work);
   }
 
  private:

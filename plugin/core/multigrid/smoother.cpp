@@ -52,7 +52,7 @@ inline void scatter(const SymmetricBlocks<B>& A, std::size_t i, const float* min
 
 template <int B>
 void sweep_forward(const SymmetricBlocks<B>& A, float* residual, float* z) {
-  A.parts.upwards(A.rows(), [&](std::size_t first, std::size_t end) {
+  A.parts.upwards([&](std::size_t first, std::size_t end) {
     float minus[B];
     for (std::size_t i = first; i < end; ++i) {
       relax<Order::up>(A, i, residual, z, minus);
@@ -64,7 +64,7 @@ void sweep_forward(const SymmetricBlocks<B>& A, float* residual, float* z) {
 
 template <int B>
 void sweep_backward(const SymmetricBlocks<B>& A, float* r, float* z) {
-  A.parts.downwards(A.rows(), [&](std::size_t first, std::size_t end) {
+  A.parts.downwards([&](std::size_t first, std::size_t end) {
     float minus[B];
     for (std::size_t i = end; i-- > first;) {
       relax<Order::down>(A, i, r, z, minus);
@@ -76,7 +76,7 @@ void sweep_backward(const SymmetricBlocks<B>& A, float* r, float* z) {
 template <int B>
 void subtract_product(const SymmetricBlocks<B>& A, const float* r, const float* z,
                       float* residual) {
-  A.parts.upwards(A.rows(), [&](std::size_t first, std::size_t end) {
+  A.parts.upwards([&](std::size_t first, std::size_t end) {
     for (std::size_t i = first; i < end; ++i) {
       const std::size_t at = i * stride<B>;
       BlockSum<B, B> sum = lower_product<Order::up>(A, i, z);

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/linear_algebra.h"
-#include "core/multigrid/bed.h"
+#include "core/multigrid/faces.h"
 #include "core/multigrid/hierarchy.h"
 #include "core/solver.h"
 #include "unit/sparse_scene.h"

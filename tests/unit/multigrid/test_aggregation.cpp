@@ -86,11 +86,6 @@ TEST(BlockIndex, HoldsUpToTheLargestIndexAndRefusesByNameBeyond) {
   }
 }
 
-TEST(NodeBlocks, ANodeWithMoreDofsThanTheDimensionIsRefused) {
-  EXPECT_THROW(make_node_blocks(Matrix(4, 4), {0, 0, 0, 1}, Eigen::MatrixXd::Zero(4, 3), 2, 3),
-               IllegalInput);
-}
-
 TEST(RigidModes, AreTheKernelOfElasticityInLocalFrames) {
   for (int d : {2, 3}) {
     SparseOptions o;

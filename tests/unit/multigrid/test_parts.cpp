@@ -43,7 +43,7 @@ TEST(Parts, HoldEachRowOnceInTheOrderOfTheirTasks) {
   std::vector<Index> sorted = plate.number;
   std::sort(sorted.begin(), sorted.end());
   for (Index i = 0; i < Index(sorted.size()); ++i) EXPECT_EQ(sorted[i], i);
-  EXPECT_EQ(plate.parts.leaves, 8);
+  EXPECT_EQ(plate.parts.leaves(), 8);
   ASSERT_EQ(plate.parts.first.size(), 16u);
   EXPECT_EQ(plate.parts.first.back(), Plate::n * Plate::n);
   // leaves are equal but for what separators take of them: a line of the shorter side at each cut
@@ -68,10 +68,10 @@ TEST(Parts, GoUpwardsAndDownwardsOverAllRows) {
   const Plate plate;
   const Threads one(1);
   std::vector<Index> up, down;
-  plate.parts.upwards(Plate::n * Plate::n, [&](Index first, Index end) {
+  plate.parts.upwards([&](Index first, Index end) {
     for (Index i = first; i < end; ++i) up.push_back(i);
   });
-  plate.parts.downwards(Plate::n * Plate::n, [&](Index first, Index) { down.push_back(first); });
+  plate.parts.downwards([&](Index first, Index) { down.push_back(first); });
   for (Index i = 0; i < Index(up.size()); ++i) EXPECT_EQ(up[i], i);
   EXPECT_EQ(up.size(), plate.number.size());
   EXPECT_EQ(down.size(), 15u);
@@ -81,7 +81,7 @@ TEST(Parts, GoUpwardsAndDownwardsOverAllRows) {
 TEST(Parts, OfFewRowsAreOne) {
   Dissection halves(Eigen::MatrixXd::Random(900, 3));
   std::vector<Index> number;
-  EXPECT_EQ(halves.numbered(number).leaves, 1);
+  EXPECT_EQ(halves.numbered(number).leaves(), 1);
   for (Index i = 0; i < 900; ++i) EXPECT_EQ(number[i], i);
 }
 
@@ -148,7 +148,7 @@ TEST(Hierarchy, GivesTheSameOnAnyNumberOfThreads) {
     const Threads given(threads);
     with_threads([&] {
       SceneInBlocks s(o);
-      EXPECT_EQ(s.blocks.parts.leaves, 4);
+      EXPECT_EQ(s.blocks.parts.leaves(), 4);
       std::vector<char> fixed(s.system->contact_dofs(), 0);
       for (std::size_t c = 0; c < fixed.size(); c += 2) fixed[c] = 1;
       s.hierarchy->truncate(fixed, {});

@@ -4,7 +4,6 @@
 
 #include <Eigen/Dense>
 
-#include "core/multigrid/dense.h"
 #include "core/multigrid/exact_matrix.h"
 #include "core/multigrid/prolongation.h"
 
@@ -18,6 +17,7 @@ constexpr Real single_precision = 1e-5;
 template <int B>
 SymmetricBlocks<B> random_blocks(Index rows) {
   SymmetricBlocks<B> A;
+  A.parts.first = {0, rows};
   for (Index i = 0; i < rows; ++i) {
     for (const Index j : {i - 3, i - 1})
       if (j >= 0) A.col.push_back(j);
