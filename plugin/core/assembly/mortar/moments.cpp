@@ -30,16 +30,19 @@ constexpr Real narrow = 0.1, widest = 0.15;
 struct Arm {
   Vec3 sum = Vec3::Zero();  ///< sum_l G_kl (X_l - X_i)
   Real size = 0;
+  Vec3 aside;       ///< what of it lies across n_i
+  Real widest = 0;  ///< how far aside of the normal the row sees something, at most
 
-  Arm(const Matrix& G, Index k, Index i, const std::vector<Vec3>& X) {
-    for (Matrix::InnerIterator it(G, k); it; ++it) {
-      const Vec3 way = it.value() * (X[it.col()] - X[i]);
-      sum += way;
-      size += way.norm();
+  Arm(const Matrix& G, std::size_t k, const SlaveNode& node, const std::vector<Vec3>& X) {
+    const auto across = [&n = node.normal](const Vec3& way) { return Vec3(way - way.dot(n) * n); };
+    for (Matrix::InnerIterator it(G, static_cast<Index>(k)); it; ++it) {
+      const Vec3 way = X[it.col()] - X[node.node];
+      sum += it.value() * way;
+      size += (it.value() * way).norm();
+      widest = std::max(widest, across(way).norm());
     }
+    aside = across(sum);
   }
-  /// What of it lies across n
-  Vec3 across(const Vec3& n) const { return sum - sum.dot(n) * n; }
 };
 
 Matrix changed(const Matrix& P, const EntryList& change) {
@@ -91,11 +94,10 @@ Matrix balanced(const Matrix& P, const Matrix& G, const std::vector<SlaveNode>& 
   Matrix result = P;
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const Index i = nodes[k].node;
-    const Arm arm(G, static_cast<Index>(k), i, X);
-    const Vec3 e = arm.across(nodes[k].normal);
-    if (e.norm() <= on_normal * arm.size) continue;
+    const Arm arm(G, k, nodes[k], X);
+    if (arm.aside.norm() <= on_normal * arm.size) continue;
     const MasterRow row(P, i, nodes[k].normal, X);
-    const Vec3 b = row.change(e, choices[i].rank);
+    const Vec3 b = row.change(arm.aside, choices[i].rank);
     for (Matrix::InnerIterator it(result, i); it; ++it)
       it.valueRef() += std::abs(it.value()) * b.dot(row.place(it.col()));
   }
@@ -103,16 +105,6 @@ Matrix balanced(const Matrix& P, const Matrix& G, const std::vector<SlaveNode>& 
 }
 
 namespace {
-
-/// How far aside of the normal a row of G sees something, at most.
-Real widest_column(const Matrix& G, Index k, const SlaveNode& node, const std::vector<Vec3>& X) {
-  Real most = 0;
-  for (Matrix::InnerIterator it(G, k); it; ++it) {
-    const Vec3 way = X[it.col()] - X[node.node];
-    most = std::max(most, (way - way.dot(node.normal) * node.normal).norm());
-  }
-  return most;
-}
 
 /// Of a facet that has all inside it that is within `reach` of x, across a direction.
 Plane across(int d, const Vec3& x, const Vec3& direction, Real reach) {
@@ -193,14 +185,13 @@ Matrix along_normals(const Matrix& P, const Matrix& G, const std::vector<SlaveNo
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const SlaveNode& node = nodes[k];
     if (!of_master[node.node]) continue;
-    const Arm arm(G, static_cast<Index>(k), node.node, X);
+    const Arm arm(G, k, node, X);
     std::optional<bool>& along = choices[node.node].along_normal;
-    if (!along) along = arm.across(node.normal).norm() > balanced_to * arm.size;
+    if (!along) along = arm.aside.norm() > balanced_to * arm.size;
     if (!*along) continue;
     const Side& master = masters[node.pair];
     Lines& to = lines.try_emplace(node.pair, master, X).first->second;
-    const Hit hit =
-        to.hit(X[node.node], node.normal, widest_column(G, static_cast<Index>(k), node, X));
+    const Hit hit = to.hit(X[node.node], node.normal, arm.widest);
     if (hit.facet < 0) continue;
     Real sum = 0;  // of the row, which stays: 1 but where removed nodes have weights of their own
     for (Matrix::InnerIterator it(P, node.node); it; ++it) {
@@ -250,7 +241,7 @@ Crossings crossings(const Matrix& G, const std::vector<SlaveNode>& nodes, const 
   Crossings found(nodes.size());
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const auto& [i, pair, label, n, D, g, distance] = nodes[k];
-    const Vec3 arm = Arm(G, static_cast<Index>(k), i, all.X).sum;
+    const Vec3 arm = Arm(G, k, nodes[k], all.X).sum;
     Real whole = 0;
     for (const auto& [facet, weight] : summed(faced[i])) {
       const bool one_body = facet->one_body || (!apart && turns[i]);
@@ -280,7 +271,7 @@ Matrix across_gap(const Matrix& P, const Matrix& G, const std::vector<SlaveNode>
   EntryList change;
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const SlaveNode& at = nodes[k];
-    const Vec3 arm = Arm(G, static_cast<Index>(k), at.node, X).sum;
+    const Vec3 arm = Arm(G, k, at, X).sum;
     for (const Crossing& crossing : crossings[k]) {
       const Vector c = crossing.gradients * (crossing.share * crossing.e(arm, at.normal, at.gap));
       for (std::size_t v = 0; v < crossing.vertices.size(); ++v)
