@@ -8,17 +8,13 @@ Integration::Integration(const Side& slave, const Side& master, const std::vecto
                          const Options& options)
     : X_(X), options_(options), slave_(slave, X), master_(master, X) {}
 
-Real Integration::weight(const Part& part, const Vec3& lambda) const {
-  if (options_.weight.empty()) return 1;
-  Real sum = 0;
-  for (int v = 0; v < part.slave.d; ++v) sum += lambda[v] * options_.weight[part.node(v)];
-  return sum;
-}
-
 Real Integration::measure(const Part& part, const QuadraturePoint& point) const {
   const int d = part.slave.d;
-  const Real jacobian = part.slave.planes[part.facet].measure / extent(reference_facet(d));
-  return jacobian * point.weight * weight(part, slave_coordinates(d, point.xi));
+  const Vec3 lambda = slave_coordinates(d, point.xi);
+  Real weight = options_.weight.empty() ? 1 : 0;
+  for (int v = 0; v < d && !options_.weight.empty(); ++v)
+    weight += lambda[v] * options_.weight[part.node(v)];
+  return part.slave.planes[part.facet].measure / extent(reference_facet(d)) * point.weight * weight;
 }
 
 Moments Integration::over(const Part& part) const {
