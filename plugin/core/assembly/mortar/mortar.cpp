@@ -302,9 +302,7 @@ std::vector<Pair> carried(int d, std::vector<Pair> pairs, const std::vector<Vec3
                           const std::vector<Vec3>& Y) {
   for (Pair& pair : pairs)
     for (Surface* surface : {&pair.slave, &pair.master}) {
-      std::vector<Plane> planes;
-      for (const Facet& f : surface->facets) planes.push_back(plane_of(d, f, X));
-      planes = planes_at(d, *surface, planes, X, Y);
+      const std::vector<Plane> planes = planes_at(d, *surface, X, Y);
       for (std::size_t f = 0; f < planes.size(); ++f) surface->facets[f].outward = planes[f].normal;
     }
   return pairs;

@@ -1,6 +1,5 @@
 #include "assembly/mortar/normals.h"
 
-#include "assembly/mortar/smooth_side.h"
 #include "assembly/slippable.h"
 #include "linear_algebra.h"
 

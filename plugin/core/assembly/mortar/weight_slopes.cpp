@@ -1,4 +1,4 @@
-#include "assembly/mortar/weight_slopes.h"
+#include "assembly/mortar/geometric_stiffness.h"
 
 namespace frictioncg::mortar {
 
