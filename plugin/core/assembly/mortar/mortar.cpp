@@ -1,7 +1,5 @@
 #include "assembly/mortar/mortar.h"
 
-#include <unordered_map>
-
 #include "assembly/mortar/geometric_stiffness.h"
 #include "assembly/mortar/moments.h"
 #include "assembly/mortar/self_contact.h"
@@ -280,17 +278,16 @@ Vec3 relative(const Matrix& G, Index k, Index i, const std::vector<Vec3>& x) {
 /// `now`, as a motion of its own node; 0 where nothing was before it then.
 std::vector<Vec3> slip_beside(const Mortar& now, const std::vector<Vec3>& x, const Mortar& old,
                               const std::vector<Vec3>& x_old) {
-  std::unordered_map<Index, Index> row_of;  // of a node in G_old
-  for (const SlaveNode& node : old.nodes())
-    row_of.emplace(node.node, static_cast<Index>(row_of.size()));
+  std::vector<Index> row_of(x.size(), -1);  // of a node in G_old
+  for (std::size_t k = 0; k < old.nodes().size(); ++k)
+    row_of[old.nodes()[k].node] = static_cast<Index>(k);
   std::vector<Vec3> c;
   for (const SlaveNode& node : now.nodes()) {
     const Index k = static_cast<Index>(c.size()), i = node.node;
     c.push_back(Vec3::Zero());
-    const auto before = row_of.find(i);
-    if (before == row_of.end()) continue;
+    if (row_of[i] < 0) continue;
     const Matrix& G = now.relative();
-    const Vec3 sum = relative(old.relative(), before->second, i, x) - 2 * relative(G, k, i, x) +
+    const Vec3 sum = relative(old.relative(), row_of[i], i, x) - 2 * relative(G, k, i, x) +
                      relative(G, k, i, x_old);
     c[k] = sum / G.coeff(k, i);
   }
