@@ -173,12 +173,12 @@ void Ownership::take_normals(const Nodes& nodes, const std::vector<Vec3>& normal
     const Vec3 given = normals[i].normalized(), outward = normal[i];
     const std::string at = place(d, nodes.X[i]) + " on label " + std::to_string(label[i]);
     if (!(given.norm() > 0))
-      throw IllegalInput("normal has no direction at " + at +
-                         "; give the outward normal of the slave, of any length > 0");
+      refuse("normal has no direction at ", at,
+             "; give the outward normal of the slave, of any length > 0");
     if (!(given.dot(outward) > 0))
-      throw IllegalInput("normal = " + place(d, given) + " at " + at +
-                         " points into the slave, whose boundary has the outward normal " +
-                         place(d, outward) + "; give the normal that leaves the slave");
+      refuse("normal = ", place(d, given), " at ", at,
+             " points into the slave, whose boundary has the outward normal ", place(d, outward),
+             "; give the normal that leaves the slave");
     normal[i] = given;
   }
 }
