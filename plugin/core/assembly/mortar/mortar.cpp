@@ -17,6 +17,13 @@ constexpr Index slow = 30;
 
 Matrix identity(Index n) { return Matrix(Vector::Ones(n).asDiagonal()); }
 
+/// (G x)_k, seen from node i: the entries of a row sum up to 0.
+Vec3 relative(const Matrix& G, Index k, Index i, const std::vector<Vec3>& x) {
+  Vec3 sum = Vec3::Zero();
+  for (Matrix::InnerIterator it(G, k); it; ++it) sum += it.value() * (x[it.col()] - x[i]);
+  return sum;
+}
+
 }  // namespace
 
 /// Sums over the facets; then the rows are divided by D.
@@ -117,7 +124,7 @@ class Assembly {
     for (std::size_t c = 0; c < part.cells.size(); ++c) {
       const Facet& master = part.master.facet(part.cells[c].master);
       const Real weight = (psi * moments.master[c].leftCols(nodes_m)).sum();
-      faced_[i].emplace_back(&master, weight);
+      if (weight > 0) faced_[i][&master] += weight;
       for (int l = 0; l < nodes_m; ++l)
         P_.emplace_back(i, master.node[l], psi.dot(moments.master[c].col(l)));
     }
@@ -184,10 +191,8 @@ class Assembly {
   void set_gaps(Mortar& mortar) const {
     for (std::size_t k = 0; k < mortar.nodes_.size(); ++k) {
       SlaveNode& node = mortar.nodes_[k];
-      Vec3 between = offset_[node.node] / node.weight;
-      for (Matrix::InnerIterator it(mortar.G_, static_cast<Index>(k)); it; ++it)
-        between -= it.value() * (nodes_.X[it.col()] - nodes_.X[node.node]);
-      node.gap = node.normal.dot(between);
+      const Vec3 way = relative(mortar.G_, static_cast<Index>(k), node.node, nodes_.X);
+      node.gap = node.normal.dot(offset_[node.node] / node.weight - way);
     }
   }
   /// Of where the vertices are: rows that lean on nodes of their patch are of where these end.
@@ -260,13 +265,6 @@ class Assembly {
 };
 
 namespace {
-
-/// (G x)_k, seen from node i: the entries of a row sum up to 0.
-Vec3 relative(const Matrix& G, Index k, Index i, const std::vector<Vec3>& x) {
-  Vec3 sum = Vec3::Zero();
-  for (Matrix::InnerIterator it(G, k); it; ++it) sum += it.value() * (x[it.col()] - x[i]);
-  return sum;
-}
 
 /// What t.G(u - u_old) lacks of a slip that does not see how the bodies turn. Along smooth surfaces
 /// G x has the offset of the facets, which a rigid turn rotates; the change of G does not.

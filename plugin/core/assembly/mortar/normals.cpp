@@ -100,7 +100,7 @@ constexpr Tangential to_masters{0.05, 0.5};
 
 /// What faces a node, by its measure.
 struct Facing {
-  PointNormal own;             ///< of the slave
+  PointNormal own;             ///< of the slave; its turn is 0 where that is flat
   Vec3 theirs = Vec3::Zero();  ///< of the master, where it may count
   Real same = 0;               ///< before what the slave's normal counts in any case
   Real other_turn = 0;         ///< from the facets; 0 of what is flat
