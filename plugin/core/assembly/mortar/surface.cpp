@@ -73,20 +73,6 @@ Plane plane_of(int d, const Facet& facet, const std::vector<Vec3>& X) {
   return p;
 }
 
-namespace {
-
-void add_once(std::vector<long>& labels, long label) {
-  if (std::find(labels.begin(), labels.end(), label) == labels.end()) labels.push_back(label);
-}
-
-bool same_labels(std::vector<long> a, std::vector<long> b) {
-  std::sort(a.begin(), a.end());
-  std::sort(b.begin(), b.end());
-  return a == b;
-}
-
-}  // namespace
-
 std::vector<Pair> label_pairs(const std::vector<long>& slave, const std::vector<long>& master) {
   if (slave.size() != master.size() && slave.size() != 1 && master.size() != 1)
     refuse(
@@ -103,12 +89,15 @@ std::vector<Pair> label_pairs(const std::vector<long>& slave, const std::vector<
       at = of_slave.insert(at, Pair());
       at->slave.labels = {s};
     }
-    add_once(at->master.labels, m);
+    std::vector<long>& masters = at->master.labels;
+    if (std::count(masters.begin(), masters.end(), m) == 0) masters.push_back(m);
   }
   std::vector<Pair> pairs;
   for (const Pair& one : of_slave) {
-    const auto at = std::find_if(pairs.begin(), pairs.end(), [&one](const Pair& p) {
-      return same_labels(p.master.labels, one.master.labels);
+    const std::vector<long>& masters = one.master.labels;
+    const auto at = std::find_if(pairs.begin(), pairs.end(), [&masters](const Pair& p) {
+      return std::is_permutation(p.master.labels.begin(), p.master.labels.end(), masters.begin(),
+                                 masters.end());
     });
     if (at == pairs.end())
       pairs.push_back(one);
