@@ -85,10 +85,8 @@ void LocalSystem::assemble(const Triplets& A, int dimension, const std::vector<I
   if (before) {  // over the pattern that was there, where it still holds
     system->A = before->system_->entries();
     places_ = before->places_;
-    transform_again(A, *basis_, places_, system->A, K_);
-  } else {
-    transform(A, *basis_, system->A, K_);
   }
+  transform(A, *basis_, places_, system->A, K_);
   system->D = system->A.diagonal();
   for (Index p = 0; p < system->dofs(); ++p) {
     const Index i = basis_->origin[p];

@@ -2,7 +2,6 @@
 #include "assembly/dirichlet.h"
 #include "assembly/frames.h"
 #include "assembly/obstacles.h"
-#include "assembly/transform.h"
 #include "model/contact_problem.h"
 
 namespace frictioncg {

@@ -1,5 +1,7 @@
 #include "assembly/obstacles.h"
 
+#include "assembly/slippable.h"
+
 namespace frictioncg {
 
 namespace {
@@ -16,12 +18,6 @@ std::vector<Real> extents(const RigidObstacles& obstacles, Index count) {
   for (Index o = 0; o < count; ++o)
     if (!box[o].isEmpty() && box[o].min() != box[o].max()) extent[o] = box[o].sizes().norm() / 2;
   return extent;
-}
-
-/// Component c of the displacement that q_k = 1 gives a point.
-Real displacement(int d, Index k, int c, const Vec3& arm) {
-  if (k < d) return k == c;
-  return Vec3::Unit(d == 2 ? 2 : k - 3).cross(arm)[c];
 }
 
 /// Of each local dof, the contact point that it belongs to, or -1.
@@ -44,18 +40,19 @@ std::vector<Index> points_of_dofs(const Basis& basis, const std::vector<ContactP
 Matrix displacements(const Basis& basis, int d, const std::vector<ContactPoint>& points,
                      const std::vector<ContactNode>& nodes, const RigidObstacles& obstacles) {
   const std::vector<Index> point_of = points_of_dofs(basis, points, nodes);
-  const Index each = rigid_components(d);
+  const RigidGenerators generators(d, Vec3::Zero(), 1);
+  const Index each = generators.count();
   EntryList entries;
   for (Index p = 0; p < basis.local_dofs(); ++p) {
     const Index point = point_of[p];
     const Index o = point < 0 ? -1 : obstacles.of_point[point];
     if (o < 0) continue;
+    const auto B = generators.at(obstacles.arm[point]);
     for (Index k = 0; k < each; ++k) {
       Real moved = 0;
       for (Matrix::InnerIterator w(basis.W, p); w; ++w)
         for (int c = 0; c < d; ++c)
-          if (points[point].dof[c] == w.col())
-            moved += w.value() * displacement(d, k, c, obstacles.arm[point]);
+          if (points[point].dof[c] == w.col()) moved += w.value() * B(c, k);
       if (moved != 0) entries.emplace_back(p, o * each + k, moved);
     }
   }
@@ -95,8 +92,8 @@ Basis with_obstacles(const Basis& standing, int d, const std::vector<ContactPoin
   const Matrix C = displacements(standing, d, points, nodes, obstacles);
   refuse_useless(C, unit, obstacles);
 
-  Index free = 0, given = 0;
-  for (const char f : obstacles.free) f ? ++free : ++given;
+  const Index free =
+      n_q - static_cast<Index>(std::count(obstacles.free.begin(), obstacles.free.end(), 0));
   std::vector<Index> column(n_q);  // of T
   for (Index k = 0, f = interior, h = static_cast<Index>(standing.T.cols()) + free; k < n_q; ++k)
     column[k] = obstacles.free[k] ? f++ : h++;

@@ -4,8 +4,6 @@ namespace frictioncg {
 
 namespace {
 
-using Fields = RigidGenerators::Fields;
-
 /// Normals tell an axis up to their errors: a point that moves by less than this may lie on it.
 constexpr Tangential to_slippable{0.05, 0.9};
 /// Points resist a motion clearly where the mean square of n.w is above this multiple of what is
@@ -36,19 +34,6 @@ struct Spread {
   Real allowed = 0;  ///< mean square of n.w over that of w
   Vec3 centre = Vec3::Zero();
 };
-
-/// Takes off what a normal has along the directions in which motions move its point, the strongest
-/// first: at most d - 1.
-void make_tangential(int d, const Fields& w, Tangential where, PointNormal& p) {
-  const Eigenpairs along = eigenpairs(w * w.transpose());
-  Vec3 n = p.normal;
-  for (Index c = 2; c > 3 - d; --c) {
-    if (along.values[c] < where.moved * where.moved) break;
-    const Vec3 u = along.vectors.col(c);
-    n -= n.dot(u) * u;
-  }
-  if (n.norm() > where.kept) p.normal = n.normalized();
-}
 
 /// How motions V (generators x k) slip along the points: the c of Q c = lambda M c.
 struct Slip {
@@ -119,7 +104,7 @@ bool spans(const DenseMatrix& V, const DenseMatrix& motions) {
 
 }  // namespace
 
-Fields RigidGenerators::at(const Vec3& x) const {
+RigidGenerators::Fields RigidGenerators::at(const Vec3& x) const {
   const Vec3 arm = (x - centre_) / size_;
   Fields w = Fields::Zero(3, count());
   w.leftCols(d_).topRows(d_).setIdentity();
@@ -157,11 +142,23 @@ Slips slips_of(const DenseMatrix& motions) {
   return {static_cast<Index>(motions.cols()), turns && pitch_of(motions).norm() < rounding, 0};
 }
 
+/// Takes off what a normal has along the directions in which motions move its point, the strongest
+/// first: at most d - 1.
 void make_tangential(int d, const RigidGenerators& generators, const DenseMatrix& motions,
                      std::vector<PointNormal>& points, Tangential where) {
-  for (PointNormal& p : points)
-    if (motions.cols() > 0 && p.turn > 0)
-      make_tangential(d, generators.at(p.x) * motions, where, p);
+  if (motions.cols() == 0) return;
+  for (PointNormal& p : points) {
+    if (p.turn == 0) continue;
+    const DenseMatrix w = generators.at(p.x) * motions;
+    const Eigenpairs along = eigenpairs(w * w.transpose());
+    Vec3 n = p.normal;
+    for (Index c = 2; c > 3 - d; --c) {
+      if (along.values[c] < where.moved * where.moved) break;
+      const Vec3 u = along.vectors.col(c);
+      n -= n.dot(u) * u;
+    }
+    if (n.norm() > where.kept) p.normal = n.normalized();
+  }
 }
 
 Slips follow_slippable_motions(int d, std::vector<PointNormal>& points, DecidedSlips decided,

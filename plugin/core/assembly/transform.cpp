@@ -1,4 +1,4 @@
-#include "assembly/transform.h"
+#include "assembly/basis.h"
 
 #include "threads.h"
 
@@ -238,20 +238,15 @@ bool refill(Matrix& M, Places& places, const Entries& entries) {
 
 }  // namespace
 
-void transform(const Triplets& A, const Basis& basis, Matrix& A_local, Matrix& K) {
-  const Split split(A, basis, K);
-  fill(A_local, Entries(A, split), split.counts);
-}
-
-void transform_again(const Triplets& A, const Basis& basis, Places& places, Matrix& A_local,
-                     Matrix& K) {
+void transform(const Triplets& A, const Basis& basis, Places& places, Matrix& A_local, Matrix& K) {
   const Split split(A, basis, K);
   const Index w = basis.local_dofs();
   if (A_local.rows() == w && refill(A_local, places, Entries(A, split))) return;
-  const Entries entries(A, split, true);
-  Counts counts(w);
-  entries.for_each([&](Index, Index p, Index q) { counts.add(p, q); });
-  fill(A_local, entries, counts);
+  const bool again = A_local.rows() > 0;
+  const Entries entries(A, split, again);
+  Counts counts = again ? Counts(w) : split.counts;
+  if (again) entries.for_each([&](Index, Index p, Index q) { counts.add(p, q); });
+  fill(A_local, entries, std::move(counts));
   places.clear();
 }
 

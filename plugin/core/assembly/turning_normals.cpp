@@ -11,17 +11,14 @@ namespace {
 Eigen::Matrix3d slope(const std::vector<const ObstaclePoint*>& points) {
   constexpr Real across = 1e-6;     // of the largest distance: what leaves the facet is rounding
   constexpr Real rounding = 1e-12;  // of normals that are those of a plane
-  const auto alike = [&](const ObstaclePoint* p) {
-    return (p->normal - points.front()->normal).norm() <= rounding;
-  };
-  if (std::all_of(points.begin(), points.end(), alike)) return Eigen::Matrix3d::Zero();
-  Vec3 mean = Vec3::Zero();
-  for (const ObstaclePoint* p : points) mean += p->x / static_cast<Real>(points.size());
   DenseMatrix x(points.size(), 3), n(points.size(), 3);
   for (std::size_t k = 0; k < points.size(); ++k) {
-    x.row(Index(k)) = (points[k]->x - mean).transpose();
+    x.row(Index(k)) = points[k]->x.transpose();
     n.row(Index(k)) = points[k]->normal.transpose();
   }
+  if ((n.rowwise() - n.row(0)).rowwise().norm().maxCoeff() <= rounding)
+    return Eigen::Matrix3d::Zero();
+  x.rowwise() -= x.colwise().mean().eval();
   const Eigen::Matrix3d slope = least_squares(x, n, across);
   return (slope + slope.transpose()) / 2;
 }

@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-#include "core/assembly/transform.h"
 #include "core/solver.h"
 #include "unit/scene.h"
 

@@ -293,6 +293,7 @@ TEST(MortarMoments, ARowThatIsBalancedIsGivenBackAsItIs) {
   const std::vector<Vec3> X = {Vec3(0.3, 0, 0), Vec3(0, -1, 0), Vec3(1, -1, 0)};
   Matrix P(3, 3), G(1, 3);
   P.insert(0, 1) = 0.7, P.insert(0, 2) = 0.3;
+  P.makeCompressed();
   G.insert(0, 0) = 1, G.insert(0, 1) = -0.7, G.insert(0, 2) = -0.3;
   SlaveNode node;
   node.normal = Vec3(0, -1, 0);
@@ -308,6 +309,7 @@ TEST(MortarMoments, WeightsChangeByAThirdAtMost) {
     const std::vector<Vec3> X = {Vec3(x, 0, 0), Vec3(0, -1, 0), Vec3(1, -1, 0)};
     Matrix P(3, 3), G(1, 3);
     P.insert(0, 1) = 0.7, P.insert(0, 2) = 0.3;
+    P.makeCompressed();
     G.insert(0, 0) = 1, G.insert(0, 1) = -0.7, G.insert(0, 2) = -0.3;
     SlaveNode node;
     node.normal = Vec3(0, -1, 0);

@@ -59,7 +59,7 @@ class Covering {
     result.cells.resize(slave_.facets());
     result.fraction.assign(slave_.facets(), 0);
     const Real whole = extent(reference_facet(d_));
-    Real total = 0;
+    bool faced = false;
     for (Index f = 0; f < slave_.facets(); ++f) {
       std::vector<Cell>& cells = result.cells[f];
       find(f, maxgap_);
@@ -68,22 +68,21 @@ class Covering {
       const auto refused = [&](const Cell& cell) { return overlap_refused(f, cell); };
       cells.erase(std::remove_if(cells.begin(), cells.end(), refused), cells.end());
       const auto distance = [&](const Cell& cell) {
-        const Facet& facet = master_.facet(cell.master);
-        const Affine now = project(d_, slave_.planes[f], facet, X_).distance;
-        return deciding_distance(f, cell.master, now);
+        return deciding_distance(f, cell.master, onto(cell.master, f).distance);
       };
       keep_nearest_sheet(master_, slave_.planes[f].size, distance, cells);
-    }
-    for (Index f = 0; f < slave_.facets(); ++f) {
-      for (const Cell& cell : result.cells[f]) result.fraction[f] += extent(cell.part) / whole;
-      total += result.fraction[f];
+      for (const Cell& cell : cells) result.fraction[f] += extent(cell.part) / whole;
+      faced = faced || !cells.empty();
     }
     result.visited = tree_.visited() + pairs_;
-    if (total == 0) result.nearest = nearest_facing();
+    if (!faced) result.nearest = nearest_facing();
     return result;
   }
 
  private:
+  Projection onto(Index master, Index f) const {
+    return project(d_, slave_.planes[f], master_.facet(master), X_);
+  }
   /// Fills candidates_.
   void find(Index f, Real maxgap) {
     const Plane& base = slave_.planes[f];
@@ -94,7 +93,7 @@ class Covering {
       ++pairs_;
       Candidate c;
       c.master = m;
-      c.projection = project(d_, base, master_.facet(m), X_);
+      c.projection = onto(m, f);
       if (!c.projection.inverts) continue;
       c.part = inside(d_, reference_facet(d_), c.projection);
       if (c.part.empty()) continue;
@@ -176,7 +175,7 @@ class Covering {
   bool overlap_refused(Index f, const Cell& cell) {
     const Plane& base = slave_.planes[f];
     const Vec2 xi = centroid(cell.part);
-    const Projection p = project(d_, base, master_.facet(cell.master), X_);
+    const Projection p = onto(cell.master, f);
     const Real depth = -p.distance(xi);
     const Real size = std::max(base.size, master_.planes[cell.master].size);
     if (depth <= thinnest * size) return false;
@@ -196,7 +195,7 @@ class Covering {
     tree_.find({base, -depth, 0, false}, found_);
     for (Index m : found_) {
       ++pairs_;
-      const Projection p = project(d_, base, master_.facet(m), X_);
+      const Projection p = onto(m, f);
       if (!p.inverts) continue;
       const Real distance = p.distance(xi);
       const bool away = master_.planes[m].normal.dot(base.normal) >= facing;

@@ -1,5 +1,5 @@
 #pragma once
-#include "assembly/mortar/smooth_side.h"
+#include "assembly/mortar/topology.h"
 
 namespace frictioncg::mortar {
 

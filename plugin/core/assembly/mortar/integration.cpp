@@ -8,17 +8,13 @@ Integration::Integration(const Side& slave, const Side& master, const std::vecto
                          const Options& options)
     : X_(X), options_(options), slave_(slave, X), master_(master, X) {}
 
-Real Integration::weight(const Part& part, const Vec3& lambda) const {
-  if (options_.weight.empty()) return 1;
-  Real sum = 0;
-  for (int v = 0; v < part.slave.d; ++v) sum += lambda[v] * options_.weight[part.node(v)];
-  return sum;
-}
-
 Real Integration::measure(const Part& part, const QuadraturePoint& point) const {
   const int d = part.slave.d;
-  const Real jacobian = part.slave.planes[part.facet].measure / extent(reference_facet(d));
-  return jacobian * point.weight * weight(part, slave_coordinates(d, point.xi));
+  const Vec3 lambda = slave_coordinates(d, point.xi);
+  Real weight = options_.weight.empty() ? 1 : 0;
+  for (int v = 0; v < d && !options_.weight.empty(); ++v)
+    weight += lambda[v] * options_.weight[part.node(v)];
+  return part.slave.planes[part.facet].measure / extent(reference_facet(d)) * point.weight * weight;
 }
 
 Moments Integration::over(const Part& part) const {
@@ -56,17 +52,15 @@ Moments Integration::over(const Part& part) const {
 
 DualBasis dual_basis(int d, const Eigen::Matrix3d& M, const std::array<bool, 3>& kept) {
   DualBasis basis;
-  std::array<int, 3> K{};
-  int size = 0;
+  std::vector<int> K;
   for (int v = 0; v < d; ++v)
-    if (kept[v]) K[size++] = v;
+    if (kept[v]) K.push_back(v);
+  const int size = static_cast<int>(K.size());
   if (size == 0) return basis;
-  Eigen::MatrixXd chi = Eigen::MatrixXd::Zero(size, d), X(size, size);
+  DenseMatrix chi(size, d);
   for (int j = 0; j < size; ++j)
     for (int v = 0; v < d; ++v) chi(j, v) = v == K[j] ? 1 : kept[v] ? 0 : 1. / size;
-  for (int j = 0; j < size; ++j)
-    for (int k = 0; k < size; ++k) X(j, k) = chi.row(j).dot(M.col(K[k]).head(d));
-  const DenseMatrix coefficients = solve(X, chi);
+  const DenseMatrix coefficients = solve(chi * M.topRows(d)(Eigen::all, K), chi);
   for (int i = 0; i < size; ++i) {
     basis.d[K[i]] = M.col(K[i]).sum();
     basis.psi.row(K[i]).head(d) = basis.d[K[i]] * coefficients.row(i);

@@ -50,8 +50,6 @@ class Integration {
   const CurvedOffset* of_master() const { return options_.smooth ? &master_ : nullptr; }
 
  private:
-  Real weight(const Part& part, const Vec3& lambda) const;
-
   const std::vector<Vec3>& X_;
   const Options& options_;  ///< not smooth: the offset of the curved surfaces is 0
   CurvedOffset slave_, master_;

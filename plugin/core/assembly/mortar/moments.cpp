@@ -30,16 +30,19 @@ constexpr Real narrow = 0.1, widest = 0.15;
 struct Arm {
   Vec3 sum = Vec3::Zero();  ///< sum_l G_kl (X_l - X_i)
   Real size = 0;
+  Vec3 aside;       ///< what of it lies across n_i
+  Real widest = 0;  ///< how far aside of the normal the row sees something, at most
 
-  Arm(const Matrix& G, Index k, Index i, const std::vector<Vec3>& X) {
-    for (Matrix::InnerIterator it(G, k); it; ++it) {
-      const Vec3 way = it.value() * (X[it.col()] - X[i]);
-      sum += way;
-      size += way.norm();
+  Arm(const Matrix& G, std::size_t k, const SlaveNode& node, const std::vector<Vec3>& X) {
+    const auto across = [&n = node.normal](const Vec3& way) { return Vec3(way - way.dot(n) * n); };
+    for (Matrix::InnerIterator it(G, static_cast<Index>(k)); it; ++it) {
+      const Vec3 way = X[it.col()] - X[node.node];
+      sum += it.value() * way;
+      size += (it.value() * way).norm();
+      widest = std::max(widest, across(way).norm());
     }
+    aside = across(sum);
   }
-  /// What of it lies across n
-  Vec3 across(const Vec3& n) const { return sum - sum.dot(n) * n; }
 };
 
 Matrix changed(const Matrix& P, const EntryList& change) {
@@ -47,72 +50,34 @@ Matrix changed(const Matrix& P, const EntryList& change) {
   return Matrix(P + sparse(P.rows(), P.cols(), change)).pruned(1., 0.);
 }
 
-/// One row of P: its nodes on the master, seen along the normal.
-class MasterRow {
- public:
-  MasterRow(const Matrix& P, Index i, const Vec3& n, const std::vector<Vec3>& X)
-      : P_(P), i_(i), X_(X) {
-    along_ -= n * n.transpose();
-    for (int pass = 0; pass < 2; ++pass) {  // the second takes off what rounding leaves
-      Real sum = 0;
-      Vec3 way = Vec3::Zero();
-      for (Matrix::InnerIterator it(P, i); it; ++it) {
-        sum += std::abs(it.value());
-        way += std::abs(it.value()) * (X[it.col()] - mean_);
-      }
-      if (sum > 0) mean_ += way / sum;
-    }
-  }
-  /// b of the formula above; less where weights would change too much.
-  Vec3 change(const Vec3& e, Index& rank) const {
-    Eigen::Matrix3d M = Eigen::Matrix3d::Zero();
-    for (Matrix::InnerIterator it(P_, i_); it; ++it)
-      M += std::abs(it.value()) * place(it.col()) * place(it.col()).transpose();
-    const Vec3 b = least_squares(M, e, singular(rank), &rank);
-    Real largest = 0;
-    for (Matrix::InnerIterator it(P_, i_); it; ++it)
-      largest = std::max(largest, std::abs(b.dot(place(it.col()))));
-    return std::min(1., most_change / largest) * b;
-  }
-  Vec3 place(Index l) const { return along_ * (X_[l] - mean_); }
-
- private:
-  const Matrix& P_;
-  Index i_;
-  const std::vector<Vec3>& X_;
-  Eigen::Matrix3d along_ = Eigen::Matrix3d::Identity();
-  Vec3 mean_ = Vec3::Zero();  ///< of a row that sees one point that point, bit by bit
-};
-
 }  // namespace
 
 Matrix balanced(const Matrix& P, const Matrix& G, const std::vector<SlaveNode>& nodes,
                 const std::vector<Vec3>& X, RowChoices& choices) {
   Matrix result = P;
+  const auto [row, col, weight] = arrays_of(P);
   for (std::size_t k = 0; k < nodes.size(); ++k) {
-    const Index i = nodes[k].node;
-    const Arm arm(G, static_cast<Index>(k), i, X);
-    const Vec3 e = arm.across(nodes[k].normal);
-    if (e.norm() <= on_normal * arm.size) continue;
-    const MasterRow row(P, i, nodes[k].normal, X);
-    const Vec3 b = row.change(e, choices[i].rank);
-    for (Matrix::InnerIterator it(result, i); it; ++it)
-      it.valueRef() += std::abs(it.value()) * b.dot(row.place(it.col()));
+    const Arm arm(G, k, nodes[k], X);
+    if (arm.aside.norm() <= on_normal * arm.size) continue;
+    const Index first = row[nodes[k].node], size = row[nodes[k].node + 1] - first;
+    const Vector w = Eigen::Map<const Vector>(weight + first, size).cwiseAbs();
+    Eigen::Matrix3Xd q(3, size);
+    for (Index l = 0; l < size; ++l) q.col(l) = X[col[first + l]];
+    Vec3 mean = Vec3::Zero();             // of a row that sees one point that point, bit by bit
+    for (int pass = 0; pass < 2; ++pass)  // the second takes off what rounding leaves
+      mean += Vec3((q.colwise() - mean) * w / w.sum());
+    const Vec3& n = nodes[k].normal;
+    q = (Eigen::Matrix3d::Identity() - n * n.transpose()) * (q.colwise() - mean);
+    const Eigen::Matrix3d M = q * w.asDiagonal() * q.transpose();
+    Index& rank = choices[nodes[k].node].rank;
+    const Vector change = q.transpose() * least_squares(M, arm.aside, singular(rank), &rank);
+    const Real part = std::min(1., most_change / change.lpNorm<Eigen::Infinity>());
+    Eigen::Map<Vector>(result.valuePtr() + first, size) += part * w.cwiseProduct(change);
   }
   return result;
 }
 
 namespace {
-
-/// How far aside of the normal a row of G sees something, at most.
-Real widest_column(const Matrix& G, Index k, const SlaveNode& node, const std::vector<Vec3>& X) {
-  Real most = 0;
-  for (Matrix::InnerIterator it(G, k); it; ++it) {
-    const Vec3 way = X[it.col()] - X[node.node];
-    most = std::max(most, (way - way.dot(node.normal) * node.normal).norm());
-  }
-  return most;
-}
 
 /// Of a facet that has all inside it that is within `reach` of x, across a direction.
 Plane across(int d, const Vec3& x, const Vec3& direction, Real reach) {
@@ -193,14 +158,13 @@ Matrix along_normals(const Matrix& P, const Matrix& G, const std::vector<SlaveNo
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const SlaveNode& node = nodes[k];
     if (!of_master[node.node]) continue;
-    const Arm arm(G, static_cast<Index>(k), node.node, X);
+    const Arm arm(G, k, node, X);
     std::optional<bool>& along = choices[node.node].along_normal;
-    if (!along) along = arm.across(node.normal).norm() > balanced_to * arm.size;
+    if (!along) along = arm.aside.norm() > balanced_to * arm.size;
     if (!*along) continue;
     const Side& master = masters[node.pair];
     Lines& to = lines.try_emplace(node.pair, master, X).first->second;
-    const Hit hit =
-        to.hit(X[node.node], node.normal, widest_column(G, static_cast<Index>(k), node, X));
+    const Hit hit = to.hit(X[node.node], node.normal, arm.widest);
     if (hit.facet < 0) continue;
     Real sum = 0;  // of the row, which stays: 1 but where removed nodes have weights of their own
     for (Matrix::InnerIterator it(P, node.node); it; ++it) {
@@ -225,21 +189,6 @@ DenseMatrix gradients_of(const std::vector<Index>& vertices, const std::vector<V
   return gradients;
 }
 
-/// Each facet once, where it came first: the sum of its weights that are > 0.
-FacedFacets::value_type summed(const FacedFacets::value_type& faced) {
-  FacedFacets::value_type once;
-  for (const auto& [facet, weight] : faced) {
-    if (!(weight > 0)) continue;
-    const auto same = [of = facet](const auto& other) { return other.first == of; };
-    const auto found = std::find_if(once.begin(), once.end(), same);
-    if (found == once.end())
-      once.emplace_back(facet, weight);
-    else
-      found->second += weight;
-  }
-  return once;
-}
-
 }  // namespace
 
 Crossings crossings(const Matrix& G, const std::vector<SlaveNode>& nodes, const Nodes& all,
@@ -250,9 +199,9 @@ Crossings crossings(const Matrix& G, const std::vector<SlaveNode>& nodes, const 
   Crossings found(nodes.size());
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const auto& [i, pair, label, n, D, g, distance] = nodes[k];
-    const Vec3 arm = Arm(G, static_cast<Index>(k), i, all.X).sum;
+    const Vec3 arm = Arm(G, k, nodes[k], all.X).sum;
     Real whole = 0;
-    for (const auto& [facet, weight] : summed(faced[i])) {
+    for (const auto& [facet, weight] : faced[i]) {
       const bool one_body = facet->one_body || (!apart && turns[i]);
       if (facet->behind < 0 || !(apart || one_body)) continue;
       std::vector<Index> vertices(facet->node.begin(), facet->node.begin() + all.dimension);
@@ -280,7 +229,7 @@ Matrix across_gap(const Matrix& P, const Matrix& G, const std::vector<SlaveNode>
   EntryList change;
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const SlaveNode& at = nodes[k];
-    const Vec3 arm = Arm(G, static_cast<Index>(k), at.node, X).sum;
+    const Vec3 arm = Arm(G, k, at, X).sum;
     for (const Crossing& crossing : crossings[k]) {
       const Vector c = crossing.gradients * (crossing.share * crossing.e(arm, at.normal, at.gap));
       for (std::size_t v = 0; v < crossing.vertices.size(); ++v)

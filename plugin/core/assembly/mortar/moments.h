@@ -49,8 +49,8 @@ Matrix along_normals(const Matrix& P, const Matrix& G, const std::vector<SlaveNo
                      const std::vector<char>& of_master, const std::vector<Side>& masters,
                      const std::vector<Vec3>& X, RowChoices& choices);
 
-/// Of a node: the master's facets before it, and int psi_i over each; one may come several times.
-using FacedFacets = std::vector<std::vector<std::pair<const Facet*, Real>>>;
+/// Of a node: the master's facets before it, and int psi_i over each, where that is > 0.
+using FacedFacets = std::vector<std::map<const Facet*, Real>>;
 
 /// The element behind a facet of the master, by which a row sees across e, below.
 struct Crossing {

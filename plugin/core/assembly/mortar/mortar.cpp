@@ -1,7 +1,5 @@
 #include "assembly/mortar/mortar.h"
 
-#include <unordered_map>
-
 #include "assembly/mortar/geometric_stiffness.h"
 #include "assembly/mortar/moments.h"
 #include "assembly/mortar/self_contact.h"
@@ -18,6 +16,13 @@ constexpr Real uncovered = 1e-9;
 constexpr Index slow = 30;
 
 Matrix identity(Index n) { return Matrix(Vector::Ones(n).asDiagonal()); }
+
+/// (G x)_k, seen from node i: the entries of a row sum up to 0.
+Vec3 relative(const Matrix& G, Index k, Index i, const std::vector<Vec3>& x) {
+  Vec3 sum = Vec3::Zero();
+  for (Matrix::InnerIterator it(G, k); it; ++it) sum += it.value() * (x[it.col()] - x[i]);
+  return sum;
+}
 
 }  // namespace
 
@@ -119,7 +124,7 @@ class Assembly {
     for (std::size_t c = 0; c < part.cells.size(); ++c) {
       const Facet& master = part.master.facet(part.cells[c].master);
       const Real weight = (psi * moments.master[c].leftCols(nodes_m)).sum();
-      faced_[i].emplace_back(&master, weight);
+      if (weight > 0) faced_[i][&master] += weight;
       for (int l = 0; l < nodes_m; ++l)
         P_.emplace_back(i, master.node[l], psi.dot(moments.master[c].col(l)));
     }
@@ -186,10 +191,8 @@ class Assembly {
   void set_gaps(Mortar& mortar) const {
     for (std::size_t k = 0; k < mortar.nodes_.size(); ++k) {
       SlaveNode& node = mortar.nodes_[k];
-      Vec3 between = offset_[node.node] / node.weight;
-      for (Matrix::InnerIterator it(mortar.G_, static_cast<Index>(k)); it; ++it)
-        between -= it.value() * (nodes_.X[it.col()] - nodes_.X[node.node]);
-      node.gap = node.normal.dot(between);
+      const Vec3 way = relative(mortar.G_, static_cast<Index>(k), node.node, nodes_.X);
+      node.gap = node.normal.dot(offset_[node.node] / node.weight - way);
     }
   }
   /// Of where the vertices are: rows that lean on nodes of their patch are of where these end.
@@ -263,13 +266,6 @@ class Assembly {
 
 namespace {
 
-/// (G x)_k, seen from node i: the entries of a row sum up to 0.
-Vec3 relative(const Matrix& G, Index k, Index i, const std::vector<Vec3>& x) {
-  Vec3 sum = Vec3::Zero();
-  for (Matrix::InnerIterator it(G, k); it; ++it) sum += it.value() * (x[it.col()] - x[i]);
-  return sum;
-}
-
 /// What t.G(u - u_old) lacks of a slip that does not see how the bodies turn. Along smooth surfaces
 /// G x has the offset of the facets, which a rigid turn rotates; the change of G does not.
 /// Puso and Laursen 2004
@@ -280,17 +276,16 @@ Vec3 relative(const Matrix& G, Index k, Index i, const std::vector<Vec3>& x) {
 /// `now`, as a motion of its own node; 0 where nothing was before it then.
 std::vector<Vec3> slip_beside(const Mortar& now, const std::vector<Vec3>& x, const Mortar& old,
                               const std::vector<Vec3>& x_old) {
-  std::unordered_map<Index, Index> row_of;  // of a node in G_old
-  for (const SlaveNode& node : old.nodes())
-    row_of.emplace(node.node, static_cast<Index>(row_of.size()));
+  std::vector<Index> row_of(x.size(), -1);  // of a node in G_old
+  for (std::size_t k = 0; k < old.nodes().size(); ++k)
+    row_of[old.nodes()[k].node] = static_cast<Index>(k);
   std::vector<Vec3> c;
   for (const SlaveNode& node : now.nodes()) {
     const Index k = static_cast<Index>(c.size()), i = node.node;
     c.push_back(Vec3::Zero());
-    const auto before = row_of.find(i);
-    if (before == row_of.end()) continue;
+    if (row_of[i] < 0) continue;
     const Matrix& G = now.relative();
-    const Vec3 sum = relative(old.relative(), before->second, i, x) - 2 * relative(G, k, i, x) +
+    const Vec3 sum = relative(old.relative(), row_of[i], i, x) - 2 * relative(G, k, i, x) +
                      relative(G, k, i, x_old);
     c[k] = sum / G.coeff(k, i);
   }
@@ -302,9 +297,7 @@ std::vector<Pair> carried(int d, std::vector<Pair> pairs, const std::vector<Vec3
                           const std::vector<Vec3>& Y) {
   for (Pair& pair : pairs)
     for (Surface* surface : {&pair.slave, &pair.master}) {
-      std::vector<Plane> planes;
-      for (const Facet& f : surface->facets) planes.push_back(plane_of(d, f, X));
-      planes = planes_at(d, *surface, planes, X, Y);
+      const std::vector<Plane> planes = planes_at(d, *surface, X, Y);
       for (std::size_t f = 0; f < planes.size(); ++f) surface->facets[f].outward = planes[f].normal;
     }
   return pairs;

@@ -4,18 +4,6 @@
 
 namespace frictioncg::mortar {
 
-/// Slave and master of one contact; pairs share the numbering of nodes. Where both are the same
-/// facets the surface touches itself (self_contact.h).
-struct Pair {
-  Surface slave, master;
-};
-
-/// What two lists of labels, not empty, stand for: of equal length, slave[k] faces master[k]; a
-/// single label faces all of the other list. A slave label that is named several times faces the
-/// union of its masters, and slave labels that face the same masters are one surface. Pairs without
-/// facets. Throws IllegalInput for other lengths.
-std::vector<Pair> label_pairs(const std::vector<long>& slave, const std::vector<long>& master);
-
 /// X with the mid-edges of P2 in the middle of their straight edges, as facets have them.
 std::vector<Vec3> straightened(int d, const std::vector<Pair>& pairs, std::vector<Vec3> X);
 

@@ -1,6 +1,5 @@
 #include "assembly/mortar/normals.h"
 
-#include "assembly/mortar/smooth_side.h"
 #include "assembly/slippable.h"
 #include "linear_algebra.h"
 
@@ -101,15 +100,14 @@ constexpr Tangential to_masters{0.05, 0.5};
 
 /// What faces a node, by its measure.
 struct Facing {
-  Vec3 x, own, theirs = Vec3::Zero();  ///< of the master, where it may count
-  Real same = 0, other = 0;            ///< before what the slave's normal counts in any case
-  Real own_turn = 0, other_turn = 0;   ///< from the facets; 0 of what is flat
-  bool other_first = false;            ///< of two sides that let as many motions slip
+  PointNormal own;             ///< of the slave; its turn is 0 where that is flat
+  Vec3 theirs = Vec3::Zero();  ///< of the master, where it may count
+  Real same = 0;               ///< before what the slave's normal counts in any case
+  Real other_turn = 0;         ///< from the facets; 0 of what is flat
+  bool other_first = false;    ///< of two sides that let as many motions slip
 
-  Real measure() const { return same + other; }
   /// The normal of the slave that the master's means, where that may count.
-  Vec3 of_master() const { return (same * own - theirs).normalized(); }
-  PointNormal of_slave() const { return {x, own, measure(), own_turn}; }
+  Vec3 of_master() const { return (same * own.normal - theirs).normalized(); }
 };
 
 /// Nodes of one body before one other.
@@ -119,7 +117,7 @@ struct Group {
 
   std::vector<PointNormal> own() const {
     std::vector<PointNormal> points;
-    for (const auto& [i, here] : nodes) points.push_back(here.of_slave());
+    for (const auto& [i, here] : nodes) points.push_back(here.own);
     return points;
   }
 };
@@ -202,13 +200,16 @@ std::map<std::pair<Index, Index>, Group> facing_nodes(const Sides& of, std::size
         if (!owns(p, f, i)) continue;
         Group& group = groups[{body[i], body[before.node[0]]}];
         Facing& here = group.nodes[i];
-        here.x = X[i];
-        here.own = normal[i];
-        here.own_turn = std::max(here.own_turn, own_is_flat ? 0 : own.vertex(f, v, 0).turn);
+        here.own.x = X[i];
+        here.own.normal = normal[i];
+        here.own.turn = std::max(here.own.turn, own_is_flat ? 0 : own.vertex(f, v, 0).turn);
+        here.own.weight += measure;
         here.other_turn = std::max(here.other_turn, differs && !flat ? n.turn : 0);
         here.other_first = here.other_first || (differs && (flat || bore));
-        (differs ? here.other : here.same) += measure;
-        if (differs) here.theirs += measure * n.normal;
+        if (differs)
+          here.theirs += measure * n.normal;
+        else
+          here.same += measure;
         group.other.push_back(differs ? theirs.vertex(cell.master, v, measure)
                                       : own.vertex(f, v, measure));
       }
@@ -321,8 +322,8 @@ void take_masters(int d, const Freedom& freedom, const Group& group, const Dense
   std::vector<PointNormal> taken;
   for (const auto& [i, here] : group.nodes) {
     const Vec3 theirs = here.of_master();
-    const bool far = here.other_turn > 0 && !(theirs.dot(here.own) > steep);
-    taken.push_back({here.x, far ? here.own : theirs, here.measure(), here.other_turn});
+    const bool far = here.other_turn > 0 && !(theirs.dot(here.own.normal) > steep);
+    taken.push_back({here.own.x, far ? here.own.normal : theirs, here.own.weight, here.other_turn});
   }
   make_tangential(d, freedom.generators, motions, taken, to_masters);
   make_tangential(d, freedom.generators, free, taken, to_masters);
@@ -437,21 +438,15 @@ struct End {
   std::vector<Vec3> outward;   ///< of the face, in its plane, unit
 };
 
-/// On a plane of symmetry the face goes on, as it does towards whatever a component is held of.
-bool towards_held(const Vec3& outward, unsigned char held) {
-  for (int c = 0; c < 3; ++c)
-    if ((held >> c & 1) != 0 && std::abs(outward[c]) > mostly_free) return true;
-  return false;
-}
-
 std::map<Index, End> ends_of_faces(const Sides& of, std::size_t p, const Owns& owns) {
   std::map<Index, End> ends;
   for_each_end(of.slaves[p], of.nodes.X, [&](Index f, int v, const Vec3& outward) {
     const Index i = of.slaves[p].facet(f).node[v];
     if (!owns(p, f, i)) return;
     End& end = ends[i];
-    if (!towards_held(outward, of.nodes.held.empty() ? 0 : of.nodes.held[i]))
-      end.outward.push_back(outward);
+    // on a plane of symmetry the face goes on, as towards whatever a component is held of
+    const Vec3 held = held_part(of.nodes, i, outward);
+    if (held.lpNorm<Eigen::Infinity>() <= mostly_free) end.outward.push_back(outward);
     if (end.cell) return;
     end.facet = f, end.vertex = v;
     for (const Cell& cell : of.covers[p].cells[f])

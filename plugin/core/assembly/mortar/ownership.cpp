@@ -40,9 +40,10 @@ std::vector<Vec3> undeformed_normals(const Sides& of, const Options& options, co
 struct Patch {
   Index pair, label = std::numeric_limits<Index>::max();
   Real uncovered = 0;  ///< minus the covered measure
-  Index root = 0;
+  std::vector<Index> facets;
   bool operator<(const Patch& o) const {
-    return std::tie(pair, label, uncovered, root) < std::tie(o.pair, o.label, o.uncovered, o.root);
+    return std::tie(pair, label, uncovered, facets) <
+           std::tie(o.pair, o.label, o.uncovered, o.facets);
   }
 };
 
@@ -87,10 +88,9 @@ void Ownership::rank_patches(const Sides& of) {
   pair.assign(of.nodes.X.size(), -1);
   covered.assign(of.nodes.X.size(), 0);
   std::vector<Patch> ranked;
-  std::vector<Groups> groups;
   for (std::size_t p = 0; p < of.slaves.size(); ++p) {
     const Side& slave = of.slaves[p];
-    groups.emplace_back(slave.facets());
+    Groups groups(slave.facets());
     const std::set<Corner> beyond =
         beyond_steps(slave, of.masters[p], of.nodes.X, of.covers[p].cells);
     const auto parted = [&](const Joint& joint) {
@@ -100,29 +100,25 @@ void Ownership::rank_patches(const Sides& of) {
       });
     };
     for (const Joint& joint : slave.joints)
-      if (joint.goes_on && !parted(joint)) groups[p].join(joint.facet[0], joint.facet[1]);
+      if (joint.goes_on && !parted(joint)) groups.join(joint.facet[0], joint.facet[1]);
     std::map<Index, Patch> of_root;
     for (Index f = 0; f < slave.facets(); ++f) {
-      Patch& patch = of_root[groups[p].of(f)];
+      Patch& patch = of_root[groups.of(f)];
       patch.pair = static_cast<Index>(p);
-      patch.root = groups[p].of(f);
+      patch.facets.push_back(f);
       patch.label = std::min(patch.label, label_position(slave.surface, slave.facet(f).label));
       patch.uncovered -= of.covers[p].fraction[f] * slave.planes[f].measure;
     }
-    for (const auto& entry : of_root) ranked.push_back(entry.second);
-  }
-  std::sort(ranked.begin(), ranked.end());
-  patches = static_cast<Index>(ranked.size());
-  std::map<std::pair<Index, Index>, Index> rank_of;
-  for (Index k = 0; k < patches; ++k) rank_of[{ranked[k].pair, ranked[k].root}] = k;
-  for (std::size_t p = 0; p < of.slaves.size(); ++p) {
-    rank.emplace_back(of.slaves[p].facets());
-    for (Index f = 0; f < of.slaves[p].facets(); ++f)
-      rank[p][f] = rank_of[{static_cast<Index>(p), groups[p].of(f)}];
+    for (auto& entry : of_root) ranked.push_back(std::move(entry.second));
+    rank.emplace_back(slave.facets());
     faced.emplace_back(of.masters[p].facets(), 0);
     for (const std::vector<Cell>& cells : of.covers[p].cells)
       for (const Cell& cell : cells) faced[p][cell.master] = 1;
   }
+  std::sort(ranked.begin(), ranked.end());
+  patches = static_cast<Index>(ranked.size());
+  for (Index k = 0; k < patches; ++k)
+    for (Index f : ranked[k].facets) rank[ranked[k].pair][f] = k;
 }
 
 void Ownership::own(const Sides& of, const Ways* ways) {
@@ -177,12 +173,12 @@ void Ownership::take_normals(const Nodes& nodes, const std::vector<Vec3>& normal
     const Vec3 given = normals[i].normalized(), outward = normal[i];
     const std::string at = place(d, nodes.X[i]) + " on label " + std::to_string(label[i]);
     if (!(given.norm() > 0))
-      throw IllegalInput("normal has no direction at " + at +
-                         "; give the outward normal of the slave, of any length > 0");
+      refuse("normal has no direction at ", at,
+             "; give the outward normal of the slave, of any length > 0");
     if (!(given.dot(outward) > 0))
-      throw IllegalInput("normal = " + place(d, given) + " at " + at +
-                         " points into the slave, whose boundary has the outward normal " +
-                         place(d, outward) + "; give the normal that leaves the slave");
+      refuse("normal = ", place(d, given), " at ", at,
+             " points into the slave, whose boundary has the outward normal ", place(d, outward),
+             "; give the normal that leaves the slave");
     normal[i] = given;
   }
 }

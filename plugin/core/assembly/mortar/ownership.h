@@ -28,7 +28,6 @@ struct Ownership : Ranked {
   Ownership(Sides& of, const Options& options, const struct Arrangement* begun);
 
   enum class State : char { uncovered, kept, shared, taken, held };
-  static constexpr int states = 5;
   std::vector<State> state;  ///< per node
   std::vector<long> label;   ///< per node
   std::vector<Vec3> normal;  ///< per node: given, or slave_normals()

@@ -6,47 +6,28 @@ namespace frictioncg::mortar {
 
 namespace {
 
-/// Laws that depend on others, by their nodes.
-class Dependence {
- public:
-  void add(Index of, Index on) {
-    if (on_[of].insert(on).second) of_[on].insert(of);
-  }
-  /// Takes off what depends on nothing, or on what nothing depends, again and again: what is left
-  /// is rings, and what is between two of them.
-  void leave_rings() {
-    std::vector<Index> ends;
-    for (const auto& [i, on] : on_) ends.push_back(i);
-    for (const auto& [i, of] : of_) ends.push_back(i);
-    for (; !ends.empty();) {
-      const Index i = ends.back();
-      ends.pop_back();
-      take_off(i, on_, of_, ends);
-      take_off(i, of_, on_, ends);
-    }
-  }
-  bool empty() const { return on_.empty(); }
-  bool has(Index of, Index on) const {
-    const auto found = on_.find(of);
-    return found != on_.end() && found->second.count(on) > 0;
-  }
+/// Laws that depend on others: by their nodes, which on which.
+using Links = std::vector<std::pair<Index, Index>>;
 
- private:
-  using Links = std::map<Index, std::set<Index>>;
-  /// Of a node with links one way alone.
-  static void take_off(Index i, Links& ways, Links& back, std::vector<Index>& ends) {
-    const auto found = ways.find(i);
-    if (found == ways.end() || back.count(i) > 0) return;
-    for (Index k : found->second) {
-      const auto there = back.find(k);
-      there->second.erase(i);
-      if (there->second.empty()) back.erase(there);
-      ends.push_back(k);
+/// Takes off what depends on nothing, or on what nothing depends, again and again: what is left is
+/// rings, sorted, and what is between two of them.
+void leave_rings(Links& links) {
+  sort_once(links);
+  for (std::size_t before = 0; before != links.size();) {
+    before = links.size();
+    std::vector<Index> of, on;
+    for (const auto& [i, r] : links) {
+      of.push_back(i);
+      on.push_back(r);
     }
-    ways.erase(found);
+    std::sort(on.begin(), on.end());
+    const auto is_end = [&](const auto& link) {
+      return !std::binary_search(on.begin(), on.end(), link.first) ||
+             !std::binary_search(of.begin(), of.end(), link.second);
+    };
+    links.erase(std::remove_if(links.begin(), links.end(), is_end), links.end());
   }
-  Links on_, of_;
-};
+}
 
 /// visit(facet's carriers, i, v, r, r's node): laws of nodes i on a facet, at its vertex v or
 /// elsewhere (-1), where a node that has its law on another facet is removed, at its vertex r.
@@ -113,16 +94,18 @@ void Ownership::break_rings(const Sides& of) {
              std::tuple(-first, nodes_of_patch[owner[i]], owner[i]);
     };
     for (bool changed = true; changed;) {
-      Dependence laws;
+      Links laws;
       for_each_removed(*this, of.slaves, [&](Carriers&, Index i, int, int, Index r) {
-        if (!takes(i, r)) laws.add(i, r);
+        if (!takes(i, r)) laws.emplace_back(i, r);
       });
       if (laws.empty()) return;
-      if (with_masters) for_each_faced(*this, of, [&](Index i, Index l) { laws.add(i, l); });
-      laws.leave_rings();
+      if (with_masters)
+        for_each_faced(*this, of, [&](Index i, Index l) { laws.emplace_back(i, l); });
+      leave_rings(laws);
       changed = false;
       for_each_removed(*this, of.slaves, [&](Carriers& there, Index i, int v, int r, Index of_r) {
-        if (!laws.has(i, of_r) || !leads_back(i, of_r)) return;
+        const bool in_ring = std::binary_search(laws.begin(), laws.end(), std::pair(i, of_r));
+        if (!in_ring || !leads_back(i, of_r)) return;
         take(there, i, v, r, of_r);
         changed = true;
       });

@@ -16,21 +16,17 @@ constexpr Real as_fine = 0.1, equal = 1e-3;
 /// the surface is skew; where it is so along all but one of them, the right hand tells the last.
 /// Axes whose direction nothing tells are 0.
 Eigen::Matrix3d own_axes(const Side& side, const OwnSurface& own) {
-  const auto sum = [&](const auto& of, auto total) {  // over the surface
-    for (Index f = 0; f < side.facets(); ++f)
-      total += own.planes[f].measure * of(centre_of(side.d, side.facet(f), own.X));
-    return total;
-  };
-  const Real measure = sum([](const Vec3&) { return 1; }, Real(0));
-  const Vec3 mean = sum([](const Vec3& x) { return x; }, Vec3(Vec3::Zero())) / measure;
-  const Eigenpairs spread = eigenpairs(
-      sum([&](const Vec3& x) { return Eigen::Matrix3d((x - mean) * (x - mean).transpose()); },
-          Eigen::Matrix3d(Eigen::Matrix3d::Zero())) /
-      measure);
+  Vector w(side.facets());
+  Eigen::Matrix3Xd x(3, side.facets());
+  for (Index f = 0; f < side.facets(); ++f) {
+    w[f] = own.planes[f].measure;
+    x.col(f) = centre_of(side.d, side.facet(f), own.X);
+  }
+  const Real measure = w.sum();
+  x.colwise() -= Vec3(x * w / measure);
+  const Eigenpairs spread = eigenpairs(x * w.asDiagonal() * x.transpose() / measure);
   Eigen::Matrix3d axes = spread.vectors;
-  const Vec3 skewness = sum(
-      [&](const Vec3& x) { return Vec3((axes.transpose() * (x - mean)).array().cube().matrix()); },
-      Vec3(Vec3::Zero()));
+  const Vec3 skewness = (axes.transpose() * x).array().cube().matrix() * w;
   std::vector<int> untold;
   bool distinct = true;
   for (int c = side.d == 2 ? 1 : 0; c < 3; ++c) {

@@ -14,8 +14,7 @@ struct OwnSurface {
   /// The side is at Y; reference: nodes without deformation, or empty, which is Y.
   OwnSurface(const Side& side, const std::vector<Vec3>& Y, const std::vector<Vec3>& reference,
              bool itself)
-      : planes(reference.empty() ? side.planes
-                                 : planes_at(side.d, side.surface, side.planes, Y, reference)),
+      : planes(reference.empty() ? side.planes : planes_at(side.d, side.surface, Y, reference)),
         X(reference.empty() ? Y : reference),
         touches_itself(itself) {}
 

@@ -13,10 +13,9 @@ void keep_nearest_sheet(const Side& master, Real size,
 
 /// What a slave facet faces at its vertex v.   cells: of that facet, some
 struct FacedAtVertex {
-  Index facet;   ///< of the slave
-  Index master;  ///< of the cell nearest to the vertex
-  Real
-      distance;  ///< of its plane along the slave's normal; with its sign: what overlaps is nearest
+  Index facet;    ///< of the slave
+  Index master;   ///< of the cell nearest to the vertex
+  Real distance;  ///< of its plane along the slave's normal; what overlaps is below 0, and nearest
 };
 FacedAtVertex faced_at_vertex(int v, const Side& slave, Index facet, const Side& master,
                               const std::vector<Vec3>& X, const std::vector<Cell>& cells);

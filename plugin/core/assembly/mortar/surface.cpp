@@ -73,4 +73,38 @@ Plane plane_of(int d, const Facet& facet, const std::vector<Vec3>& X) {
   return p;
 }
 
+std::vector<Pair> label_pairs(const std::vector<long>& slave, const std::vector<long>& master) {
+  if (slave.size() != master.size() && slave.size() != 1 && master.size() != 1)
+    refuse(
+        "slave has ", slave.size(), " labels and master has ", master.size(),
+        "; lists of one length are pairs, slave[k] facing master[k], and a single label faces all "
+        "of the other list");
+  const std::size_t count = std::max(slave.size(), master.size());
+  std::vector<Pair> of_slave;  // one slave label each
+  for (std::size_t k = 0; k < count; ++k) {
+    const long s = slave[slave.size() > 1 ? k : 0], m = master[master.size() > 1 ? k : 0];
+    auto at = std::find_if(of_slave.begin(), of_slave.end(),
+                           [s](const Pair& p) { return p.slave.labels.front() == s; });
+    if (at == of_slave.end()) {
+      at = of_slave.insert(at, Pair());
+      at->slave.labels = {s};
+    }
+    std::vector<long>& masters = at->master.labels;
+    if (std::count(masters.begin(), masters.end(), m) == 0) masters.push_back(m);
+  }
+  std::vector<Pair> pairs;
+  for (const Pair& one : of_slave) {
+    const std::vector<long>& masters = one.master.labels;
+    const auto at = std::find_if(pairs.begin(), pairs.end(), [&masters](const Pair& p) {
+      return std::is_permutation(p.master.labels.begin(), p.master.labels.end(), masters.begin(),
+                                 masters.end());
+    });
+    if (at == pairs.end())
+      pairs.push_back(one);
+    else
+      at->slave.labels.push_back(one.slave.labels.front());
+  }
+  return pairs;
+}
+
 }  // namespace frictioncg::mortar

@@ -31,6 +31,18 @@ struct Surface {
   std::vector<Facet> facets;
 };
 
+/// Slave and master of one contact; pairs share the numbering of nodes. Where both are the same
+/// facets the surface touches itself (self_contact.h).
+struct Pair {
+  Surface slave, master;
+};
+
+/// What two lists of labels, not empty, stand for: of equal length, slave[k] faces master[k]; a
+/// single label faces all of the other list. A slave label that is named several times faces the
+/// union of its masters, and slave labels that face the same masters are one surface. Pairs without
+/// facets. Throws IllegalInput for other lengths.
+std::vector<Pair> label_pairs(const std::vector<long>& slave, const std::vector<long>& master);
+
 /// "label 1" or "labels 1, 2".
 std::string labels_of(const Surface& surface);
 

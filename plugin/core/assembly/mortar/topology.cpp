@@ -40,13 +40,12 @@ bool on_an_arc(const Side& side, const Joint& joint, const std::map<Index, Real>
 
 }  // namespace
 
-std::vector<Plane> planes_at(int d, const Surface& surface, const std::vector<Plane>& planes,
-                             const std::vector<Vec3>& X, const std::vector<Vec3>& Y) {
+std::vector<Plane> planes_at(int d, const Surface& surface, const std::vector<Vec3>& X,
+                             const std::vector<Vec3>& Y) {
   std::vector<Plane> there;
-  for (std::size_t f = 0; f < planes.size(); ++f) {
-    Facet turning = surface.facets[f];  // its outward vector is that of X
-    turning.outward.setZero();
-    const bool flipped = plane_of(d, turning, X).normal.dot(planes[f].normal) < 0;
+  for (Facet turning : surface.facets) {
+    const Vec3 outward = std::exchange(turning.outward, Vec3::Zero());
+    const bool flipped = plane_of(d, turning, X).normal.dot(outward) < 0;
     there.push_back(plane_of(d, turning, Y));
     if (flipped) there.back().normal *= -1;
   }
@@ -58,11 +57,11 @@ Side::Side(int dimension, const Surface& surface_, const std::vector<Vec3>& X,
     : d(dimension), is_moved(!reference.empty()), surface(surface_) {
   planes.reserve(surface.facets.size());
   for (const Facet& f : surface.facets) planes.push_back(plane_of(d, f, X));
-  find_joints(reference.empty() ? planes : planes_at(d, surface, planes, X, reference));
+  find_joints(reference.empty() ? planes : planes_at(d, surface, X, reference));
 }
 
 Side::Side(const Side& side, const std::vector<Vec3>& X, const std::vector<Vec3>& Y)
-    : d(side.d), surface(side.surface), planes(planes_at(side.d, side.surface, side.planes, X, Y)) {
+    : d(side.d), surface(side.surface), planes(planes_at(side.d, side.surface, X, Y)) {
   find_joints(planes);
 }
 
@@ -88,6 +87,46 @@ void Side::find_joints(const std::vector<Plane>& at) {
     if (bends.empty()) bends = bends_of(*this);
     joint.goes_on = on_an_arc(*this, joint, bends);
   }
+}
+
+/// A fan: corners of facets at a vertex, joined over the ridges between them.
+SmoothSide::SmoothSide(const Side& side, const std::vector<Vec3>& X,
+                       const std::vector<char>& smooth)
+    : fan_at_(side.facets(), {-1, -1, -1}) {
+  const int d = side.d;
+  Groups corners(d * side.facets());
+  for (std::size_t k = 0; k < side.joints.size(); ++k) {
+    const auto [f, g] = side.joints[k].facet;
+    for (Index i : side.joints[k].vertex)
+      if (is_smooth(side, k, smooth))
+        corners.join(d * f + position(side.facet(f), i), d * g + position(side.facet(g), i));
+  }
+  Faceted surface;
+  surface.d = d;
+  surface.is_moved = side.is_moved;
+  std::map<Index, Index> number, fan_of_root;  // number: of the vertices of the side alone
+  for (Index f = 0; f < side.facets(); ++f) {
+    Faceted::Facet& facet = surface.facets.emplace_back();
+    facet.normal = side.planes[f].normal;
+    for (int v = 0; v < d; ++v) {
+      const Index i = side.facet(f).node[v], next = static_cast<Index>(surface.X.size());
+      facet.vertex[v] = number.emplace(i, next).first->second;
+      if (facet.vertex[v] == next) surface.X.push_back(X[i]);
+      const auto [at, is_new] =
+          fan_of_root.emplace(corners.of(d * f + v), static_cast<Index>(surface.fans.size()));
+      if (is_new) {
+        surface.fans.emplace_back().vertex = facet.vertex[v];
+        node_.push_back(i);
+      }
+      Fan& fan = surface.fans[at->second];
+      fan.facets.push_back(f);
+      fan.mean += side.planes[f].measure * side.planes[f].normal;
+      fan_at_[f][v] = at->second;
+    }
+  }
+  for (Fan& fan : surface.fans) fan.mean.normalize();
+  normal_ = smooth_normals(surface);
+  for (Fan& fan : surface.fans) facets_.push_back(std::move(fan.facets));
 }
 
 Index facet_connected_groups(int d, const std::vector<std::array<Index, 4>>& elements) {

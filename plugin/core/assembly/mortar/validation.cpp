@@ -141,11 +141,11 @@ void validate_cover(const Arrangement& of, const Options& options) {
       refuse_nothing_faces(nodes, slaves[p], of.masters[p], cover, options);
     }
     if (!options.weight.empty()) refuse_weightless(nodes, slaves[p], cover, options.weight);
-    std::array<Index, Ownership::states> count{};
+    std::set<Ownership::State> states;
     for (Index f = 0; f < slaves[p].facets(); ++f)
       for (int v = 0; v < slaves[p].d && !cover.cells[f].empty(); ++v)
-        ++count[static_cast<int>(of.ownership->state[slaves[p].facet(f).node[v]])];
-    const auto some = [&](Ownership::State state) { return count[static_cast<int>(state)] > 0; };
+        states.insert(of.ownership->state[slaves[p].facet(f).node[v]]);
+    const auto some = [&](Ownership::State state) { return states.count(state) > 0; };
     if (some(Ownership::State::kept) || may_carry_later(of, slaves[p])) continue;
     const bool others = std::any_of(cover.cells.begin(), cover.cells.end(), is_empty);
     const std::string labels = "every slave node (" + labels_of(slaves[p].surface) + ")" +

@@ -1,4 +1,4 @@
-#include "assembly/mortar/weight_slopes.h"
+#include "assembly/mortar/geometric_stiffness.h"
 
 namespace frictioncg::mortar {
 
@@ -58,8 +58,8 @@ class CellSlopes {
         for (int v = 0; v < d_; ++v) {
           const Vec3 H = along.row(l);
           const Vec3 of_slave = lambda[v] * H - g * H.dot(grad.col(v)) * plane.normal;
-          slave_[l][v] += of_slave * weighted.transpose();
-          master_[l][v] -= theirs[v] * H * weighted.transpose();
+          slave_.block<3, 3>(3 * l, 3 * v) += of_slave * weighted.transpose();
+          master_.block<3, 3>(3 * l, 3 * v) -= theirs[v] * H * weighted.transpose();
         }
     }
   }
@@ -69,20 +69,15 @@ class CellSlopes {
   void add(const Part& part, const Facet& master, int l, const Eigen::RowVector3d& psi,
            Sloped& to) const {
     for (int v = 0; v < d_; ++v) {
-      to.at(part.node(v)) += slave_[l][v] * psi.transpose();
-      to.at(master.node[v]) += master_[l][v] * psi.transpose();
+      to.at(part.node(v)) += slave_.block<3, 3>(3 * l, 3 * v) * psi.transpose();
+      to.at(master.node[v]) += master_.block<3, 3>(3 * l, 3 * v) * psi.transpose();
     }
   }
 
  private:
-  using Table = std::array<std::array<Eigen::Matrix3d, 3>, 9>;  ///< by l and v: columns u
-  static Table zero() {
-    Table table;
-    for (auto& of_l : table) of_l.fill(Eigen::Matrix3d::Zero());
-    return table;
-  }
+  using Table = Eigen::Matrix<Real, 27, 9>;  ///< 3 x 3 by l and v: columns u
   int d_;
-  Table slave_ = zero(), master_ = zero();
+  Table slave_ = Table::Zero(), master_ = Table::Zero();
   Eigen::Matrix3d arcs_ = Eigen::Matrix3d::Zero();
 };
 
