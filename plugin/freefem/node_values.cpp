@@ -63,7 +63,7 @@ Vector forces_at_nodes(Stack stack, const Arguments& args, Parameter p, const Sc
 
 /// The integral of weight times the shape function of a facet's node, the weight being linear
 /// between the facet's vertices: those of the element but the one that the facet lies opposite.
-double weighted_share(Stack stack, const Arguments& args, const Scene& scene,
+double weighted_share(Stack stack, const Arguments& args, const Scene& scene, int space,
                       const AdjacentFacet& facet) {
   const Vec3& hat = facet.hat;
   const double lambda[4] = {1 - hat[0] - hat[1] - hat[2], hat[0], hat[1], hat[2]};
@@ -72,6 +72,7 @@ double weighted_share(Stack stack, const Arguments& args, const Scene& scene,
     if (v == facet.facet) continue;
     BoundaryNode vertex;
     vertex.set_place(facet);
+    vertex.space = space;
     vertex.hat = Vec3(v == 1, v == 2, v == 3);
     vertex.point.normal = facet.normal / length(facet.normal);
     vertex.x = scene.go_to(stack, vertex);
@@ -223,7 +224,7 @@ void set_weights(Stack stack, const Arguments& args, Scene& scene) {
   for (BoundaryNode& node : scene.nodes) {
     node.weight = 0;
     for (const AdjacentFacet& facet : node.facets)
-      node.weight += weighted_share(stack, args, scene, facet);
+      node.weight += weighted_share(stack, args, scene, node.space, facet);
   }
 }
 
