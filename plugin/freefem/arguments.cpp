@@ -371,17 +371,16 @@ Site::Site(const basicAC_F0& args, int first, int count)
   if (count > 2) master_ = labels_of(args[first + count - 1]);
 }
 
-SpacePtr Site::space(Stack stack, std::size_t k) const {
-  return space_of(stack, d, spaces_[k], !in_two_spaces() ? "Vh" : k == 0 ? "V1" : "V2");
+Spaces Site::spaces(Stack stack) const {
+  if (spaces_.size() == 1) return {space_of(stack, d, spaces_[0], "Vh", 0)};
+  const SpacePtr V1 = space_of(stack, d, spaces_[0], "V1", 0);
+  return {V1, space_of(stack, d, spaces_[1], "V2", V1->dofs())};
 }
 
 bool Site::is_on_part(Stack stack) const {
-  bool on_part = false;
-  for (std::size_t k = 0; k < spaces_.size(); ++k) {
-    const SpacePtr Vh = space(stack, k);
-    on_part = (mpisize > 1 && Vh->labels().count(cut) > 0) || on_part;  // 0 in FreeFem++ itself
-  }
-  return on_part;
+  const Spaces all = spaces(stack);
+  const auto is_cut = [](const SpacePtr& V) { return V->labels().count(cut) > 0; };
+  return mpisize > 1 && std::any_of(all.begin(), all.end(), is_cut);  // 0 in FreeFem++ itself
 }
 
 std::vector<long> Site::labels(Stack stack) const {

@@ -128,8 +128,7 @@ class Site {
 
   const int d;  ///< dimension
   bool two_bodies() const { return master_ != nullptr; }
-  bool in_two_spaces() const { return spaces_.size() > 1; }
-  SpacePtr space(Stack stack, std::size_t k = 0) const;
+  Spaces spaces(Stack stack) const;
   /// Under several processes: whether a mesh is the part of one that FreeFEM's macro_ddm.idp has
   /// distributed. A mesh that each process has for itself is none.
   bool is_on_part(Stack stack) const;
@@ -137,8 +136,8 @@ class Site {
   std::vector<long> masters(Stack stack) const;  ///< none where there is one body
 
  private:
-  std::vector<Expression> spaces_;
-  Labels slave_, master_;  ///< the latter empty where there is one body
+  std::vector<Expression> spaces_;  ///< one, or those of slave and master
+  Labels slave_, master_;           ///< the latter empty where there is one body
 };
 
 }  // namespace frictioncg

@@ -30,7 +30,7 @@ void face_bodies(Stack stack, const Arguments& args, const Expression A, Scene& 
   options.smooth = args.value(stack, p_smooth, options.smooth);
   if (args.has(p_normal)) options.normals = slave_normals(stack, args, scene);
   options.weight = slave_weights(stack, args, scene);
-  if (scene.force.size() > 0) options.force = scene.pairing->at_nodes(scene.force, scene.d);
+  if (scene.force.size() > 0) options.force = scene.pairing->at_nodes(scene.force);
   Vector u_old;  // where the increment of a geometry that moves began
   if (scene.at && args.has(p_uold)) {
     u_old = args.vector(stack, p_uold);
@@ -41,8 +41,8 @@ void face_bodies(Stack stack, const Arguments& args, const Expression A, Scene& 
   constexpr Parameter chosen[] = {p_maxgap, p_smooth, p_normal, p_weight};
   const Stopwatch watch(scene.copy_seconds);
   const std::vector<BoundaryNode> of_obstacle = std::move(scene.nodes);
-  scene.nodes = scene.pairing->face(matrix, scene.d, options, u_old, of_obstacle, scene.places,
-                                    !args.has_any(chosen));
+  scene.nodes =
+      scene.pairing->face(matrix, options, u_old, of_obstacle, scene.places, !args.has_any(chosen));
   scene.nodes.insert(scene.nodes.end(), of_obstacle.begin(), of_obstacle.end());
   scene.beside_pairs = of_obstacle.size();
 }
@@ -190,18 +190,18 @@ Solution newton_step(Solution s, const Vector& u0, const Settings& settings, con
   const Pairing& pairing = *scene.pairing;
   const Vector slip_from = scene.slip_from(u_old);
   const auto trace = [&](const Solution& of) {
-    return pairing.at_nodes(scene.system->to_global(of.x, u0), scene.d);
+    return pairing.at_nodes(scene.system->to_global(of.x, u0));
   };
   const auto pass = [&](const AtNodes& v, const Vector& x0) {
-    const mortar::Change change = pairing.change(v, scene.d);
+    const mortar::Change change = pairing.change(v);
     PointLaws of_pass = laws;
     if (!laws.given_gap) of_pass.gap.head(change.gap.size()) += change.gap;
-    const Vector rest = b + pairing.on_free_dofs(change.force, b.size(), scene.d) -
-                        scene.stiffened->force_of_pairs(pairing.on_free_dofs(v, b.size(), scene.d));
+    const Vector rest = b + pairing.on_free_dofs(change.force, b.size()) -
+                        scene.stiffened->force_of_pairs(pairing.on_free_dofs(v, b.size()));
     const LocalLoad load = scene.system->load_from(rest, slip_from);
     return scene.solver->solve(scene.increment(load, of_pass).increment, settings, x0);
   };
-  return newton_step(std::move(s), pairing.at_nodes(*scene.at, scene.d), trace, pass);
+  return newton_step(std::move(s), pairing.at_nodes(*scene.at), trace, pass);
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ void find_pivots(Stack stack, const Arguments& args, const Scene& scene, MovingO
     const Index o = moving.rigid.of_point[k];
     Vec3 at = Vec3::Zero();
     if (o >= 0 && args.has(p_pivot)) {
-      scene.go_to(stack, node);
+      node.space->go_to(stack, node);
       for (int c = 0; c < scene.d; ++c) at[c] = args.component(stack, p_pivot, c);
       if (!at.allFinite() || (seen[o] && at != moving.pivot[o]))
         throw IllegalInput("pivot = " + mortar::place(scene.d, at) + " at " + place(node, scene.d) +

@@ -44,7 +44,7 @@ Vector read_gap(Stack stack, const Arguments& args, const Scene& scene, const Ve
 /// The values of a vector, p, at a node, scaled to length 1; 0 where it has no direction.
 Vec3 unit_vector(Stack stack, const Arguments& args, Parameter p, const Scene& scene,
                  const BoundaryNode& node) {
-  scene.go_to(stack, node);
+  node.space->go_to(stack, node);
   Vec3 n = Vec3::Zero();
   double norm = 0;
   for (int c = 0; c < scene.d; ++c) {
@@ -63,7 +63,7 @@ Vector forces_at_nodes(Stack stack, const Arguments& args, Parameter p, const Sc
 
 /// The integral of weight times the shape function of a facet's node, the weight being linear
 /// between the facet's vertices: those of the element but the one that the facet lies opposite.
-double weighted_share(Stack stack, const Arguments& args, const Scene& scene, int space,
+double weighted_share(Stack stack, const Arguments& args, const Scene& scene,
                       const AdjacentFacet& facet) {
   const Vec3& hat = facet.hat;
   const double lambda[4] = {1 - hat[0] - hat[1] - hat[2], hat[0], hat[1], hat[2]};
@@ -72,10 +72,9 @@ double weighted_share(Stack stack, const Arguments& args, const Scene& scene, in
     if (v == facet.facet) continue;
     BoundaryNode vertex;
     vertex.set_place(facet);
-    vertex.space = space;
     vertex.hat = Vec3(v == 1, v == 2, v == 3);
     vertex.point.normal = facet.normal / length(facet.normal);
-    vertex.x = scene.go_to(stack, vertex);
+    vertex.x = facet.space->go_to(stack, vertex);
     const double weight = args.value<double>(stack, p_weight);
     check_value(p_weight, weight, vertex, scene.d);
     at_node += lambda[v] * weight;
@@ -92,7 +91,7 @@ Vector at_nodes(Stack stack, const Arguments& args, Parameter p, const Scene& sc
   if (!args.has(p)) return result;
   PointGuard guard(stack);
   for (std::size_t k = 0; k < nodes.size(); ++k) {
-    scene.go_to(stack, nodes[k]);
+    nodes[k].space->go_to(stack, nodes[k]);
     result[k] = args.value<double>(stack, p);
     check_value(p, result[k], nodes[k], scene.d);
   }
@@ -224,7 +223,7 @@ void set_weights(Stack stack, const Arguments& args, Scene& scene) {
   for (BoundaryNode& node : scene.nodes) {
     node.weight = 0;
     for (const AdjacentFacet& facet : node.facets)
-      node.weight += weighted_share(stack, args, scene, node.space, facet);
+      node.weight += weighted_share(stack, args, scene, facet);
   }
 }
 

@@ -30,7 +30,7 @@ inline InterfacePart interface_part(Stack stack, const Arguments& args, const Sc
     Vector v = args.vector(stack, p);
     if (args.has(p)) check_vector(v, name_of(p), scene.dofs);
     if (!args.has(p)) v = Vector::Zero(scene.ndof());
-    return scene.pairing->at_nodes(v, scene.d);
+    return scene.pairing->at_nodes(v);
   };
   if (part.is_moved) part.motion = {faces.moved, given(p_uold), given(p_forceold)};
   part.options.resize(faces.slave.size());
