@@ -63,7 +63,8 @@ void read_obstacle_points(Stack stack, const Arguments& args, bool lasts, Scene&
 
 /// The geometry of C at the displacement of the call, which names anew what C was given at places.
 std::shared_ptr<Scene> moved(Stack stack, const Arguments& args, const Scene& before) {
-  const std::shared_ptr<Scene> scene = before.moved_to(read_stage(stack, args));
+  const std::shared_ptr<Scene> scene =
+      scene_at(read_stage(stack, args), before.spaces, before.sides);
   const auto require = [&](Parameter p, bool given) {
     if (given && !args.has(p))
       refuse("at moves the nodes of C, and ", name_of(p),
@@ -175,6 +176,27 @@ PointLaws laws_at(const Arguments& args, const Scene& before, const Scene& scene
   return laws;
 }
 
+/// Reads A once no expression may change it, and poses A, less the stiffness of forceold where that
+/// leaves stiffnesses > 0. before, alone: as Scene::assemble's.
+Triplets assemble(Stack stack, const Arguments& args, const Expression A, Scene& scene,
+                  Scene* before = nullptr, bool alone = false) {
+  const long verb = read_verb(stack, args);
+  const Threads of_call(read_threads(stack, args));
+  const Triplets matrix = matrix_of(stack, A, scene.dofs);
+  scene.stiffened = stiffened_by_force(matrix, scene);
+  if (scene.stiffened) {
+    try {
+      scene.assemble(scene.stiffened->less(), before, alone);
+      return matrix;
+    } catch (const IllegalInput&) {
+      report_plain(verb);
+      scene.stiffened.reset();
+    }
+  }
+  with_components_in_words(scene, [&] { scene.assemble(matrix, before, alone); });
+  return matrix;
+}
+
 /// (of the script, of the obstacles)
 Vector joined(const Vector& of_script, const Vector& of_obstacles) {
   Vector all(of_script.size() + of_obstacles.size());
@@ -222,21 +244,6 @@ void report_plain(long verb) {
            << std::endl;
 }
 
-void assemble(const Triplets& A, Scene& scene, long verb, Index threads,
-              const std::function<void(const Triplets&)>& pose) {
-  const Threads of_call(threads);
-  scene.stiffened = stiffened_by_force(A, scene);
-  if (scene.stiffened) {
-    try {
-      return pose(scene.stiffened->less());
-    } catch (const IllegalInput&) {
-      report_plain(verb);
-      scene.stiffened.reset();
-    }
-  }
-  with_components_in_words(scene, [&] { pose(A); });
-}
-
 PointLaws read_point_laws(Stack stack, const Arguments& args, bool everywhere, Scene& scene,
                           PointLaws begun) {
   PointLaws laws = read_laws(stack, args, scene, std::move(begun));
@@ -260,7 +267,15 @@ Stage read_stage(Stack stack, const Arguments& args) {
 std::shared_ptr<Scene> read_scene(Stack stack, const Arguments& args, const Expression A,
                                   const Site& site, bool lasts, PointLaws& laws) {
   const Stage stage = read_stage(stack, args);
-  std::shared_ptr<Scene> scene = scene_of(site, stack, args.obstacle(stack), stage);
+  const std::vector<long> obstacle = args.obstacle(stack);
+  if (site.is_on_part(stack))
+    throw IllegalInput(
+        "Vh lies on one process's part of a distributed mesh, and its matrix would be taken for "
+        "the whole problem; load frictionCG-mpi, and give domain=C, which createMat(Th, C, Pk) "
+        "makes");
+  const Sides sides{site.labels(stack), site.masters(stack), obstacle};
+  // the spaces last: what an expression does may make them anew
+  const std::shared_ptr<Scene> scene = scene_at(stage, site.spaces(stack), sides);
   read_obstacle_points(stack, args, lasts, *scene);
   if (!scene->pairing) scene->moving = read_obstacles(stack, args, *scene);
   if (scene->nodes.empty() && !scene->averted.empty()) refuse_inward(*scene);
@@ -268,11 +283,7 @@ std::shared_ptr<Scene> read_scene(Stack stack, const Arguments& args, const Expr
   read_force(stack, args, *scene);
   if (scene->pairing) face_bodies(stack, args, A, *scene);
   laws = read_point_laws(stack, args, lasts, *scene, begun_laws(stack, args));
-  const long verb = read_verb(stack, args);
-  const Index threads = read_threads(stack, args);
-  const Triplets matrix = matrix_of(stack, A, scene->dofs);  // once no expression may change A
-  assemble(matrix, *scene, verb, threads, [&](const Triplets& M) { scene->assemble(M); });
-  scene->unnamed_radius = unnamed_radius(args, *scene, matrix);
+  scene->unnamed_radius = unnamed_radius(args, *scene, assemble(stack, args, A, *scene));
   if (!scene->tangents) laws.law = Law::frictionless;
   return scene;
 }
@@ -438,11 +449,7 @@ PosedProblem renewed(Stack stack, const Arguments& args, const Expression A, con
     const Index rest = posed.laws.gap.size() - measured;
     posed.laws.gap.tail(rest) = laws.gap.tail(rest);
   }
-  const long verb = read_verb(stack, args);
-  const Index threads = read_threads(stack, args);
-  const Triplets matrix = matrix_of(stack, A, scene.dofs);
-  assemble(matrix, scene, verb, threads,
-           [&](const Triplets& M) { scene.assemble(M, &before, alone); });
+  assemble(stack, args, A, scene, &before, alone);
   return posed;
 }
 

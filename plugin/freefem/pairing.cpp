@@ -144,9 +144,9 @@ void FreedomOfBodies::add(const Triplets& A, const Dirichlet& dirichlet,
   using Rows = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const Rows w = rigid_modes(places, d_, A.n, extent_);
   Rows Aw = Rows::Zero(A.n, k);
-  std::vector<Index> of(A.n, -1);
-  for (const NodePlace& p : places)
-    for (int c = 0; p.body < bodies_ && c < d_; ++c) of[p.dof[c]] = p.body;
+  std::vector<Index> of = body_of_dofs(places, d_, A.n);
+  std::replace_if(
+      of.begin(), of.end(), [this](Index body) { return body >= bodies_; }, -1);
   Vector D = Vector::Zero(A.n);
   for_each_entry(A, [&](Index i, Index j, Real a) {
     if (of[i] < 0 || of[i] != of[j] || dirichlet.holds(i) || dirichlet.holds(j)) return;
@@ -302,8 +302,8 @@ Vector Pairing::on_free_dofs(const std::vector<Vec3>& of_node, Index n) const {
 }
 
 std::vector<Index> Pairing::body_of_nodes(const std::vector<NodePlace>& places, Index n) const {
-  std::vector<Index> of_dof(n, 0), body;
-  for (const NodePlace& p : places) of_dof[p.dof[0]] = p.body;
+  const std::vector<Index> of_dof = body_of_dofs(places, between_.d, n);
+  std::vector<Index> body;
   for (const auto& dof : between_.dof) body.push_back(of_dof[dof[0]]);
   return body;
 }

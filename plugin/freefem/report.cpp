@@ -198,7 +198,7 @@ void warn_of_passed(Stack stack, const Arguments& args, const Scene& scene) {
     if (node.begun && !faces_away(node, node.point.normal)) facing.push_back(node);
   Vector gap;
   try {
-    gap = at_nodes(stack, args, scene.pairing ? p_obstaclegap : p_gap, scene, facing);
+    gap = at_nodes(stack, args, scene.pairing ? p_obstaclegap : p_gap, facing);
   } catch (const IllegalInput&) {
     return;  // no law asks for it
   }

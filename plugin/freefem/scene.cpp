@@ -73,15 +73,6 @@ std::vector<std::vector<long>> by_mesh(const Spaces& spaces, const std::vector<l
   return labels;
 }
 
-/// make(stage), which can be made at another one, too.
-template <class Make>
-std::shared_ptr<Scene> scene_at(const Stage& stage, const Make& make) {
-  std::shared_ptr<Scene> scene = make(stage);
-  scene->at = stage.at;
-  scene->moved_to = [make](const Stage& other) { return scene_at(other, make); };
-  return scene;
-}
-
 /// -p dn/dx of each node before an obstacle, in the dofs of the script. Of the mesh's own normals,
 /// which turn as the body bends, its stiffness alone: on humps two states of a step take turns
 /// where it takes stiffness off. None of obstacles that move: what body and obstacle do together
@@ -174,6 +165,7 @@ std::shared_ptr<Scene> scene_on(const Spaces& spaces, std::vector<BoundaryNode> 
   scene->dofs = dofs_of(spaces);
   scene->nodes = std::move(points);
   scene->spaces = spaces;
+  scene->at = spaces.front()->stage.at;
   for (const SpacePtr& V : spaces) V->add_mesh_nodes(scene->mesh_node);
   scene->places = once([spaces] {
     std::vector<NodePlace> places;
@@ -188,40 +180,36 @@ void check_stage(const Stage& stage, const DofCount& dofs) {
   if (stage.begun) check_vector(*stage.begun, "uold", dofs);
 }
 
-std::shared_ptr<Scene> scene_of(const Site& site, Stack stack, const std::vector<long>& obstacle,
-                                const Stage& stage) {
-  if (site.is_on_part(stack))
-    throw IllegalInput(
-        "Vh lies on one process's part of a distributed mesh, and its matrix would be taken for "
-        "the whole problem; load frictionCG-mpi, and give domain=C, which createMat(Th, C, Pk) "
-        "makes");
-  const std::vector<long> slave = site.labels(stack), master = site.masters(stack);
-  const Spaces on_mesh = site.spaces(stack);  // last: what an expression does may make it anew
-  return scene_at(stage, [=](const Stage& U) {
-    check_stage(U, dofs_of(on_mesh));
-    const Spaces spaces = at(U, on_mesh);
-    const bool two_bodies = !master.empty();
-    const auto labels = by_mesh(spaces, two_bodies ? obstacle : slave);
-    if (two_bodies) {
-      refuse_second_role(labels.front(), slave, "slave");
-      refuse_second_role(labels.back(), master, "master");
-    }
-    std::vector<BoundaryNode> points;
-    for (std::size_t k = 0; k < spaces.size(); ++k)
-      add_obstacle_points(*spaces[k], labels[k], points);
-    const std::shared_ptr<Scene> scene = scene_on(spaces, std::move(points));
-    if (two_bodies) scene->pairing.emplace(interface_of(spaces, {slave, master}));
-    return scene;
-  });
+std::shared_ptr<Scene> scene_at(const Stage& stage, const Spaces& any_stage, const Sides& sides) {
+  check_stage(stage, dofs_of(any_stage));
+  const Spaces spaces = at(stage, any_stage);
+  const bool two_bodies = !sides.master.empty();
+  const auto labels = by_mesh(spaces, two_bodies ? sides.obstacle : sides.slave);
+  if (two_bodies) {
+    refuse_second_role(labels.front(), sides.slave, "slave");
+    refuse_second_role(labels.back(), sides.master, "master");
+  }
+  std::vector<BoundaryNode> points;
+  for (std::size_t k = 0; k < spaces.size(); ++k)
+    add_obstacle_points(*spaces[k], labels[k], points);
+  const std::shared_ptr<Scene> scene = scene_on(spaces, std::move(points));
+  scene->sides = sides;
+  if (two_bodies) scene->pairing.emplace(interface_of(spaces, {sides.slave, sides.master}));
+  return scene;
+}
+
+std::vector<Index> body_of_points(const Scene& scene, const std::vector<NodePlace>& places) {
+  const std::vector<Index> of_dof = body_of_dofs(places, scene.d, scene.ndof());
+  std::vector<Index> body;
+  for (const BoundaryNode& p : scene.nodes) body.push_back(of_dof[p.point.dof[0]]);
+  return body;
 }
 
 void follow_free_motions(Scene& scene, const std::vector<NodePlace>& places, const Extent& extent,
                          Index bodies, bool has_begun,
                          const std::function<void(FreedomOfBodies&)>& add,
                          const SumOverProcesses& sum) {
-  std::vector<Index> body_at(scene.ndof(), 0), body;
-  for (const NodePlace& n : places) body_at[n.dof[0]] = n.body;
-  for (const BoundaryNode& p : scene.nodes) body.push_back(body_at[p.point.dof[0]]);
+  const std::vector<Index> body = body_of_points(scene, places);
   FreedomOfBodies freedom_of(scene.d, extent, body, bodies);
   add(freedom_of);
   const mortar::Freedom freedom = freedom_of.freedom();

@@ -36,7 +36,11 @@ struct MovingObstacles {
   RigidObstacles rigid;
 };
 
-struct Scene;
+/// The labels of the boundaries that touch: slave and master each other, those of the obstacle
+/// that. Where there is no master all is before the obstacle.
+struct Sides {
+  std::vector<long> slave, master, obstacle;
+};
 
 /// One body or more with their contact nodes, as the script posed them, but for what is made of A.
 struct Geometry {
@@ -57,10 +61,9 @@ struct Geometry {
   std::optional<Pairing> pairing;         ///< of two bodies; none where there is an obstacle alone
   mortar::Options facing;                 ///< of the two bodies, as the script has chosen them
   std::optional<MovingObstacles> moving;  ///< none where all obstacles stand still
-  Displacement at;                        ///< of the geometry (ndof)
-  Vector force;                           ///< of contact, that turns with it; or empty
-  /// The nodes and faces of the same spaces at another displacement.
-  std::function<std::shared_ptr<Scene>(const Stage&)> moved_to;
+  Sides sides;
+  Displacement at;  ///< of the geometry (ndof)
+  Vector force;     ///< of contact, that turns with it; or empty
   // Found when they are first asked for.
   /// Of its bodies, by the mesh.
   Real least_gyration() const {
@@ -128,6 +131,9 @@ struct Scene : Geometry {
   }
 };
 
+/// The body of each contact point.
+std::vector<Index> body_of_points(const Scene& scene, const std::vector<NodePlace>& places);
+
 /// S of the scene's force, where it has one that turns; or null.
 std::unique_ptr<Stiffened> stiffened_by_force(const Triplets& A, const Scene& scene);
 
@@ -149,13 +155,11 @@ Real told_by_mesh(const Scene& scene, Real of_pairs, const SumOverProcesses& sum
 
 DofCount dofs_of(const Spaces& spaces);
 
-/// Bodies with contact points on obstacles.
+/// Bodies where the spaces have them, with contact points on obstacles.
 std::shared_ptr<Scene> scene_on(const Spaces& spaces, std::vector<BoundaryNode> points);
 void check_stage(const Stage& stage, const DofCount& dofs);
 
-/// The geometry of a site as it is now, moved where the stage says so, and to be moved elsewhere
-/// later; obstacle: labels beside pairs of bodies.
-std::shared_ptr<Scene> scene_of(const Site& site, Stack stack, const std::vector<long>& obstacle,
-                                const Stage& stage);
+/// The geometry of these sides where the stage says, in one process.
+std::shared_ptr<Scene> scene_at(const Stage& stage, const Spaces& any_stage, const Sides& sides);
 
 }  // namespace frictioncg

@@ -151,12 +151,12 @@ class SpaceOn final : public Space {
   using Element = typename D::Element;
 
  public:
-  SpaceOn(const FESpaceType& Vh, const char* word, Index first, const Stage& stage = {})
-      : Space(D::d, word, first, stage), keep_(const_cast<FESpaceType*>(&Vh)) {
+  SpaceOn(const FESpaceType& Vh, const char* word, Index first, const Stage& where = {})
+      : Space(D::d, word, first, where), keep_(const_cast<FESpaceType*>(&Vh)) {
     if (is_moved()) move_vertices();
   }
-  SpacePtr at(const Stage& stage) const override {
-    return std::make_shared<const SpaceOn>(space(), name, offset, stage);
+  SpacePtr at(const Stage& other) const override {
+    return std::make_shared<const SpaceOn>(space(), name, offset, other);
   }
   Index dofs() const override { return space().NbOfDF; }
   Index vertices() const override { return mesh().nv; }
@@ -329,7 +329,7 @@ class SpaceOn final : public Space {
   /// The displacement of the node that has these dofs.
   Vec3 moved(const std::array<Index, 3>& of_node) const {
     Vec3 u = Vec3::Zero();
-    for (int c = 0; c < D::d && is_moved(); ++c) u[c] = (*stage_.at)[of_node[c]];
+    for (int c = 0; c < D::d && is_moved(); ++c) u[c] = (*stage.at)[of_node[c]];
     return u;
   }
   /// A node of element k itself: that of a P2 edge may have left the edge's middle.
@@ -371,7 +371,7 @@ class SpaceOn final : public Space {
       for (const auto& e : ip.entries) {
         const int v = corner_at(ip.hat[e.point], D::d);
         if (v < 0 || e.component >= D::d || e.coefficient != 1) continue;
-        of_vertex_[mesh()(k, v)][e.component] = (*stage_.at)[dof(K, e.dof)];
+        of_vertex_[mesh()(k, v)][e.component] = (*stage.at)[dof(K, e.dof)];
         known[mesh()(k, v)] = 1;
       }
     }
@@ -454,7 +454,7 @@ class SpaceOn final : public Space {
     Vec3 middle = Vec3::Zero();
     for (const FacetNode& n : facet)
       if (n.corner) middle += D::position(mesh(), at.element, n.hat) / D::d;
-    refuse(stage_.name, " turns the element behind the ", D::facet_name, " at ",
+    refuse(stage.name, " turns the element behind the ", D::facet_name, " at ",
            mortar::place(D::d, middle), " on label ", at.label,
            " inside out, or makes it flat; take a smaller increment of the load, or a "
            "part of the step");
@@ -488,7 +488,7 @@ Spaces at(const Stage& stage, const Spaces& spaces) {
 }
 
 const Space* Space::begun() const {
-  if (!begun_ && is_moved() && stage_.begun) begun_ = at({stage_.begun, nullptr, "uold"});
+  if (!begun_ && is_moved() && stage.begun) begun_ = at({stage.begun, nullptr, "uold"});
   return begun_.get();
 }
 
@@ -507,6 +507,13 @@ std::vector<Index> Space::body_of_element() const {
   for (Index k = 0; k < elements(); ++k)
     body[k] = number.try_emplace(groups.of(element(k)[0]), static_cast<Index>(number.size()))
                   .first->second;
+  return body;
+}
+
+std::vector<Index> body_of_dofs(const std::vector<NodePlace>& nodes, int d, Index n) {
+  std::vector<Index> body(n, -1);
+  for (const NodePlace& p : nodes)
+    for (int c = 0; c < d; ++c) body[p.dof[c]] = p.body;
   return body;
 }
 

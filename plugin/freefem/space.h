@@ -54,7 +54,7 @@ class Space {
   /// Makes a node the point at which expressions are evaluated: where it has been moved to, and in
   /// its element, by which functions on the mesh are read. Returns the place.
   virtual Vec3 go_to(Stack stack, const BoundaryNode& node) const = 0;
-  bool is_moved() const { return stage_.at != nullptr; }
+  bool is_moved() const { return stage.at != nullptr; }
   /// Where the increment began; null: here.
   const Space* begun() const;
   /// Which part of the mesh each element belongs to: parts share no vertex.
@@ -64,12 +64,11 @@ class Space {
   const int d;             ///< dimension
   const char* const name;  ///< Vh; of two spaces V1 or V2
   const Index offset;      ///< its first dof
+  const Stage stage;
 
  protected:
-  Space(int dimension, const char* word, Index first, const Stage& stage)
-      : d(dimension), name(word), offset(first), stage_(stage) {}
-
-  const Stage stage_;
+  Space(int dimension, const char* word, Index first, const Stage& where)
+      : d(dimension), name(word), offset(first), stage(where) {}
 
  private:
   mutable std::shared_ptr<const Space> begun_;  ///< once it is asked for
@@ -82,6 +81,9 @@ using Spaces = std::vector<SpacePtr>;  ///< of a call: one, or two
 SpacePtr space_of(Stack stack, int d, E_F0* expression, const char* name, Index offset);
 
 Spaces at(const Stage& stage, const Spaces& spaces);
+
+/// The body of each of n dofs; -1 where it is none of these nodes.
+std::vector<Index> body_of_dofs(const std::vector<NodePlace>& nodes, int d, Index n);
 
 /// The vertex at a place of the reference simplex, or -1.
 int corner_at(const Vec3& hat, int d);

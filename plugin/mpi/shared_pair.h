@@ -163,8 +163,7 @@ inline Vector gap_of_all(Stack stack, const Arguments& args, const SharedScene& 
   const Vector moved = moved_along_normals(scene).head(static_cast<Index>(shared.in_mortar.size()));
   if (!args.has(p_gap)) return scene.pairing->gap() + moved;
   Vector given;
-  shared.domain->agree(
-      [&] { given = at_nodes(stack, args, p_gap, scene, scene.pairing->slave_nodes()); });
+  shared.domain->agree([&] { given = at_nodes(stack, args, p_gap, scene.pairing->slave_nodes()); });
   const WholeInterface& faces = *shared.interface;
   Vector at_faces = Vector::Zero(faces.nodes());
   const Vector at_slaves = faces.gathered(*shared.domain, given);

@@ -72,7 +72,6 @@ inline std::shared_ptr<Scene> obstacle_part(const SpacePtr& Vh, const std::vecto
     points.erase(std::remove_if(points.begin(), points.end(), is_ghost), points.end());
     scene = scene_on({place}, std::move(points));
   });
-  scene->at = stage.at;
   follow_motions_of_all(domain, name_bodies(domain, std::move(places), *scene),
                         place->begun() != nullptr, *scene);
   return scene;
@@ -93,7 +92,6 @@ inline std::shared_ptr<Scene> pair_part(const Spaces& on_mesh, const std::vector
     const Spaces spaces = at(stage, on_mesh);
     scene = scene_on(spaces, {});
     scene->pairing.emplace(interface_of(spaces, labels));
-    scene->at = stage.at;
     places = scene->places();
   });
   refuse_other_domain(domain, places);
