@@ -83,10 +83,6 @@ class Arguments {
   T* output(Stack stack, Parameter p) const {
     return value<T*>(stack, p, nullptr);
   }
-  template <class T, std::size_t count>
-  T chosen(Stack stack, Parameter p, const Choice<T> (&choices)[count], T otherwise) const {
-    return has(p) ? choose(name_of(p), *value<std::string*>(stack, p), choices) : otherwise;
-  }
   Vector vector(Stack stack, Parameter p) const;               ///< empty where it is not given
   std::vector<long> integers(Stack stack, Parameter p) const;  ///< likewise
   /// Of normal, obstaclenormal, direction or pivot.

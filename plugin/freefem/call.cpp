@@ -47,12 +47,6 @@ void face_bodies(Stack stack, const Arguments& args, const Expression A, Scene& 
   scene.beside_pairs = of_obstacle.size();
 }
 
-void read_force(Stack stack, const Arguments& args, Scene& scene) {
-  if (!args.has(p_forceold)) return;
-  scene.force = args.vector(stack, p_forceold);
-  check_vector(scene.force, name_of(p_forceold), scene.dofs);
-}
-
 /// The points on an obstacle with the weights and normals of the call.
 void read_obstacle_points(Stack stack, const Arguments& args, bool lasts, Scene& scene) {
   set_weights(stack, args, scene);
@@ -117,6 +111,17 @@ void follow_free_motions(Stack stack, const Expression A, Scene& scene) {
   };
   follow_free_motions(scene, places, extent_of(places), count_bodies(places),
                       any_begun(scene.nodes), add);
+}
+
+/// What A and the last force make of points on obstacles, and the contact nodes of pairs.
+void face(Stack stack, const Arguments& args, const Expression A, Scene& scene) {
+  if (scene.nodes.empty() && !scene.averted.empty()) refuse_inward(scene);
+  follow_free_motions(stack, A, scene);
+  if (args.has(p_forceold)) {
+    scene.force = args.vector(stack, p_forceold);
+    check_vector(scene.force, name_of(p_forceold), scene.dofs);
+  }
+  if (scene.pairing) face_bodies(stack, args, A, scene);
 }
 
 /// Points that have been found anew take from those before what no such call names.
@@ -278,10 +283,7 @@ std::shared_ptr<Scene> read_scene(Stack stack, const Arguments& args, const Expr
   const std::shared_ptr<Scene> scene = scene_at(stage, site.spaces(stack), sides);
   read_obstacle_points(stack, args, lasts, *scene);
   if (!scene->pairing) scene->moving = read_obstacles(stack, args, *scene);
-  if (scene->nodes.empty() && !scene->averted.empty()) refuse_inward(*scene);
-  follow_free_motions(stack, A, *scene);
-  read_force(stack, args, *scene);
-  if (scene->pairing) face_bodies(stack, args, A, *scene);
+  face(stack, args, A, *scene);
   laws = read_point_laws(stack, args, lasts, *scene, begun_laws(stack, args));
   scene->unnamed_radius = unnamed_radius(args, *scene, assemble(stack, args, A, *scene));
   if (!scene->tangents) laws.law = Law::frictionless;
@@ -436,10 +438,7 @@ PosedProblem renewed(Stack stack, const Arguments& args, const Expression A, con
   PosedProblem posed{moves ? moved(stack, args, before) : unmoved(stack, args, before), {}};
   Scene& scene = *posed.scene;
   scene.given_weight = scene.given_weight || args.has(p_weight);
-  if (scene.nodes.empty() && !scene.averted.empty()) refuse_inward(scene);
-  follow_free_motions(stack, A, scene);
-  read_force(stack, args, scene);
-  if (scene.pairing) face_bodies(stack, args, A, scene);
+  face(stack, args, A, scene);
   take_over(before, scene);
   posed.laws = laws_at(args, before, scene, C.laws);
   laws = read_laws(stack, args, scene, begun_laws(stack, args, posed.laws), posed.laws.gap);
