@@ -36,7 +36,8 @@ class InterfaceBuilder {
     };
     side = master->boundary(labels.master, pair_inside);
     add(*master, side, &mortar::Pair::master);
-    if (in_one_space) count_bodies(*master, side);
+    all_.groups.assign(all_.X.size(), 1);
+    if (in_one_space) count_groups(*master, side);
   }
   Interface take() { return std::move(all_); }
 
@@ -94,7 +95,7 @@ class InterfaceBuilder {
     return entry->second;
   }
   /// How many bodies meet at each vertex that both sides have.
-  void count_bodies(const Space& space, const Boundary& master) {
+  void count_groups(const Space& space, const Boundary& master) {
     std::map<long, Index> shared;  // vertex of the mesh -> node
     for (const SharedNode& n : master.nodes) {
       const Index i = number_.at(n.dof[0]);
@@ -112,7 +113,7 @@ class InterfaceBuilder {
           around[found->second].push_back(element);
     }
     for (const auto& [i, elements] : around)
-      all_.body_count[i] = mortar::facet_connected_groups(space.d, elements);
+      all_.groups[i] = mortar::facet_connected_groups(space.d, elements);
   }
 
   std::vector<Index> body_;  ///< of each element, where both sides are in one space
@@ -207,7 +208,16 @@ std::vector<BoundaryNode> Pairing::face(const Triplets& A, mortar::Options optio
   const std::vector<ContactPoint> obstacle = points_of(on_obstacle);
   dirichlet_ = std::make_shared<const Dirichlet>(A, obstacle);
   bool asked = false;
-  add_bodies(A, places, options, asked);
+  options.element_groups = [this](Index i) { return between_.groups[i]; };
+  options.bodies = between_.slave_bodies;
+  options.freedom = [&] {
+    asked = true;
+    const std::vector<NodePlace> all = places();
+    const std::vector<Index> body = body_of_nodes(all, A.n);
+    FreedomOfBodies bodies(between_.d, extent_of(between_.X), body, count_of(body));
+    bodies.add(A, *dirichlet_, all);
+    return bodies.freedom();
+  };
   const mortar::Nodes nodes = nodes_at(u_old, obstacle);
   const bool stays =
       again && lasts_ && u_old.size() == 0 && nodes.held == held_ && nodes.taken == taken_;
@@ -313,23 +323,6 @@ std::vector<Vec3> Pairing::at_nodes(const Vector& u) const {
   for (std::size_t i = 0; i < of_node.size(); ++i)
     for (int c = 0; c < between_.d; ++c) of_node[i][c] = u[between_.dof[i][c]];
   return of_node;
-}
-
-void Pairing::add_bodies(const Triplets& A, const std::function<std::vector<NodePlace>()>& places,
-                         mortar::Options& options, bool& asked) const {
-  options.element_groups = [this](Index i) {
-    const auto found = between_.body_count.find(i);
-    return found == between_.body_count.end() ? 1 : found->second;
-  };
-  options.bodies = between_.slave_bodies;
-  options.freedom = [this, &A, &places, &asked] {
-    asked = true;
-    const std::vector<NodePlace> all = places();
-    const std::vector<Index> body = body_of_nodes(all, A.n);
-    FreedomOfBodies bodies(between_.d, extent_of(between_.X), body, count_of(body));
-    bodies.add(A, *dirichlet_, all);
-    return bodies.freedom();
-  };
 }
 
 mortar::Nodes Pairing::nodes_at(const Vector& u_old,

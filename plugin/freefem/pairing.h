@@ -15,7 +15,7 @@ struct Interface {
   std::vector<mortar::Pair> pairs;
   std::vector<SharedNode> slave;                     ///< the slaves' nodes
   std::function<std::vector<Index>()> slave_bodies;  ///< the body of each of them
-  std::map<Index, Index> body_count;  ///< facet-connected groups of elements at nodes of both sides
+  std::vector<Index> groups;                         ///< of elements at each node: mortar::Options
 };
 
 /// The labels of two bodies; those that this process's part of the meshes has, and all pairs.
@@ -124,9 +124,6 @@ class Pairing {
   const FacedPart& faced() const { return faced_; }
 
  private:
-  /// What the mortar asks of the bodies; asked: set where it does so of motions that A leaves free.
-  void add_bodies(const Triplets& A, const std::function<std::vector<NodePlace>()>& places,
-                  mortar::Options& options, bool& asked) const;
   mortar::Nodes nodes_at(const Vector& u_old, const std::vector<ContactPoint>& obstacle) const;
   /// A node of the slave as one of its facets sees it, of the label if there is one.
   BoundaryNode slave_node(Index i, long label) const;

@@ -18,13 +18,11 @@ inline InterfacePart interface_part(Stack stack, const Arguments& args, const Sc
   part.slaves = static_cast<Index>(faces.slave.size());
   part.held = mortar::held_components(scene.d, faces.dof, dirichlet);
   part.body = scene.pairing->body_of_nodes(scene.places(), static_cast<Index>(scene.ndof()));
-  for (std::size_t i = 0; i < faces.dof.size(); ++i) {
+  part.groups = faces.groups;
+  for (const auto& dof : faces.dof)
     for (Index c = 1; c < scene.d; ++c)
-      if (faces.dof[i][c] != faces.dof[i][0] + c)
+      if (dof[c] != dof[0] + c)
         throw std::logic_error("the dofs of a node do not follow each other");
-    const auto groups = faces.body_count.find(static_cast<Index>(i));
-    part.groups.push_back(groups == faces.body_count.end() ? 1 : groups->second);
-  }
   part.is_moved = scene.at != nullptr;
   const auto given = [&](Parameter p) {
     Vector v = args.vector(stack, p);
