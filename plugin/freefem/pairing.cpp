@@ -175,13 +175,15 @@ mortar::Freedom FreedomOfBodies::freedom() const {
   const Index k = freedom.generators.count();
   for (Index b = 0; b < bodies_; ++b) {
     const DenseMatrix D = in_D_.middleCols(k * b, k), in_A = in_A_.middleCols(k * b, k);
-    const bool any = D.trace() > 0;
-    const DenseMatrix support = any ? DenseMatrix(D.trace() * held_.middleCols(k * b, k))
-                                    : DenseMatrix(rigid * DenseMatrix::Identity(k, k));
-    const Eigenpairs found = any ? eigenpairs(in_A + support, D + support) : Eigenpairs();
-    Index count = 0;
-    while (any && count < k && found.values[count] <= resisted) ++count;
-    freedom.of_body.push_back(any ? DenseMatrix(found.vectors.leftCols(count)) : DenseMatrix(k, 0));
+    DenseMatrix support = rigid * DenseMatrix::Identity(k, k), free(k, 0);
+    if (D.trace() > 0) {
+      support = D.trace() * held_.middleCols(k * b, k);
+      const Eigenpairs found = eigenpairs(in_A + support, D + support);
+      Index count = 0;
+      while (count < k && found.values[count] <= resisted) ++count;
+      free = found.vectors.leftCols(count);
+    }
+    freedom.of_body.push_back(free);
     freedom.stiffness.push_back(in_A + support + resisted * D);
     freedom.support.push_back(support);
   }

@@ -222,8 +222,6 @@ std::ostream& line() { return std::cout << " -- " << operator_name << ": "; }
 
 const char* name_of(Law law) { return law_names[static_cast<int>(law)]; }
 
-const char* name_of(Layer layer) { return layer_names[static_cast<int>(layer)]; }
-
 void warn_of_displacements(Real most, const char* of_what, Real size) {
   line() << "warning: displacements of up to " << most << " in a " << of_what << " of size " << size
          << "; the laws are those of small displacements, and hold on the undeformed geometry"
@@ -256,7 +254,8 @@ void report_left_out(Real share, long verb) {
 
 void report_end(const Solution& solution, const std::string& motion) {
   std::string reason = solution.status == Status::converged ? " at rest" : "";
-  if (solution.layer != Layer::none) reason = std::string(" by ") + name_of(solution.layer);
+  if (solution.layer != Layer::none)
+    reason = std::string(" by ") + layer_names[static_cast<int>(solution.layer)];
   if (solution.status == Status::no_equilibrium) reason = " by a proof of statics";
   line() << name_of(solution.status) << reason << ", residual " << solution.certificate.residual
          << ", " << counted(solution.iterations, "iteration");
