@@ -58,6 +58,20 @@ void require(bool holds, Parameter p, double x, const char* rule) {
   refuse(name_of(p), " = ", x, "; ", rule);
 }
 
+/// The value of a table that a string names.
+template <class T, std::size_t count>
+T choose(Stack stack, const Arguments& args, Parameter p, const Choice<T> (&choices)[count],
+         T otherwise) {
+  if (!args.has(p)) return otherwise;
+  const std::string value = *args.value<std::string*>(stack, p);
+  std::string known;
+  for (const Choice<T>& c : choices) {
+    if (value == c.name) return c.value;
+    known += std::string(known.empty() ? "\"" : ", \"") + c.name + "\"";
+  }
+  refuse(name_of(p), " = \"", value, "\" is unknown; choose from ", known);
+}
+
 /// A bound on the iterations: a whole number that fits, whatever a script writes.
 Index bound_on_iterations(double nbiter) {
   require(nbiter >= 1, p_nbiter, nbiter,
@@ -282,14 +296,10 @@ Arguments Arguments::of_contactproblem(const basicAC_F0& args, bool renewed) {
   forbid(a, {p_mu2, p_direction, p_domain, p_obstacle, p_pivot, p_obstacles, p_motionfree},
          "belongs to the contactproblem; give it there");
   if (!renewed)
-    forbid(a, {p_at, p_forceold},
-           "belongs to the contactproblem; give it there, or with another matrix, as in "
-           "frictionalContactCG(C, A, b, at=U)");
-  refuse_force_of_nowhere(a);
-  if (!renewed)
     forbid(a, of_geometry,
            "belongs to the contactproblem; give it there, or with a new matrix, as in "
            "frictionalContactCG(C, A, b, ...)");
+  refuse_force_of_nowhere(a);
   for (Parameter p : {p_normal, p_obstaclenormal})
     if (const auto* list = dynamic_cast<const E_Array*>(a.named_[p]))
       a.components(p, list->size() == 2 ? 2 : 3, "[nx, ny, nz]", "[nx, ny]");
@@ -331,10 +341,10 @@ void set_type_of_domain(const std::type_info& type) { parameters[p_domain].type 
 
 Settings read_settings(Stack stack, const Arguments& args) {
   Settings s;
-  s.method = args.chosen(stack, p_method, methods, s.method);
-  s.reg = args.chosen(stack, p_reg, regularizations, s.reg);
-  s.precon = args.chosen(stack, p_precon, preconditioners, s.precon);
-  s.step = args.chosen(stack, p_step, steps, s.step);
+  s.method = choose(stack, args, p_method, methods, s.method);
+  s.reg = choose(stack, args, p_reg, regularizations, s.reg);
+  s.precon = choose(stack, args, p_precon, preconditioners, s.precon);
+  s.step = choose(stack, args, p_step, steps, s.step);
   s.newton = args.value(stack, p_newton, s.newton);
   s.regeps = args.value(stack, p_regeps, s.regeps);
   s.omega = args.value(stack, p_omega, s.omega);
@@ -371,17 +381,16 @@ Site::Site(const basicAC_F0& args, int first, int count)
   if (count > 2) master_ = labels_of(args[first + count - 1]);
 }
 
-SpacePtr Site::space(Stack stack, std::size_t k) const {
-  return space_of(stack, d, spaces_[k], !in_two_spaces() ? "Vh" : k == 0 ? "V1" : "V2");
+Spaces Site::spaces(Stack stack) const {
+  if (spaces_.size() == 1) return {space_of(stack, d, spaces_[0], "Vh", 0)};
+  const SpacePtr V1 = space_of(stack, d, spaces_[0], "V1", 0);
+  return {V1, space_of(stack, d, spaces_[1], "V2", V1->dofs())};
 }
 
 bool Site::is_on_part(Stack stack) const {
-  bool on_part = false;
-  for (std::size_t k = 0; k < spaces_.size(); ++k) {
-    const SpacePtr Vh = space(stack, k);
-    on_part = (mpisize > 1 && Vh->labels().count(cut) > 0) || on_part;  // 0 in FreeFem++ itself
-  }
-  return on_part;
+  const Spaces all = spaces(stack);
+  const auto is_cut = [](const SpacePtr& V) { return V->labels().count(cut) > 0; };
+  return mpisize > 1 && std::any_of(all.begin(), all.end(), is_cut);  // 0 in FreeFem++ itself
 }
 
 std::vector<long> Site::labels(Stack stack) const {

@@ -83,10 +83,6 @@ class Arguments {
   T* output(Stack stack, Parameter p) const {
     return value<T*>(stack, p, nullptr);
   }
-  template <class T, std::size_t count>
-  T chosen(Stack stack, Parameter p, const Choice<T> (&choices)[count], T otherwise) const {
-    return has(p) ? choose(name_of(p), *value<std::string*>(stack, p), choices) : otherwise;
-  }
   Vector vector(Stack stack, Parameter p) const;               ///< empty where it is not given
   std::vector<long> integers(Stack stack, Parameter p) const;  ///< likewise
   /// Of normal, obstaclenormal, direction or pivot.
@@ -128,8 +124,7 @@ class Site {
 
   const int d;  ///< dimension
   bool two_bodies() const { return master_ != nullptr; }
-  bool in_two_spaces() const { return spaces_.size() > 1; }
-  SpacePtr space(Stack stack, std::size_t k = 0) const;
+  Spaces spaces(Stack stack) const;
   /// Under several processes: whether a mesh is the part of one that FreeFEM's macro_ddm.idp has
   /// distributed. A mesh that each process has for itself is none.
   bool is_on_part(Stack stack) const;
@@ -137,8 +132,8 @@ class Site {
   std::vector<long> masters(Stack stack) const;  ///< none where there is one body
 
  private:
-  std::vector<Expression> spaces_;
-  Labels slave_, master_;  ///< the latter empty where there is one body
+  std::vector<Expression> spaces_;  ///< one, or those of slave and master
+  Labels slave_, master_;           ///< the latter empty where there is one body
 };
 
 }  // namespace frictioncg

@@ -156,11 +156,6 @@ void add_points(const SharedNode& node, std::size_t i, int d, const SurfaceNorma
 
 }  // namespace
 
-std::array<Index, 3> shifted(Index offset, int d, std::array<Index, 3> dof) {
-  for (int c = 0; c < d; ++c) dof[c] += offset;
-  return dof;
-}
-
 std::string place(const BoundaryNode& node, int dimension) {
   return mortar::place(dimension, node.x) + " on label " + std::to_string(node.label);
 }
@@ -196,10 +191,8 @@ std::vector<BoundaryNode> contact_points(int d, Boundary boundary, const Boundar
   for (std::size_t i = 0; i < count; ++i) add_points(boundary.nodes[i], i, d, normal, points);
   if (!begun) return points;
   const std::vector<BoundaryNode> before = contact_points(d, *begun, nullptr, count);
-  for (std::size_t k = 0; k < points.size(); ++k) {
+  for (std::size_t k = 0; k < points.size(); ++k)
     points[k].begun = std::make_shared<BoundaryNode>(before[k]);
-    points[k].begun->is_begun = true;
-  }
   return points;
 }
 

@@ -10,11 +10,18 @@ namespace frictioncg {
 inline Real dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 inline Real length(const Vec3& a) { return std::sqrt(dot(a, a)); }
 
-/// A facet of the contact boundary as one of its nodes sees it.
-struct AdjacentFacet {
+class Space;
+
+/// A node on a facet, where expressions are evaluated.
+struct FacetPoint {
+  const Space* space = nullptr;  ///< that of the element
   long label = 0;
   int element = 0, facet = 0;
-  Vec3 hat = Vec3::Zero();     ///< the node's place in the element
+  Vec3 hat = Vec3::Zero();  ///< its place in the element
+};
+
+/// A facet of the contact boundary as one of its nodes sees it.
+struct AdjacentFacet : FacetPoint {
   Vec3 normal = Vec3::Zero();  ///< outward, of the measure of the facet [length^(d-1)]
   double share = 0;            ///< integral of the node's shape function over the facet
   std::size_t place = 0;       ///< among the facets of the boundary
@@ -56,14 +63,10 @@ struct Boundary {
 
 /// A contact point as FreeFEM sees it: one normal of a node, where to evaluate expressions, and its
 /// share of the boundary. A node in a corner has several.
-struct BoundaryNode {
+struct BoundaryNode : FacetPoint {
   ContactPoint point;
   Vec3 x = Vec3::Zero();
-  long label = 0;
   double weight = 0;  ///< integral of its shape function over the facets of this normal, weighted
-  int element = 0, facet = 0;
-  int space = 0;            ///< of two spaces, whose elements these are: 0 or 1
-  Vec3 hat = Vec3::Zero();  ///< its place in the element
   Vec3 moved =
       Vec3::Zero();  ///< already, against what it touches: the laws bound it with what follows
   Vec3 aside = Vec3::Zero();  ///< as SharedNode's
@@ -73,15 +76,9 @@ struct BoundaryNode {
   bool averaged = false;     ///< it stands for more normals than the node can obey
   std::vector<AdjacentFacet> facets;    ///< of this normal; none between two bodies
   std::shared_ptr<BoundaryNode> begun;  ///< itself where the increment began; null: here
-  bool is_begun = false;                ///< it is such a one
   const BoundaryNode& deciding() const { return begun ? *begun : *this; }
-  /// As the facet sees it: label, and where expressions are evaluated.
-  void set_place(const AdjacentFacet& f) {
-    label = f.label;
-    element = f.element;
-    facet = f.facet;
-    hat = f.hat;
-  }
+  /// As the facet sees it.
+  void set_place(const FacetPoint& seen) { FacetPoint::operator=(seen); }
 };
 
 /// A node of a boundary with a label: its share is the integral of its trace.
@@ -91,9 +88,6 @@ struct LabelledNode {
   Real share = 0;  ///< [length^(d-1)]
   int space = 0;   ///< the second of two: 1
 };
-
-/// The dofs of a node of the second of two spaces among those of both.
-std::array<Index, 3> shifted(Index offset, int d, std::array<Index, 3> dof);
 
 /// Where a contact node is, for messages.
 std::string place(const BoundaryNode& node, int dimension);

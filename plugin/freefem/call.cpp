@@ -30,7 +30,7 @@ void face_bodies(Stack stack, const Arguments& args, const Expression A, Scene& 
   options.smooth = args.value(stack, p_smooth, options.smooth);
   if (args.has(p_normal)) options.normals = slave_normals(stack, args, scene);
   options.weight = slave_weights(stack, args, scene);
-  if (scene.force.size() > 0) options.force = scene.pairing->at_nodes(scene.force, scene.d);
+  if (scene.force.size() > 0) options.force = scene.pairing->at_nodes(scene.force);
   Vector u_old;  // where the increment of a geometry that moves began
   if (scene.at && args.has(p_uold)) {
     u_old = args.vector(stack, p_uold);
@@ -41,16 +41,10 @@ void face_bodies(Stack stack, const Arguments& args, const Expression A, Scene& 
   constexpr Parameter chosen[] = {p_maxgap, p_smooth, p_normal, p_weight};
   const Stopwatch watch(scene.copy_seconds);
   const std::vector<BoundaryNode> of_obstacle = std::move(scene.nodes);
-  scene.nodes = scene.pairing->face(matrix, scene.d, options, u_old, of_obstacle, scene.places,
-                                    !args.has_any(chosen));
+  scene.nodes =
+      scene.pairing->face(matrix, options, u_old, of_obstacle, scene.places, !args.has_any(chosen));
   scene.nodes.insert(scene.nodes.end(), of_obstacle.begin(), of_obstacle.end());
   scene.beside_pairs = of_obstacle.size();
-}
-
-void read_force(Stack stack, const Arguments& args, Scene& scene) {
-  if (!args.has(p_forceold)) return;
-  scene.force = args.vector(stack, p_forceold);
-  check_vector(scene.force, name_of(p_forceold), scene.dofs);
 }
 
 /// The points on an obstacle with the weights and normals of the call.
@@ -63,7 +57,8 @@ void read_obstacle_points(Stack stack, const Arguments& args, bool lasts, Scene&
 
 /// The geometry of C at the displacement of the call, which names anew what C was given at places.
 std::shared_ptr<Scene> moved(Stack stack, const Arguments& args, const Scene& before) {
-  const std::shared_ptr<Scene> scene = before.moved_to(read_stage(stack, args));
+  const std::shared_ptr<Scene> scene =
+      scene_at(read_stage(stack, args), before.spaces, before.sides);
   const auto require = [&](Parameter p, bool given) {
     if (given && !args.has(p))
       refuse("at moves the nodes of C, and ", name_of(p),
@@ -116,6 +111,17 @@ void follow_free_motions(Stack stack, const Expression A, Scene& scene) {
   };
   follow_free_motions(scene, places, extent_of(places), count_bodies(places),
                       any_begun(scene.nodes), add);
+}
+
+/// What A and the last force make of points on obstacles, and the contact nodes of pairs.
+void face(Stack stack, const Arguments& args, const Expression A, Scene& scene) {
+  if (scene.nodes.empty() && !scene.averted.empty()) refuse_inward(scene);
+  follow_free_motions(stack, A, scene);
+  if (args.has(p_forceold)) {
+    scene.force = args.vector(stack, p_forceold);
+    check_vector(scene.force, name_of(p_forceold), scene.dofs);
+  }
+  if (scene.pairing) face_bodies(stack, args, A, scene);
 }
 
 /// Points that have been found anew take from those before what no such call names.
@@ -175,6 +181,27 @@ PointLaws laws_at(const Arguments& args, const Scene& before, const Scene& scene
   return laws;
 }
 
+/// Reads A once no expression may change it, and poses A, less the stiffness of forceold where that
+/// leaves stiffnesses > 0. before, alone: as Scene::assemble's.
+Triplets assemble(Stack stack, const Arguments& args, const Expression A, Scene& scene,
+                  Scene* before = nullptr, bool alone = false) {
+  const long verb = read_verb(stack, args);
+  const Threads of_call(read_threads(stack, args));
+  const Triplets matrix = matrix_of(stack, A, scene.dofs);
+  scene.stiffened = stiffened_by_force(matrix, scene);
+  if (scene.stiffened) {
+    try {
+      scene.assemble(scene.stiffened->less(), before, alone);
+      return matrix;
+    } catch (const IllegalInput&) {
+      report_plain(verb);
+      scene.stiffened.reset();
+    }
+  }
+  with_components_in_words(scene, [&] { scene.assemble(matrix, before, alone); });
+  return matrix;
+}
+
 /// (of the script, of the obstacles)
 Vector joined(const Vector& of_script, const Vector& of_obstacles) {
   Vector all(of_script.size() + of_obstacles.size());
@@ -190,18 +217,18 @@ Solution newton_step(Solution s, const Vector& u0, const Settings& settings, con
   const Pairing& pairing = *scene.pairing;
   const Vector slip_from = scene.slip_from(u_old);
   const auto trace = [&](const Solution& of) {
-    return pairing.at_nodes(scene.system->to_global(of.x, u0), scene.d);
+    return pairing.at_nodes(scene.system->to_global(of.x, u0));
   };
   const auto pass = [&](const AtNodes& v, const Vector& x0) {
-    const mortar::Change change = pairing.change(v, scene.d);
+    const mortar::Change change = pairing.change(v);
     PointLaws of_pass = laws;
     if (!laws.given_gap) of_pass.gap.head(change.gap.size()) += change.gap;
-    const Vector rest = b + pairing.on_free_dofs(change.force, b.size(), scene.d) -
-                        scene.stiffened->force_of_pairs(pairing.on_free_dofs(v, b.size(), scene.d));
+    const Vector rest = b + pairing.on_free_dofs(change.force, b.size()) -
+                        scene.stiffened->force_of_pairs(pairing.on_free_dofs(v, b.size()));
     const LocalLoad load = scene.system->load_from(rest, slip_from);
     return scene.solver->solve(scene.increment(load, of_pass).increment, settings, x0);
   };
-  return newton_step(std::move(s), pairing.at_nodes(*scene.at, scene.d), trace, pass);
+  return newton_step(std::move(s), pairing.at_nodes(*scene.at), trace, pass);
 }
 
 }  // namespace
@@ -220,21 +247,6 @@ void report_plain(long verb) {
     line() << "A less the stiffness of forceold has no answer here, as where it is indefinite: A "
               "stands"
            << std::endl;
-}
-
-void assemble(const Triplets& A, Scene& scene, long verb, Index threads,
-              const std::function<void(const Triplets&)>& pose) {
-  const Threads of_call(threads);
-  scene.stiffened = stiffened_by_force(A, scene);
-  if (scene.stiffened) {
-    try {
-      return pose(scene.stiffened->less());
-    } catch (const IllegalInput&) {
-      report_plain(verb);
-      scene.stiffened.reset();
-    }
-  }
-  with_components_in_words(scene, [&] { pose(A); });
 }
 
 PointLaws read_point_laws(Stack stack, const Arguments& args, bool everywhere, Scene& scene,
@@ -260,19 +272,20 @@ Stage read_stage(Stack stack, const Arguments& args) {
 std::shared_ptr<Scene> read_scene(Stack stack, const Arguments& args, const Expression A,
                                   const Site& site, bool lasts, PointLaws& laws) {
   const Stage stage = read_stage(stack, args);
-  std::shared_ptr<Scene> scene = scene_of(site, stack, args.obstacle(stack), stage);
+  const std::vector<long> obstacle = args.obstacle(stack);
+  if (site.is_on_part(stack))
+    throw IllegalInput(
+        "Vh lies on one process's part of a distributed mesh, and its matrix would be taken for "
+        "the whole problem; load frictionCG-mpi, and give domain=C, which createMat(Th, C, Pk) "
+        "makes");
+  const Sides sides{site.labels(stack), site.masters(stack), obstacle};
+  // the spaces last: what an expression does may make them anew
+  const std::shared_ptr<Scene> scene = scene_at(stage, site.spaces(stack), sides);
   read_obstacle_points(stack, args, lasts, *scene);
   if (!scene->pairing) scene->moving = read_obstacles(stack, args, *scene);
-  if (scene->nodes.empty() && !scene->averted.empty()) refuse_inward(*scene);
-  follow_free_motions(stack, A, *scene);
-  read_force(stack, args, *scene);
-  if (scene->pairing) face_bodies(stack, args, A, *scene);
+  face(stack, args, A, *scene);
   laws = read_point_laws(stack, args, lasts, *scene, begun_laws(stack, args));
-  const long verb = read_verb(stack, args);
-  const Index threads = read_threads(stack, args);
-  const Triplets matrix = matrix_of(stack, A, scene->dofs);  // once no expression may change A
-  assemble(matrix, *scene, verb, threads, [&](const Triplets& M) { scene->assemble(M); });
-  scene->unnamed_radius = unnamed_radius(args, *scene, matrix);
+  scene->unnamed_radius = unnamed_radius(args, *scene, assemble(stack, args, A, *scene));
   if (!scene->tangents) laws.law = Law::frictionless;
   return scene;
 }
@@ -425,10 +438,7 @@ PosedProblem renewed(Stack stack, const Arguments& args, const Expression A, con
   PosedProblem posed{moves ? moved(stack, args, before) : unmoved(stack, args, before), {}};
   Scene& scene = *posed.scene;
   scene.given_weight = scene.given_weight || args.has(p_weight);
-  if (scene.nodes.empty() && !scene.averted.empty()) refuse_inward(scene);
-  follow_free_motions(stack, A, scene);
-  read_force(stack, args, scene);
-  if (scene.pairing) face_bodies(stack, args, A, scene);
+  face(stack, args, A, scene);
   take_over(before, scene);
   posed.laws = laws_at(args, before, scene, C.laws);
   laws = read_laws(stack, args, scene, begun_laws(stack, args, posed.laws), posed.laws.gap);
@@ -438,11 +448,7 @@ PosedProblem renewed(Stack stack, const Arguments& args, const Expression A, con
     const Index rest = posed.laws.gap.size() - measured;
     posed.laws.gap.tail(rest) = laws.gap.tail(rest);
   }
-  const long verb = read_verb(stack, args);
-  const Index threads = read_threads(stack, args);
-  const Triplets matrix = matrix_of(stack, A, scene.dofs);
-  assemble(matrix, scene, verb, threads,
-           [&](const Triplets& M) { scene.assemble(M, &before, alone); });
+  assemble(stack, args, A, scene, &before, alone);
   return posed;
 }
 

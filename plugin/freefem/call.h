@@ -19,10 +19,6 @@ struct Call {
 /// A may be definite where it is not less the stiffness of contact forces.
 void report_plain(long verb);
 
-/// pose(A), less the stiffness of forceold where that leaves stiffnesses > 0.
-void assemble(const Triplets& A, Scene& scene, long verb, Index threads,
-              const std::function<void(const Triplets&)>& pose);
-
 /// The laws that the arguments name at the contact points, which get their tangents: a node has
 /// tangential laws where `everywhere` or its own mu or limit asks for them.
 PointLaws read_point_laws(Stack stack, const Arguments& args, bool everywhere, Scene& scene,

@@ -183,7 +183,7 @@ struct BlockFit {
 class BlockOrder {
  public:
   BlockOrder(const std::vector<NodePlace>& places, int d, const DofCount& dofs)
-      : d_(d), first_(dofs.first), component_(dofs.count, -1), x_(dofs.count) {
+      : first_(dofs.first), component_(dofs.count, -1), x_(dofs.count) {
     for (const NodePlace& n : places)
       for (int c = 0; c < d; ++c) {
         component_[n.dof[c]] = c;
@@ -192,9 +192,9 @@ class BlockOrder {
   }
   /// Whether the blocks are those of the spaces in the other order, and not in this one.
   bool exchanged(const Triplets& A) const {
-    const std::array<BlockFit, 2> some = fits(A, first_, 1 + first_ / 100);  // mostly they tell
+    const std::array<BlockFit, 2> some = fits(A, true, 1 + first_ / 100);  // mostly they tell
     if (some[0].fails() || some[1].fails()) return false;
-    const std::array<BlockFit, 2> given = fits(A, 0, 1), other = fits(A, first_, 1);
+    const std::array<BlockFit, 2> given = fits(A, false, 1), other = fits(A, true, 1);
     return other[0].holds() && other[1].holds() && !given[0].holds() && !given[1].holds();
   }
   long elsewhere(long dof) const { return dof < first_ ? dof + first_ : dof - first_; }
@@ -204,13 +204,20 @@ class BlockOrder {
     Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
     Real size = 0, arm = 0;  ///< of what was summed
   };
-  /// The fits of each `step`-th row of both blocks, which have the places of others: by `shift`.
-  std::array<BlockFit, 2> fits(const Triplets& A, long shift, long step) const {
+  /// The fits of each `step`-th row of both blocks, which may have the places of the other one.
+  std::array<BlockFit, 2> fits(const Triplets& A, bool other, long step) const {
     std::vector<Row> rows(A.n);
     std::vector<char> counts(A.n, 0);
     for (long i = 0; i < A.n; i += step) counts[i] = 1;
     for_each_entry(A, [&](Index i, Index j, Real a) {
-      if (counts[i]) add(i, j, a, shift, rows[i]);
+      const long p = other ? elsewhere(i) : i, q = other ? elsewhere(j) : j;
+      if (!counts[i] || component_[p] < 0 || component_[q] < 0) return;
+      const Vec3 e = Vec3::Unit(component_[q]), arm = x_[q] - x_[p];
+      Row& row = rows[i];
+      row.force += a * e;
+      row.moment += a * arm.cross(e);
+      row.size += std::abs(a);
+      row.arm += std::abs(a) * arm.norm();
     });
     constexpr Real rounding = 1e-9;
     std::array<BlockFit, 2> fit;
@@ -223,17 +230,7 @@ class BlockOrder {
     }
     return fit;
   }
-  void add(long i, long j, Real a, long shift, Row& row) const {
-    const long p = shift ? elsewhere(i) : i, q = shift ? elsewhere(j) : j;
-    if (component_[p] < 0 || component_[q] < 0) return;
-    const Vec3 e = Vec3::Unit(component_[q]), arm = x_[q] - x_[p];
-    row.force += a * e;
-    row.moment += a * (d_ == 2 ? Vec3(0, 0, arm.cross(e)[2]) : arm.cross(e));
-    row.size += std::abs(a);
-    row.arm += std::abs(a) * arm.norm();
-  }
 
-  int d_;
   long first_;
   std::vector<int> component_;
   std::vector<Vec3> x_;

@@ -61,11 +61,9 @@ class Contacts {
         nodes_(nodes),
         state_(state),
         system_(system),
-        body_(scene.ndof(), -1),
+        body_(body_of_dofs(scene.places(), scene.d, scene.ndof())),
         joined_(nodes.size()),
         groups_(Index(system.largest(Real(count_bodies(scene.places()))))) {
-    for (const NodePlace& n : scene.places())
-      for (int c = 0; c < scene.d; ++c) body_[n.dof[c]] = n.body;
     std::vector<Real> pairs;
     for (std::size_t k = 0; k < nodes.size(); ++k) {
       if (state[k] == NodeState::separated) continue;

@@ -26,24 +26,25 @@ void check_size(Parameter p, std::size_t size, const MovingObstacles& moving, in
          (d == 2 ? "2 translations and a rotation" : "3 translations and 3 rotations"), " each");
 }
 
-/// The pivots, which may depend on the label, as expressions at the contact points.
+/// The pivots, which may depend on the label, as expressions at the contact points; by default the
+/// origin.
 void find_pivots(Stack stack, const Arguments& args, const Scene& scene, MovingObstacles& moving) {
+  if (!args.has(p_pivot)) return;
   PointGuard guard(stack);
   std::vector<char> seen(moving.pivot.size(), 0);
   for (std::size_t k = 0; k < scene.nodes.size(); ++k) {
     const BoundaryNode& node = scene.nodes[k];
     const Index o = moving.rigid.of_point[k];
+    if (o < 0) continue;
+    node.space->go_to(stack, node);
     Vec3 at = Vec3::Zero();
-    if (o >= 0 && args.has(p_pivot)) {
-      scene.go_to(stack, node);
-      for (int c = 0; c < scene.d; ++c) at[c] = args.component(stack, p_pivot, c);
-      if (!at.allFinite() || (seen[o] && at != moving.pivot[o]))
-        throw IllegalInput("pivot = " + mortar::place(scene.d, at) + " at " + place(node, scene.d) +
-                           "; the pivot is one point of each obstacle: it may depend on the label "
-                           "alone");
-    }
-    if (o >= 0) moving.pivot[o] = at;
-    if (o >= 0) seen[o] = 1;
+    for (int c = 0; c < scene.d; ++c) at[c] = args.component(stack, p_pivot, c);
+    if (!at.allFinite() || (seen[o] && at != moving.pivot[o]))
+      throw IllegalInput("pivot = " + mortar::place(scene.d, at) + " at " + place(node, scene.d) +
+                         "; the pivot is one point of each obstacle: it may depend on the label "
+                         "alone");
+    moving.pivot[o] = at;
+    seen[o] = 1;
   }
 }
 

@@ -24,30 +24,28 @@ void check_value(Parameter p, double x, const BoundaryNode& node, int d) {
 /// call does not name has it.
 Vector read_gap(Stack stack, const Arguments& args, const Scene& scene, const Vector& before = {}) {
   const Vector moved = moved_along_normals(scene);
-  if (!scene.pairing) return at_nodes(stack, args, p_gap, scene) + moved;
+  if (!scene.pairing) return at_nodes(stack, args, p_gap, scene.nodes) + moved;
   const Index paired = static_cast<Index>(scene.paired()), beside = moved.size() - paired;
   Vector gap = before;
   gap.conservativeResize(moved.size());
   const Pairing& pairs = *scene.pairing;
   if (args.has(p_gap) || before.size() == 0)
     gap.head(paired) =
-        moved.head(paired) +
-        (!args.has(p_gap) ? pairs.gap()
-                          : pairs.gap(at_nodes(stack, args, p_gap, scene, pairs.slave_nodes())));
+        moved.head(paired) + (!args.has(p_gap)
+                                  ? pairs.gap()
+                                  : pairs.gap(at_nodes(stack, args, p_gap, pairs.slave_nodes())));
   const std::vector<BoundaryNode> on_obstacle(scene.nodes.begin() + paired, scene.nodes.end());
   if (args.has(p_obstaclegap) || before.size() == 0)
-    gap.tail(beside) =
-        at_nodes(stack, args, p_obstaclegap, scene, on_obstacle) + moved.tail(beside);
+    gap.tail(beside) = at_nodes(stack, args, p_obstaclegap, on_obstacle) + moved.tail(beside);
   return gap;
 }
 
 /// The values of a vector, p, at a node, scaled to length 1; 0 where it has no direction.
-Vec3 unit_vector(Stack stack, const Arguments& args, Parameter p, const Scene& scene,
-                 const BoundaryNode& node) {
-  scene.go_to(stack, node);
+Vec3 unit_vector(Stack stack, const Arguments& args, Parameter p, const BoundaryNode& node) {
+  node.space->go_to(stack, node);
   Vec3 n = Vec3::Zero();
   double norm = 0;
-  for (int c = 0; c < scene.d; ++c) {
+  for (int c = 0; c < node.space->d; ++c) {
     n[c] = args.component(stack, p, c);
     norm = std::hypot(norm, n[c]);
   }
@@ -56,50 +54,46 @@ Vec3 unit_vector(Stack stack, const Arguments& args, Parameter p, const Scene& s
 
 /// A traction at each contact node, as a force.
 Vector forces_at_nodes(Stack stack, const Arguments& args, Parameter p, const Scene& scene) {
-  Vector force = at_nodes(stack, args, p, scene);
+  Vector force = at_nodes(stack, args, p, scene.nodes);
   for (std::size_t k = 0; k < scene.nodes.size(); ++k) force[k] *= scene.nodes[k].weight;
   return force;
 }
 
 /// The integral of weight times the shape function of a facet's node, the weight being linear
 /// between the facet's vertices: those of the element but the one that the facet lies opposite.
-double weighted_share(Stack stack, const Arguments& args, const Scene& scene,
-                      const AdjacentFacet& facet) {
+double weighted_share(Stack stack, const Arguments& args, const AdjacentFacet& facet) {
+  const int d = facet.space->d;
   const Vec3& hat = facet.hat;
   const double lambda[4] = {1 - hat[0] - hat[1] - hat[2], hat[0], hat[1], hat[2]};
   double at_node = 0, mean = 0;
-  for (int v = 0; v <= scene.d; ++v) {
+  for (int v = 0; v <= d; ++v) {
     if (v == facet.facet) continue;
     BoundaryNode vertex;
     vertex.set_place(facet);
     vertex.hat = Vec3(v == 1, v == 2, v == 3);
     vertex.point.normal = facet.normal / length(facet.normal);
-    vertex.x = scene.go_to(stack, vertex);
+    vertex.x = facet.space->go_to(stack, vertex);
     const double weight = args.value<double>(stack, p_weight);
-    check_value(p_weight, weight, vertex, scene.d);
+    check_value(p_weight, weight, vertex, d);
     at_node += lambda[v] * weight;
-    mean += weight / scene.d;
+    mean += weight / d;
   }
   return facet.share * (facet.own * at_node + (1 - facet.own) * mean);
 }
 
 }  // namespace
 
-Vector at_nodes(Stack stack, const Arguments& args, Parameter p, const Scene& scene,
+Vector at_nodes(Stack stack, const Arguments& args, Parameter p,
                 const std::vector<BoundaryNode>& nodes) {
   Vector result = Vector::Zero(static_cast<Index>(nodes.size()));
   if (!args.has(p)) return result;
   PointGuard guard(stack);
   for (std::size_t k = 0; k < nodes.size(); ++k) {
-    scene.go_to(stack, nodes[k]);
+    nodes[k].space->go_to(stack, nodes[k]);
     result[k] = args.value<double>(stack, p);
-    check_value(p, result[k], nodes[k], scene.d);
+    check_value(p, result[k], nodes[k], nodes[k].space->d);
   }
   return result;
-}
-
-Vector at_nodes(Stack stack, const Arguments& args, Parameter p, const Scene& scene) {
-  return at_nodes(stack, args, p, scene, scene.nodes);
 }
 
 Vector moved_along_normals(const Scene& scene) {
@@ -122,12 +116,12 @@ void set_normals(Stack stack, const Arguments& args, Scene& scene) {
   PointGuard guard(stack);
   std::vector<BoundaryNode> facing;
   for (BoundaryNode& node : scene.nodes) {
-    node.point.normal = unit_vector(stack, args, normal, scene, node);
+    node.point.normal = unit_vector(stack, args, normal, node);
     if (node.point.normal.isZero(0))
       refuse(name_of(normal), " has no direction at ", place(node, scene.d),
              "; give the outward normal of the body, of any length > 0");
     if (node.begun) {
-      const Vec3 n = unit_vector(stack, args, normal, scene, *node.begun);
+      const Vec3 n = unit_vector(stack, args, normal, *node.begun);
       node.begun = std::make_shared<BoundaryNode>(*node.begun);
       node.begun->point.normal = n.isZero(0) ? node.point.normal : n;
     }
@@ -151,12 +145,12 @@ std::vector<Vec3> slave_normals(Stack stack, const Arguments& args, const Scene&
   std::vector<Vec3> normals;
   PointGuard guard(stack);
   for (const BoundaryNode& node : scene.pairing->slave_nodes())
-    normals.push_back(unit_vector(stack, args, p_normal, scene, node));
+    normals.push_back(unit_vector(stack, args, p_normal, node));
   return normals;
 }
 
 void set_orthotropy(Stack stack, const Arguments& args, const Vector& mu, Scene& scene) {
-  const Vector mu2 = at_nodes(stack, args, p_mu2, scene);
+  const Vector mu2 = at_nodes(stack, args, p_mu2, scene.nodes);
   PointGuard guard(stack);
   for (std::size_t k = 0; k < scene.nodes.size(); ++k) {
     BoundaryNode& node = scene.nodes[k];
@@ -166,7 +160,7 @@ void set_orthotropy(Stack stack, const Arguments& args, const Vector& mu, Scene&
     }
     if (mu[k] == 0) continue;
     ContactPoint& p = node.point;
-    p.direction = unit_vector(stack, args, p_direction, scene, node);
+    p.direction = unit_vector(stack, args, p_direction, node);
     if (p.direction.isZero(0) || std::abs(dot(p.direction, p.normal)) > 1 - 1e-10)
       throw IllegalInput("direction has no part in the contact plane at " + place(node, scene.d) +
                          "; give a direction, of any length > 0, that is not the normal");
@@ -208,7 +202,7 @@ PointLaws read_laws(Stack stack, const Arguments& args, const Scene& scene, Poin
     laws.law = Law::tresca;
   }
   if (args.has(p_mu) || (args.has(p_cohesion) && laws.law != Law::coulomb)) {
-    laws.mu = at_nodes(stack, args, p_mu, scene);
+    laws.mu = at_nodes(stack, args, p_mu, scene.nodes);
     laws.g.resize(0);
     laws.law = Law::coulomb;
   }
@@ -223,13 +217,13 @@ void set_weights(Stack stack, const Arguments& args, Scene& scene) {
   for (BoundaryNode& node : scene.nodes) {
     node.weight = 0;
     for (const AdjacentFacet& facet : node.facets)
-      node.weight += weighted_share(stack, args, scene, facet);
+      node.weight += weighted_share(stack, args, facet);
   }
 }
 
 std::vector<Real> slave_weights(Stack stack, const Arguments& args, const Scene& scene) {
   if (!args.has(p_weight)) return {};
-  const Vector w = at_nodes(stack, args, p_weight, scene, scene.pairing->slave_nodes());
+  const Vector w = at_nodes(stack, args, p_weight, scene.pairing->slave_nodes());
   return {w.data(), w.data() + w.size()};
 }
 

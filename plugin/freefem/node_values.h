@@ -4,9 +4,8 @@
 namespace frictioncg {
 
 /// mu, gap, weight or a traction at each of the nodes; 0 where it is not given.
-Vector at_nodes(Stack stack, const Arguments& args, Parameter p, const Scene& scene,
+Vector at_nodes(Stack stack, const Arguments& args, Parameter p,
                 const std::vector<BoundaryNode>& nodes);
-Vector at_nodes(Stack stack, const Arguments& args, Parameter p, const Scene& scene);
 
 /// n.w of the displacement at which the geometry is, at each contact point: gaps are those that are
 /// left there, and laws bound the whole displacement.

@@ -8,24 +8,23 @@
 
 namespace frictioncg {
 
-/// The variable itself. FreeFEM allots its bytes without a constructor, copies an empty one there,
+/// A script's variable. FreeFEM allots its bytes without a constructor, copies an empty one there,
 /// and calls destroy() in place of the destructor; arrays of it are made by `new`, and deleted.
-class ContactProblemVariable {
- public:
-  void destroy() { problem_.reset(); }
-  void set(PosedProblem problem) { problem_ = std::move(problem); }
-  /// A copy, so that what the script assigns meanwhile takes nothing away from a call.
-  PosedProblem get() const {
-    if (!problem_)
-      throw IllegalInput(
-          "the contactproblem is not set; write contactproblem C = contactProblem(A, Vh, labels, "
-          "...)");
-    return *problem_;
-  }
-
- private:
-  std::optional<PosedProblem> problem_;
+template <class T>
+struct Variable {
+  T value{};
+  void destroy() { value = T(); }
 };
+using ContactProblemVariable = Variable<PosedProblem>;
+
+/// A copy, so that what the script assigns meanwhile takes nothing away from a call.
+inline PosedProblem posed_by(const ContactProblemVariable* C) {
+  if (!C->value.scene)
+    throw IllegalInput(
+        "the contactproblem is not set; write contactproblem C = contactProblem(A, Vh, labels, "
+        "...)");
+  return C->value;
+}
 
 /// Registers the type, its assignments, and arrays of it: contactproblem[int] C(n).
 inline void register_contactproblem() {
@@ -157,15 +156,24 @@ inline AnyType result(Stack stack, const Vector& field) {
   return SetAny<KN_<double>>(*u);
 }
 
+/// Of an operator on a site: what a script wrote, A first.
+class OnSite : public E_F0mps {
+ protected:
+  /// first: of the site, the arguments from there on
+  OnSite(const basicAC_F0& args, int first)
+      : site_(args, first, args.size() - first),
+        arguments_(args, site_.d, site_.two_bodies()),
+        A_(to<Matrice_Creuse<double>*>(args[0])) {}
+  Site site_;
+  Arguments arguments_;
+  Expression A_;
+};
+
 /// u[] = frictionalContactCG(A, b, site, ...).
-class SolveOnce : public E_F0mps {
+class SolveOnce : public OnSite {
  public:
   using Result = KN_<double>;
-  explicit SolveOnce(const basicAC_F0& args)
-      : site_(args, 2, args.size() - 2),
-        arguments_(args, site_.d, site_.two_bodies()),
-        A_(to<Matrice_Creuse<double>*>(args[0])),
-        b_(to<KN_<double>>(args[1])) {}
+  explicit SolveOnce(const basicAC_F0& args) : OnSite(args, 2), b_(to<KN_<double>>(args[1])) {}
   AnyType operator()(Stack stack) const override {
     return translated(operator_name, [&] {
       const Call call(stack, arguments_, b_);
@@ -176,27 +184,21 @@ class SolveOnce : public E_F0mps {
   }
 
  protected:
-  Site site_;
-  Arguments arguments_;
-  Expression A_, b_;
+  Expression b_;
 };
 
 /// A temporary, to the end of the statement; variables take copies.
-inline AnyType variable(Stack stack, PosedProblem posed) {
-  auto* C = Add2StackOfPtr2Free(stack, new ContactProblemVariable);
-  C->set(std::move(posed));
-  return SetAny<ContactProblemVariable*>(C);
+template <class T>
+AnyType variable(Stack stack, T value) {
+  return SetAny<Variable<T>*>(Add2StackOfPtr2Free(stack, new Variable<T>{std::move(value)}));
 }
 
 /// contactproblem C = contactProblem(A, site, ...): FreeFEM's grammar takes no fespace in
 /// C(A, Vh, ...).
-class Construct : public E_F0mps {
+class Construct : public OnSite {
  public:
   using Result = ContactProblemVariable*;
-  explicit Construct(const basicAC_F0& args)
-      : site_(args, 1, args.size() - 1),
-        arguments_(args, site_.d, site_.two_bodies()),
-        A_(to<Matrice_Creuse<double>*>(args[0])) {
+  explicit Construct(const basicAC_F0& args) : OnSite(args, 1) {
     arguments_.allow_only({p_mu,        p_mu2,       p_direction,   p_gap,
                            p_normal,    p_cohesion,  p_shearmax,    p_slidinglimit,
                            p_bilateral, p_maxgap,    p_smooth,      p_weight,
@@ -211,11 +213,6 @@ class Construct : public E_F0mps {
       return variable(stack, std::move(posed));
     });
   }
-
- protected:
-  Site site_;
-  Arguments arguments_;
-  Expression A_;
 };
 
 /// What a call names that the scene of its contactproblem does not have.
@@ -242,7 +239,7 @@ class SolveIncrement : public E_F0mps {
         b_(to<KN_<double>>(args[1])) {}
   AnyType operator()(Stack stack) const override {
     return translated(operator_name, [&] {
-      const PosedProblem posed = GetAny<ContactProblemVariable*>((*C_)(stack))->get();
+      const PosedProblem posed = posed_by(GetAny<ContactProblemVariable*>((*C_)(stack)));
       refuse_what_C_lacks(arguments_, *posed.scene);
       const Call call(stack, arguments_, b_);
       const PointLaws laws = read_laws(stack, arguments_, *posed.scene,
@@ -268,7 +265,7 @@ class Renew : public E_F0mps {
   AnyType operator()(Stack stack) const override {
     return translated(operator_name, [&] {
       ContactProblemVariable* const C = GetAny<ContactProblemVariable*>((*C_)(stack));
-      PosedProblem posed = C->get();
+      PosedProblem posed = posed_by(C);
       if (posed.shared)
         throw IllegalInput(
             "the contactproblem belongs to several processes, where a matrix is not renewed; make "
@@ -283,7 +280,7 @@ class Renew : public E_F0mps {
       PointLaws laws;
       constexpr long own = 2;  // that of C, and the present one
       posed = renewed(stack, arguments_, A_, posed, posed.scene.use_count() == own, laws);
-      C->set(posed);
+      C->value = posed;
       return result(stack, solve(stack, call, *posed.scene, laws));
     });
   }

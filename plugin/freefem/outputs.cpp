@@ -12,6 +12,14 @@ void write_force(const Scene& scene, const Vector& r, KN<double>* out) {
   write(scene.system->force_to_global(r).head(scene.ndof()), out);
 }
 
+/// The part of r that an obstacle bears, not another body.
+Vector on_obstacle(const Scene& scene, Vector r) {
+  const std::vector<Index>& first = scene.system->system()->first;
+  for (Index k = 0; k < scene.system->nodes(); ++k)
+    if (!scene.on_obstacle(k)) r.segment(first[k], first[k + 1] - first[k]).setZero();
+  return r;
+}
+
 /// The state of the mesh node that starts at contact node k. A node in a corner, where there is no
 /// friction, slides along what its closed normals leave, and sticks where they leave nothing.
 NodeState state_in_corner(const Scene& scene, const std::vector<NodeState>& state, Index k) {
@@ -105,13 +113,6 @@ Vector contact_forces(const Scene& scene, const Solution& s) {
       if (s.state[k] == NodeState::separated &&
           std::abs(r[i]) <= error * std::sqrt(system.weight[i]))
         r[i] = 0;
-  return r;
-}
-
-Vector on_obstacle(const Scene& scene, Vector r) {
-  const std::vector<Index>& first = scene.system->system()->first;
-  for (Index k = 0; k < scene.system->nodes(); ++k)
-    if (!scene.on_obstacle(k)) r.segment(first[k], first[k + 1] - first[k]).setZero();
   return r;
 }
 

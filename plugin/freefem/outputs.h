@@ -26,9 +26,6 @@ struct Outputs {
 /// What is more is the shear of a given limit, which acts without pressure, too.
 Vector contact_forces(const Scene& scene, const Solution& s);
 
-/// The part of r that an obstacle bears, not another body.
-Vector on_obstacle(const Scene& scene, Vector r);
-
 /// Fills all but the times.
 void write_outputs(const Scene& scene, const Solution& solution, const PointLaws& laws,
                    const Progress& progress, const Outputs& out);

@@ -7,24 +7,6 @@ namespace frictioncg {
 
 namespace {
 
-/// The nodes where they would be by another displacement, by all dofs; empty: none.
-std::vector<Vec3> displaced(const Interface& faces, int d, const Vector& u = {}) {
-  std::vector<Vec3> Y;
-  for (std::size_t i = 0; i < faces.X.size(); ++i) {
-    Y.push_back(faces.X[i] - faces.moved[i]);
-    for (int c = 0; c < d && u.size() > 0; ++c) Y[i][c] += u[faces.dof[i][c]];
-  }
-  return Y;
-}
-
-std::map<long, std::set<std::size_t>> pairs_of_labels(const std::vector<mortar::Pair>& pairs,
-                                                      mortar::Surface mortar::Pair::*which) {
-  std::map<long, std::set<std::size_t>> of_label;
-  for (std::size_t p = 0; p < pairs.size(); ++p)
-    for (long label : (pairs[p].*which).labels) of_label[label].insert(p);
-  return of_label;
-}
-
 constexpr const char* pair_inside =
     "contact of two bodies needs two faces there, and meshes that were merged, as + does with near "
     "vertices, have none: use one space per mesh, or join them apart and move them back with "
@@ -33,47 +15,46 @@ constexpr const char* pair_inside =
 /// Fills an Interface from the two sides, which have the labels of all pairs.
 class InterfaceBuilder {
  public:
-  explicit InterfaceBuilder(const PairLabels& labels) : labels_(labels) {
+  InterfaceBuilder(const Spaces& spaces, const PairLabels& labels)
+      : bodies_of_slave_(labels.pairs.size()) {
+    const SpacePtr slave = spaces.front(), master = spaces.back();
+    all_.d = slave->d;
+    all_.is_moved = slave->is_moved();
     all_.pairs = labels.pairs;
-  }
-  /// alone: the master is in the same space
-  void add_slave(const SpacePtr& space, const SpaceInWords& words, bool alone) {
-    if (alone) body_ = space->body_of_element();
-    const Boundary side = space->boundary(labels_.slave, words);
+    const bool in_one_space = slave == master;
+    if (in_one_space) body_ = slave->body_of_element();
+    Boundary side = slave->boundary(labels.slave, pair_inside);
     all_.slave = side.nodes;
-    add(*space, side, words, 0, &mortar::Pair::slave);
+    add(*slave, side, &mortar::Pair::slave);
     std::vector<int> element;
     for (const SharedNode& n : side.nodes) element.push_back(n.facets.front().element);
-    all_.slave_bodies = [space, element] {
-      const std::vector<Index> of_element = space->body_of_element();
+    all_.slave_bodies = [slave, element] {
+      const std::vector<Index> of_element = slave->body_of_element();
       std::vector<Index> body;
       for (int k : element) body.push_back(of_element[k]);
       return body;
     };
-  }
-  /// dof_offset: of the master's dofs among those of the call.
-  void add_master(const Space& space, const SpaceInWords& words, Index dof_offset) {
-    const Boundary side = space.boundary(labels_.master, words);
-    add(space, side, words, dof_offset, &mortar::Pair::master);
-    if (dof_offset == 0) count_bodies(space, side);
-    add_vertices_behind(space, side, dof_offset);
+    side = master->boundary(labels.master, pair_inside);
+    add(*master, side, &mortar::Pair::master);
+    all_.groups.assign(all_.X.size(), 1);
+    if (in_one_space) count_groups(*master, side);
   }
   Interface take() { return std::move(all_); }
 
  private:
   /// Each pair takes the facets of its labels.
-  void add(const Space& space, const Boundary& side, const SpaceInWords& words, Index dof_offset,
-           mortar::Surface mortar::Pair::*which) {
-    const int d = space.d;
-    all_.is_moved = space.is_moved();
-    std::map<long, std::set<std::size_t>> of_label = pairs_of_labels(all_.pairs, which);
+  void add(const Space& space, const Boundary& side, mortar::Surface mortar::Pair::*which) {
+    const bool is_master = which == &mortar::Pair::master;
+    std::map<long, std::set<std::size_t>> of_label;
+    for (std::size_t p = 0; p < all_.pairs.size(); ++p)
+      for (long label : (all_.pairs[p].*which).labels) of_label[label].insert(p);
     std::vector<Index> number;
     for (const SharedNode& n : side.nodes) {
-      number.push_back(node(n, d, dof_offset));
+      number.push_back(node(n));
       const Vec3 &x = all_.X[number.back()], other = n.other.value_or(n.x);
-      if (is_elsewhere(other, x, n.facets.front().normal, d))
-        refuse(words.name, " is periodic, and ", mortar::place(d, x), " and ",
-               mortar::place(d, other), " on label ", n.facets.front().label,
+      if (is_elsewhere(other, x, n.facets.front().normal, space.d))
+        refuse(space.name, " is periodic, and ", mortar::place(space.d, x), " and ",
+               mortar::place(space.d, other), " on label ", n.facets.front().label,
                " are one node, which may not touch another body; end the label before the seam, "
                "hold its sides by on() in place of the period, or let one of the bodies be an "
                "obstacle");
@@ -84,26 +65,37 @@ class InterfaceBuilder {
       facet.outward = f.normal;
       if (!body_.empty()) facet.body = body_[f.element];
       for (std::size_t k = 0; k < f.node.size(); ++k) facet.node[k] = number[f.node[k]];
+      if (is_master) look_behind(space, f, facet);
       for (std::size_t p : of_label[f.label]) {
+        if (is_master)  // such as the faces of a crack
+          facet.one_body = !body_.empty() && bodies_of_slave_[p].count(facet.body) > 0;
+        else
+          bodies_of_slave_[p].insert(facet.body);
         mortar::Surface& surface = all_.pairs[p].*which;
-        surface.quadratic = static_cast<int>(f.node.size()) > d;
+        surface.quadratic = static_cast<int>(f.node.size()) > space.d;
         surface.facets.push_back(facet);
       }
     }
   }
+  /// Of the element behind a facet of the master.
+  void look_behind(const Space& space, const BoundaryFacet& f, mortar::Facet& facet) {
+    const SharedNode n = space.node_at_vertex(f.element, f.facet);
+    const Index i = node(n);
+    if (!is_elsewhere(n.x, all_.X[i], f.normal, space.d)) facet.behind = i;
+    if (!body_.empty()) facet.thickness = space.thickness(f.element, f.facet);
+  }
   /// The number of a node, a new one if need be.
-  Index node(const SharedNode& n, int d, Index dof_offset) {
-    const std::array<Index, 3> dof = shifted(dof_offset, d, n.dof);
-    const auto [entry, is_new] = number_.emplace(dof[0], static_cast<Index>(all_.X.size()));
+  Index node(const SharedNode& n) {
+    const auto [entry, is_new] = number_.emplace(n.dof[0], static_cast<Index>(all_.X.size()));
     if (is_new) {
       all_.X.push_back(n.x);
       all_.moved.push_back(n.moved);
-      all_.dof.push_back(dof);
+      all_.dof.push_back(n.dof);
     }
     return entry->second;
   }
   /// How many bodies meet at each vertex that both sides have.
-  void count_bodies(const Space& space, const Boundary& master) {
+  void count_groups(const Space& space, const Boundary& master) {
     std::map<long, Index> shared;  // vertex of the mesh -> node
     for (const SharedNode& n : master.nodes) {
       const Index i = number_.at(n.dof[0]);
@@ -121,50 +113,19 @@ class InterfaceBuilder {
           around[found->second].push_back(element);
     }
     for (const auto& [i, elements] : around)
-      all_.body_count[i] = mortar::facet_connected_groups(space.d, elements);
-  }
-  /// Of the elements behind a master, and whether they are one body with its slave, such as the
-  /// faces of a crack.
-  void add_vertices_behind(const Space& space, const Boundary& master, Index dof_offset) {
-    std::vector<std::set<Index>> of_slave(all_.pairs.size());
-    for (std::size_t p = 0; p < all_.pairs.size() && !body_.empty(); ++p)
-      for (const mortar::Facet& f : all_.pairs[p].slave.facets) of_slave[p].insert(f.body);
-    std::map<long, std::set<std::size_t>> of_label =
-        pairs_of_labels(all_.pairs, &mortar::Pair::master);
-    std::vector<std::size_t> next(all_.pairs.size(), 0);
-    for (const BoundaryFacet& f : master.facets) {
-      const Real thickness = body_.empty() ? infinity : space.thickness(f.element, f.facet);
-      const SharedNode n = space.node_at_vertex(f.element, f.facet);
-      const Index i = node(n, space.d, dof_offset);
-      const bool over_a_seam = is_elsewhere(n.x, all_.X[i], f.normal, space.d);
-      for (std::size_t p : of_label[f.label]) {
-        mortar::Facet& facet = all_.pairs[p].master.facets[next[p]++];
-        facet.one_body = of_slave[p].count(facet.body) > 0;
-        facet.thickness = thickness;
-        if (!over_a_seam) facet.behind = i;
-      }
-    }
+      all_.groups[i] = mortar::facet_connected_groups(space.d, elements);
   }
 
-  const PairLabels& labels_;
   std::vector<Index> body_;  ///< of each element, where both sides are in one space
+  std::vector<std::set<Index>> bodies_of_slave_;  ///< of each pair
   Interface all_;
   std::map<Index, Index> number_;  ///< first dof of a node -> its number
 };
 
 }  // namespace
 
-Interface interface_of(const SpacePtr& V1, const SpacePtr& V2, const PairLabels& labels) {
-  InterfaceBuilder faces(labels);
-  if (V2) {
-    faces.add_slave(V1, {"V1", "the mesh of V1", pair_inside}, false);
-    faces.add_master(*V2, {"V2", "the mesh of V2", pair_inside}, V1->dofs());
-  } else {
-    const SpaceInWords words{"Vh", "the mesh", pair_inside};
-    faces.add_slave(V1, words, true);
-    faces.add_master(*V1, words, 0);
-  }
-  return faces.take();
+Interface interface_of(const Spaces& spaces, const PairLabels& labels) {
+  return InterfaceBuilder(spaces, labels).take();
 }
 
 Index count_of(const std::vector<Index>& body) {
@@ -184,9 +145,9 @@ void FreedomOfBodies::add(const Triplets& A, const Dirichlet& dirichlet,
   using Rows = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const Rows w = rigid_modes(places, d_, A.n, extent_);
   Rows Aw = Rows::Zero(A.n, k);
-  std::vector<Index> of(A.n, -1);
-  for (const NodePlace& p : places)
-    for (int c = 0; p.body < bodies_ && c < d_; ++c) of[p.dof[c]] = p.body;
+  std::vector<Index> of = body_of_dofs(places, d_, A.n);
+  std::replace_if(
+      of.begin(), of.end(), [this](Index body) { return body >= bodies_; }, -1);
   Vector D = Vector::Zero(A.n);
   for_each_entry(A, [&](Index i, Index j, Real a) {
     if (of[i] < 0 || of[i] != of[j] || dirichlet.holds(i) || dirichlet.holds(j)) return;
@@ -214,13 +175,15 @@ mortar::Freedom FreedomOfBodies::freedom() const {
   const Index k = freedom.generators.count();
   for (Index b = 0; b < bodies_; ++b) {
     const DenseMatrix D = in_D_.middleCols(k * b, k), in_A = in_A_.middleCols(k * b, k);
-    const bool any = D.trace() > 0;
-    const DenseMatrix support = any ? DenseMatrix(D.trace() * held_.middleCols(k * b, k))
-                                    : DenseMatrix(rigid * DenseMatrix::Identity(k, k));
-    const Eigenpairs found = any ? eigenpairs(in_A + support, D + support) : Eigenpairs();
-    Index count = 0;
-    while (any && count < k && found.values[count] <= resisted) ++count;
-    freedom.of_body.push_back(any ? DenseMatrix(found.vectors.leftCols(count)) : DenseMatrix(k, 0));
+    DenseMatrix support = rigid * DenseMatrix::Identity(k, k), free(k, 0);
+    if (D.trace() > 0) {
+      support = D.trace() * held_.middleCols(k * b, k);
+      const Eigenpairs found = eigenpairs(in_A + support, D + support);
+      Index count = 0;
+      while (count < k && found.values[count] <= resisted) ++count;
+      free = found.vectors.leftCols(count);
+    }
+    freedom.of_body.push_back(free);
     freedom.stiffness.push_back(in_A + support + resisted * D);
     freedom.support.push_back(support);
   }
@@ -239,7 +202,7 @@ void FacedPart::add(const mortar::Pair& pair, const mortar::Statistics& found, i
                    found.held > 0 ? mortar::place(d, X[found.first_held]) : ""});
 }
 
-std::vector<BoundaryNode> Pairing::face(const Triplets& A, int d, mortar::Options options,
+std::vector<BoundaryNode> Pairing::face(const Triplets& A, mortar::Options options,
                                         const Vector& u_old,
                                         const std::vector<BoundaryNode>& on_obstacle,
                                         const std::function<std::vector<NodePlace>()>& places,
@@ -247,8 +210,17 @@ std::vector<BoundaryNode> Pairing::face(const Triplets& A, int d, mortar::Option
   const std::vector<ContactPoint> obstacle = points_of(on_obstacle);
   dirichlet_ = std::make_shared<const Dirichlet>(A, obstacle);
   bool asked = false;
-  add_bodies(A, d, places, options, asked);
-  const mortar::Nodes nodes = nodes_at(d, u_old, obstacle);
+  options.element_groups = [this](Index i) { return between_.groups[i]; };
+  options.bodies = between_.slave_bodies;
+  options.freedom = [&] {
+    asked = true;
+    const std::vector<NodePlace> all = places();
+    const std::vector<Index> body = body_of_nodes(all, A.n);
+    FreedomOfBodies bodies(between_.d, extent_of(between_.X), body, count_of(body));
+    bodies.add(A, *dirichlet_, all);
+    return bodies.freedom();
+  };
+  const mortar::Nodes nodes = nodes_at(u_old, obstacle);
   const bool stays =
       again && lasts_ && u_old.size() == 0 && nodes.held == held_ && nodes.taken == taken_;
   if (!stays) {
@@ -272,7 +244,8 @@ std::vector<BoundaryNode> Pairing::face(const Triplets& A, int d, mortar::Option
     faced.edges.push_back(e);
   }
   for (std::size_t p = 0; p < between_.pairs.size(); ++p)
-    faced.add(between_.pairs[p], mortar_->statistics(static_cast<Index>(p)), d, between_.X);
+    faced.add(between_.pairs[p], mortar_->statistics(static_cast<Index>(p)), between_.d,
+              between_.X);
   set(std::move(faced));
   return contact;
 }
@@ -292,14 +265,14 @@ BoundaryNode Pairing::contact_node(Index i, const mortar::SlaveNode& m) const {
   return node;
 }
 
-std::unique_ptr<LocalSystem> Pairing::system(const Triplets& A, int d,
-                                             std::vector<ContactPoint> points,
+std::unique_ptr<LocalSystem> Pairing::system(const Triplets& A, std::vector<ContactPoint> points,
                                              const std::vector<Index>& mesh_node,
                                              const RigidModes& modes, const BodyModes& body_modes,
                                              const LocalSystem* before) const {
-  const Coupling coupling = mortar::couple(*mortar_, d, between_.dof, *dirichlet_, A.n, taken_);
-  return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, *dirichlet_, coupling,
-                                       modes, body_modes, before);
+  const Coupling coupling =
+      mortar::couple(*mortar_, between_.d, between_.dof, *dirichlet_, A.n, taken_);
+  return std::make_unique<LocalSystem>(A, between_.d, std::move(points), mesh_node, *dirichlet_,
+                                       coupling, modes, body_modes, before);
 }
 
 std::vector<BoundaryNode> Pairing::slave_nodes() const {
@@ -319,79 +292,63 @@ Vector Pairing::gap(const Vector& given) const {
   return mortar_->weighted(at_nodes);
 }
 
-Matrix Pairing::stiffness(Index n, int d) const {
+Matrix Pairing::stiffness(Index n) const {
   EntryList entries;
-  mortar_->stiffness().for_each_symmetric(d, [&](Index i, int a, Index j, int b, Real s) {
+  mortar_->stiffness().for_each_symmetric(between_.d, [&](Index i, int a, Index j, int b, Real s) {
     const Index k = between_.dof[i][a], l = between_.dof[j][b];
     if (!dirichlet_->holds(k) && !dirichlet_->holds(l)) entries.emplace_back(k, l, s);
   });
   return sparse(n, n, entries);
 }
 
-mortar::Change Pairing::change(const std::vector<Vec3>& v, int d) const {
-  return mortar::change(*mortar_, v, mortar::straightened(d, between_.pairs, v));
+mortar::Change Pairing::change(const std::vector<Vec3>& v) const {
+  return mortar::change(*mortar_, v, mortar::straightened(between_.d, between_.pairs, v));
 }
 
-Vector Pairing::on_free_dofs(const std::vector<Vec3>& of_node, Index n, int d) const {
+Vector Pairing::on_free_dofs(const std::vector<Vec3>& of_node, Index n) const {
   Vector of_dof = Vector::Zero(n);
   for (std::size_t i = 0; i < of_node.size(); ++i)
-    for (int c = 0; c < d; ++c)
+    for (int c = 0; c < between_.d; ++c)
       if (const Index k = between_.dof[i][c]; !dirichlet_->holds(k)) of_dof[k] = of_node[i][c];
   return of_dof;
 }
 
 std::vector<Index> Pairing::body_of_nodes(const std::vector<NodePlace>& places, Index n) const {
-  std::vector<Index> of_dof(n, 0), body;
-  for (const NodePlace& p : places) of_dof[p.dof[0]] = p.body;
+  const std::vector<Index> of_dof = body_of_dofs(places, between_.d, n);
+  std::vector<Index> body;
   for (const auto& dof : between_.dof) body.push_back(of_dof[dof[0]]);
   return body;
 }
 
-std::vector<Vec3> Pairing::at_nodes(const Vector& force, int d) const {
+std::vector<Vec3> Pairing::at_nodes(const Vector& u) const {
   std::vector<Vec3> of_node(between_.dof.size(), Vec3::Zero());
   for (std::size_t i = 0; i < of_node.size(); ++i)
-    for (int c = 0; c < d; ++c) of_node[i][c] = force[between_.dof[i][c]];
+    for (int c = 0; c < between_.d; ++c) of_node[i][c] = u[between_.dof[i][c]];
   return of_node;
 }
 
-void Pairing::add_bodies(const Triplets& A, int d,
-                         const std::function<std::vector<NodePlace>()>& places,
-                         mortar::Options& options, bool& asked) const {
-  options.element_groups = [this](Index i) {
-    const auto found = between_.body_count.find(i);
-    return found == between_.body_count.end() ? 1 : found->second;
-  };
-  options.bodies = between_.slave_bodies;
-  options.freedom = [this, &A, d, &places, &asked] {
-    asked = true;
-    const std::vector<NodePlace> all = places();
-    const std::vector<Index> body = body_of_nodes(all, A.n);
-    FreedomOfBodies bodies(d, extent_of(between_.X), body, count_of(body));
-    bodies.add(A, *dirichlet_, all);
-    return bodies.freedom();
-  };
-}
-
-mortar::Nodes Pairing::nodes_at(int d, const Vector& u_old,
+mortar::Nodes Pairing::nodes_at(const Vector& u_old,
                                 const std::vector<ContactPoint>& obstacle) const {
-  mortar::Nodes nodes{d, between_.X, mortar::held_components(d, between_.dof, *dirichlet_)};
+  const Interface& all = between_;
+  mortar::Nodes nodes{all.d, all.X, mortar::held_components(all.d, all.dof, *dirichlet_)};
   std::set<Index> of_obstacle;
   for (const ContactPoint& p : obstacle) of_obstacle.insert(p.dof[0]);
-  for (std::size_t i = 0; i < between_.dof.size() && !obstacle.empty(); ++i)
-    nodes.taken.push_back(of_obstacle.count(between_.dof[i][0]) > 0);
-  if (between_.is_moved) nodes.reference = displaced(between_, d);
-  if (u_old.size() > 0) nodes.before = displaced(between_, d, u_old);
+  for (std::size_t i = 0; i < all.dof.size() && !obstacle.empty(); ++i)
+    nodes.taken.push_back(of_obstacle.count(all.dof[i][0]) > 0);
+  std::vector<Vec3> before;
+  if (u_old.size() > 0) before = at_nodes(u_old);
+  for (std::size_t i = 0; i < all.X.size() && all.is_moved; ++i) {
+    nodes.reference.push_back(all.X[i] - all.moved[i]);
+    if (u_old.size() > 0) nodes.before.push_back(nodes.reference[i] + before[i]);
+  }
   return nodes;
 }
 
 BoundaryNode Pairing::slave_node(Index i, long label) const {
   const SharedNode& shared = between_.slave[i];
-  const AdjacentFacet* facet = &shared.facets.front();
-  for (const AdjacentFacet& f : shared.facets)
-    if (f.label == label) {
-      facet = &f;
-      break;
-    }
+  const auto has_it = [label](const AdjacentFacet& f) { return f.label == label; };
+  auto facet = std::find_if(shared.facets.begin(), shared.facets.end(), has_it);
+  if (facet == shared.facets.end()) facet = shared.facets.begin();
   BoundaryNode node;
   node.point.dof = shared.dof;
   node.point.normal = facet->normal / length(facet->normal);

@@ -7,6 +7,7 @@ namespace frictioncg {
 
 /// Slaves and masters as their meshes have them, in one numbering of nodes: those of slaves first.
 struct Interface {
+  int d = 2;
   std::vector<Vec3> X;
   std::vector<Vec3> moved;  ///< of each node: the displacement that X has already
   bool is_moved = false;
@@ -14,7 +15,7 @@ struct Interface {
   std::vector<mortar::Pair> pairs;
   std::vector<SharedNode> slave;                     ///< the slaves' nodes
   std::function<std::vector<Index>()> slave_bodies;  ///< the body of each of them
-  std::map<Index, Index> body_count;  ///< facet-connected groups of elements at nodes of both sides
+  std::vector<Index> groups;                         ///< of elements at each node: mortar::Options
 };
 
 /// The labels of two bodies; those that this process's part of the meshes has, and all pairs.
@@ -23,10 +24,9 @@ struct PairLabels {
   std::vector<mortar::Pair> pairs = mortar::label_pairs(slave, master);
 };
 
-/// The faces of two bodies in spaces of their own, the dofs of V2 after those of V1, or in one: V2
-/// null. Throws IllegalInput where a node of theirs has two places: facets are seen from where
-/// their nodes are.
-Interface interface_of(const SpacePtr& V1, const SpacePtr& V2, const PairLabels& labels);
+/// The faces of two bodies in spaces of their own, or in one. Throws IllegalInput where a node of
+/// theirs has two places: facets are seen from where their nodes are.
+Interface interface_of(const Spaces& spaces, const PairLabels& labels);
 
 /// Bodies 0, 1, ...: how many.
 Index count_of(const std::vector<Index>& body);
@@ -89,8 +89,8 @@ class Pairing {
   /// points are given. u_old, by all dofs or empty: where the increment began, of nodes that have
   /// been moved. again: the options are those of the last time, whose mortar stays where the same
   /// nodes are held and taken, and it depends on nothing else of A or of the increment.
-  std::vector<BoundaryNode> face(const Triplets& A, int d, mortar::Options options,
-                                 const Vector& u_old, const std::vector<BoundaryNode>& on_obstacle,
+  std::vector<BoundaryNode> face(const Triplets& A, mortar::Options options, const Vector& u_old,
+                                 const std::vector<BoundaryNode>& on_obstacle,
                                  const std::function<std::vector<NodePlace>()>& places,
                                  bool again = false);
   void set(FacedPart faced) { faced_ = std::move(faced); }
@@ -100,7 +100,7 @@ class Pairing {
                           std::vector<BoundaryNode>& contact);
   /// Node i of the slave with what a mortar makes of it.
   BoundaryNode contact_node(Index i, const mortar::SlaveNode& m) const;
-  std::unique_ptr<LocalSystem> system(const Triplets& A, int d, std::vector<ContactPoint> points,
+  std::unique_ptr<LocalSystem> system(const Triplets& A, std::vector<ContactPoint> points,
                                       const std::vector<Index>& mesh_node, const RigidModes& modes,
                                       const BodyModes& body_modes, const LocalSystem* before) const;
   /// The slave's nodes, where a gap is evaluated.
@@ -110,25 +110,21 @@ class Pairing {
   Vector gap(const Vector& given) const;
   /// The symmetric part of the derivative of mortar::Options::force (n x n), between free dofs: a
   /// step does not change others.
-  Matrix stiffness(Index n, int d) const;
+  Matrix stiffness(Index n) const;
   Real told() const { return mortar_->told(); }
   /// Where U grows by v at the nodes.
-  mortar::Change change(const std::vector<Vec3>& v, int d) const;
+  mortar::Change change(const std::vector<Vec3>& v) const;
   /// Values at the nodes by all n dofs: 0 where Dirichlet conditions hold, and elsewhere.
-  Vector on_free_dofs(const std::vector<Vec3>& of_node, Index n, int d) const;
+  Vector on_free_dofs(const std::vector<Vec3>& of_node, Index n) const;
   const Interface& between() const { return between_; }
   /// Of the Interface, by the places of all nodes of the n dofs.
   std::vector<Index> body_of_nodes(const std::vector<NodePlace>& places, Index n) const;
-  /// A force by the dofs of the script, at each node.
-  std::vector<Vec3> at_nodes(const Vector& force, int d) const;
+  /// A displacement or force by the dofs of the script, at each node.
+  std::vector<Vec3> at_nodes(const Vector& u) const;
   const FacedPart& faced() const { return faced_; }
 
  private:
-  /// What the mortar asks of the bodies; asked: set where it does so of motions that A leaves free.
-  void add_bodies(const Triplets& A, int d, const std::function<std::vector<NodePlace>()>& places,
-                  mortar::Options& options, bool& asked) const;
-  mortar::Nodes nodes_at(int d, const Vector& u_old,
-                         const std::vector<ContactPoint>& obstacle) const;
+  mortar::Nodes nodes_at(const Vector& u_old, const std::vector<ContactPoint>& obstacle) const;
   /// A node of the slave as one of its facets sees it, of the label if there is one.
   BoundaryNode slave_node(Index i, long label) const;
 

@@ -83,7 +83,8 @@ constexpr Parameter tractions[] = {p_cohesion, p_shearmax, p_slidinglimit};
 constexpr Parameter of_obstacle_beside_pairs[] = {p_obstacle, p_obstaclegap, p_obstaclenormal,
                                                   p_obstacleforce};
 /// What a new matrix of a contactproblem may bring along.
-constexpr Parameter of_geometry[] = {p_normal, p_obstaclenormal, p_maxgap, p_smooth, p_weight};
+constexpr Parameter of_geometry[] = {p_normal, p_obstaclenormal, p_maxgap, p_smooth, p_weight,
+                                     p_at,     p_forceold};
 /// What lets an obstacle move.
 constexpr Parameter of_moving_obstacle[] = {p_pivot,      p_obstacles, p_motionfree, p_motion,
                                             p_motionload, p_motionold, p_motionforce};
@@ -110,16 +111,6 @@ constexpr Choice<Precon> preconditioners[] = {{"hessian-ssor", Precon::hessian_s
                                               {"multigrid", Precon::multigrid}};
 constexpr Choice<Step> steps[] = {
     {"exact", Step::exact}, {"newton", Step::newton}, {"falseposition", Step::false_position}};
-
-template <class T, std::size_t count>
-T choose(const char* parameter, const std::string& value, const Choice<T> (&choices)[count]) {
-  std::string known;
-  for (const Choice<T>& c : choices) {
-    if (value == c.name) return c.value;
-    known += std::string(known.empty() ? "\"" : ", \"") + c.name + "\"";
-  }
-  refuse(parameter, " = \"", value, "\" is unknown; choose from ", known);
-}
 
 template <class T, std::size_t count>
 const char* name_of(T value, const Choice<T> (&choices)[count]) {

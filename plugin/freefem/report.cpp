@@ -199,7 +199,7 @@ void warn_of_passed(Stack stack, const Arguments& args, const Scene& scene) {
     if (node.begun && !faces_away(node, node.point.normal)) facing.push_back(node);
   Vector gap;
   try {
-    gap = at_nodes(stack, args, scene.pairing ? p_obstaclegap : p_gap, scene, facing);
+    gap = at_nodes(stack, args, scene.pairing ? p_obstaclegap : p_gap, facing);
   } catch (const IllegalInput&) {
     return;  // no law asks for it
   }
@@ -222,8 +222,6 @@ void note_weight(const Scene& scene) {
 std::ostream& line() { return std::cout << " -- " << operator_name << ": "; }
 
 const char* name_of(Law law) { return law_names[static_cast<int>(law)]; }
-
-const char* name_of(Layer layer) { return layer_names[static_cast<int>(layer)]; }
 
 void warn_of_displacements(Real most, const char* of_what, Real size) {
   line() << "warning: displacements of up to " << most << " in a " << of_what << " of size " << size
@@ -257,7 +255,8 @@ void report_left_out(Real share, long verb) {
 
 void report_end(const Solution& solution, const std::string& motion) {
   std::string reason = solution.status == Status::converged ? " at rest" : "";
-  if (solution.layer != Layer::none) reason = std::string(" by ") + name_of(solution.layer);
+  if (solution.layer != Layer::none)
+    reason = std::string(" by ") + layer_names[static_cast<int>(solution.layer)];
   if (solution.status == Status::no_equilibrium) reason = " by a proof of statics";
   line() << name_of(solution.status) << reason << ", residual " << solution.certificate.residual
          << ", " << counted(solution.iterations, "iteration");

@@ -12,7 +12,6 @@ namespace frictioncg {
 std::ostream& line();
 
 const char* name_of(Law law);
-const char* name_of(Layer layer);
 void warn_of_displacements(Real most, const char* of_what, Real size);
 
 /// A warning for a field that moves a node further than its body is large: the laws hold on the

@@ -24,33 +24,23 @@ auto once(Make make) {
   };
 }
 
-/// How to evaluate expressions at the nodes of a space, and where they are.
-void observe(const SpacePtr& Vh, Scene& scene) {
-  scene.d = Vh->d;
-  scene.mesh_node = Vh->mesh_nodes();
-  scene.go_to = [Vh](Stack stack, const BoundaryNode& node) { return Vh->go_to(stack, node); };
-  scene.places = once([Vh] { return Vh->places(); });
-  scene.labelled = once([Vh] { return Vh->labelled(); });
-  scene.unit_load_of = [Vh](const std::vector<char>& of) { return Vh->unit_load(of); };
-}
-
-/// The contact points of the labels, in one process. Normals that motions of a body leave
+/// Adds the contact points of the labels, in one process. Normals that motions of a body leave
 /// tangential, as far as the mesh can tell, do so exactly.
-std::vector<BoundaryNode> obstacle_points(const Space& Vh, const SpaceInWords& words,
-                                          const std::vector<long>& labels) {
-  if (labels.empty()) return {};
-  Boundary boundary = Vh.boundary(labels, words), begun;
-  if (Vh.begun()) begun = Vh.begun()->boundary(labels, words);
+void add_obstacle_points(const Space& Vh, const std::vector<long>& labels,
+                         std::vector<BoundaryNode>& all) {
+  if (labels.empty()) return;
+  Boundary boundary = Vh.boundary(labels), begun;
+  if (Vh.begun()) begun = Vh.begun()->boundary(labels);
   const std::size_t count = boundary.nodes.size();
   std::vector<BoundaryNode> points =
       contact_points(Vh.d, std::move(boundary), Vh.begun() ? &begun : nullptr, count);
-  if (!any_curved(points)) return points;
-  const std::vector<Index> of_element = Vh.body_of_element();
-  std::vector<Index> body;
-  for (const BoundaryNode& p : points) body.push_back(of_element[p.element]);
-  follow_motions(Vh.d, body, *std::max_element(body.begin(), body.end()) + 1, Vh.begun() != nullptr,
-                 points);
-  return points;
+  if (any_curved(points)) {
+    const std::vector<Index> of_element = Vh.body_of_element();
+    std::vector<Index> body;
+    for (const BoundaryNode& p : points) body.push_back(of_element[p.element]);
+    follow_motions(Vh.d, body, count_of(body), Vh.begun() != nullptr, points);
+  }
+  std::move(points.begin(), points.end(), std::back_inserter(all));
 }
 
 /// A facet has one partner: a body, or the obstacle.
@@ -63,12 +53,14 @@ void refuse_second_role(const std::vector<long>& obstacle, const std::vector<lon
              "labels of their own");
 }
 
-/// Which labels of an obstacle are on which of two meshes.
-std::array<std::vector<long>, 2> by_mesh(const Space& V1, const Space& V2,
-                                         const std::vector<long>& obstacle) {
-  std::array<std::vector<long>, 2> labels;
-  if (obstacle.empty()) return labels;
-  const std::set<long> first = V1.labels(), second = V2.labels();
+/// Which labels of an obstacle are on which of the meshes.
+std::vector<std::vector<long>> by_mesh(const Spaces& spaces, const std::vector<long>& obstacle) {
+  std::vector<std::vector<long>> labels(spaces.size());
+  if (obstacle.empty() || spaces.size() == 1) {
+    labels.front() = obstacle;
+    return labels;
+  }
+  const std::set<long> first = spaces.front()->labels(), second = spaces.back()->labels();
   for (long label : obstacle) {
     const bool in_first = first.count(label) > 0, in_second = second.count(label) > 0;
     if (in_first == in_second)
@@ -79,34 +71,6 @@ std::array<std::vector<long>, 2> by_mesh(const Space& V1, const Space& V2,
     labels[in_first ? 0 : 1].push_back(label);
   }
   return labels;
-}
-
-/// The contact points of an obstacle beside two bodies in spaces of their own, or in one: V2 null.
-std::vector<BoundaryNode> obstacle_points(const Space& V1, const Space* V2,
-                                          const PairLabels& labels,
-                                          const std::vector<long>& obstacle) {
-  const auto [first, second] = V2 ? by_mesh(V1, *V2, obstacle) : std::array{obstacle, obstacle};
-  refuse_second_role(first, labels.slave, "slave");
-  refuse_second_role(second, labels.master, "master");
-  if (!V2) return obstacle_points(V1, before_obstacle, obstacle);
-  std::vector<BoundaryNode> points =
-      obstacle_points(V1, {"V1", "the mesh of V1", obstacle_inside}, first);
-  for (BoundaryNode& p : obstacle_points(*V2, {"V2", "the mesh of V2", obstacle_inside}, second)) {
-    p.point.dof = shifted(V1.dofs(), V1.d, p.point.dof);
-    p.space = 1;
-    if (p.begun) p.begun->space = 1;
-    points.push_back(std::move(p));
-  }
-  return points;
-}
-
-/// make(stage), which can be made at another one, too.
-template <class Make>
-std::shared_ptr<Scene> scene_at(const Stage& stage, const Make& make) {
-  std::shared_ptr<Scene> scene = make(stage);
-  scene->at = stage.at;
-  scene->moved_to = [make](const Stage& other) { return scene_at(other, make); };
-  return scene;
 }
 
 /// -p dn/dx of each node before an obstacle, in the dofs of the script. Of the mesh's own normals,
@@ -121,7 +85,7 @@ EntryList turning_forces(const Scene& scene) {
   for (std::size_t k = first; k < nodes.size(); ++k) {
     points.push_back({nodes[k].x, nodes[k].point.normal, {}});
     for (const AdjacentFacet& f : nodes[k].facets) {
-      const std::size_t of_both_meshes = 2 * f.place + static_cast<std::size_t>(nodes[k].space);
+      const std::size_t of_both_meshes = 2 * f.place + (f.space->offset > 0);
       points.back().facets.push_back({of_both_meshes, f.share});
     }
   }
@@ -157,7 +121,7 @@ void Scene::assemble(const Triplets& A, Scene* before, bool alone) {
   const auto modes = [places = places, d = d, n] { return rigid_modes(places(), d, n); };
   const auto each = [places = places, d = d, n] { return body_modes(places(), d, n); };
   system = placed([&] {
-    if (pairing) return pairing->system(A, d, std::move(points), mesh_node, modes, each, last);
+    if (pairing) return pairing->system(A, std::move(points), mesh_node, modes, each, last);
     if (moving)
       return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, moving->rigid, modes,
                                            each, last);
@@ -190,56 +154,24 @@ LocalIncrement Scene::increment(const LocalLoad& load, const PointLaws& laws) co
   return placed([&] { return system->increment(load, laws); });
 }
 
-DofCount dofs_of(const Space& V1, const Space* V2) {
-  return {V1.dofs() + (V2 ? V2->dofs() : 0), V2 ? V1.dofs() : 0};
+DofCount dofs_of(const Spaces& spaces) {
+  const Space& last = *spaces.back();
+  return {last.offset + last.dofs(), last.offset};
 }
 
-std::shared_ptr<Scene> obstacle_scene(const SpacePtr& Vh, std::vector<BoundaryNode> points) {
+std::shared_ptr<Scene> scene_on(const Spaces& spaces, std::vector<BoundaryNode> points) {
   auto scene = std::make_shared<Scene>();
-  scene->dofs = dofs_of(*Vh);
+  scene->d = spaces.front()->d;
+  scene->dofs = dofs_of(spaces);
   scene->nodes = std::move(points);
-  observe(Vh, *scene);
-  return scene;
-}
-
-std::shared_ptr<Scene> pair_scene(const SpacePtr& V1, const SpacePtr& V2, const PairLabels& labels,
-                                  const std::vector<long>& obstacle) {
-  auto scene = std::make_shared<Scene>();
-  scene->dofs = dofs_of(*V1, V2.get());
-  scene->nodes = obstacle_points(*V1, V2.get(), labels, obstacle);
-  scene->pairing.emplace(interface_of(V1, V2, labels));
-  observe(V1, *scene);
-  if (!V2) return scene;
-  const Index offset = V1->dofs();
-  for (Index node : V2->mesh_nodes()) scene->mesh_node.push_back(V1->nodes() + node);
-  scene->go_to = [V1, V2](Stack stack, const BoundaryNode& node) {
-    return (node.space == 0 ? V1 : V2)->go_to(stack, node);
-  };
-  scene->places = once([of_first = scene->places, V2, offset, d = scene->d] {
-    std::vector<NodePlace> places = of_first();
-    const Index bodies = count_bodies(places);
-    for (NodePlace n : V2->places()) {
-      n.body += bodies;
-      n.dof = shifted(offset, d, n.dof);
-      places.push_back(n);
-    }
+  scene->spaces = spaces;
+  scene->at = spaces.front()->stage.at;
+  for (const SpacePtr& V : spaces) V->add_mesh_nodes(scene->mesh_node);
+  scene->places = once([spaces] {
+    std::vector<NodePlace> places;
+    for (const SpacePtr& V : spaces) V->add_places(places);
     return places;
   });
-  scene->labelled = once([of_first = scene->labelled, V2, offset, d = scene->d] {
-    std::vector<LabelledNode> all = of_first();
-    for (LabelledNode n : V2->labelled()) {
-      n.space = 1;
-      n.dof = shifted(offset, d, n.dof);
-      all.push_back(n);
-    }
-    return all;
-  });
-  scene->unit_load_of = [V1, V2](const std::vector<char>& of) {
-    const auto second = of.begin() + V1->dofs();
-    Vector load(of.size());
-    load << V1->unit_load({of.begin(), second}), V2->unit_load({second, of.end()});
-    return load;
-  };
   return scene;
 }
 
@@ -248,36 +180,36 @@ void check_stage(const Stage& stage, const DofCount& dofs) {
   if (stage.begun) check_vector(*stage.begun, "uold", dofs);
 }
 
-std::shared_ptr<Scene> scene_of(const Site& site, Stack stack, const std::vector<long>& obstacle,
-                                const Stage& stage) {
-  if (site.is_on_part(stack))
-    throw IllegalInput(
-        "Vh lies on one process's part of a distributed mesh, and its matrix would be taken for "
-        "the whole problem; load frictionCG-mpi, and give domain=C, which createMat(Th, C, Pk) "
-        "makes");
-  const std::vector<long> slave = site.labels(stack), master = site.masters(stack);
-  const SpacePtr V1 = site.space(stack);  // last: what an expression does may make it anew
-  const SpacePtr V2 = site.in_two_spaces() ? site.space(stack, 1) : nullptr;
-  const DofCount dofs = dofs_of(*V1, V2.get());
-  if (!site.two_bodies())
-    return scene_at(stage, [=](const Stage& U) {
-      check_stage(U, dofs);
-      const SpacePtr Vh = V1->at(U);
-      return obstacle_scene(Vh, obstacle_points(*Vh, before_obstacle, slave));
-    });
-  return scene_at(stage, [=, pair = PairLabels{slave, master}](const Stage& U) {
-    check_stage(U, dofs);
-    return pair_scene(V1->at(U), V2 ? V2->at(U, V1->dofs()) : nullptr, pair, obstacle);
-  });
+std::shared_ptr<Scene> scene_at(const Stage& stage, const Spaces& any_stage, const Sides& sides) {
+  check_stage(stage, dofs_of(any_stage));
+  const Spaces spaces = at(stage, any_stage);
+  const bool two_bodies = !sides.master.empty();
+  const auto labels = by_mesh(spaces, two_bodies ? sides.obstacle : sides.slave);
+  if (two_bodies) {
+    refuse_second_role(labels.front(), sides.slave, "slave");
+    refuse_second_role(labels.back(), sides.master, "master");
+  }
+  std::vector<BoundaryNode> points;
+  for (std::size_t k = 0; k < spaces.size(); ++k)
+    add_obstacle_points(*spaces[k], labels[k], points);
+  const std::shared_ptr<Scene> scene = scene_on(spaces, std::move(points));
+  scene->sides = sides;
+  if (two_bodies) scene->pairing.emplace(interface_of(spaces, {sides.slave, sides.master}));
+  return scene;
+}
+
+std::vector<Index> body_of_points(const Scene& scene, const std::vector<NodePlace>& places) {
+  const std::vector<Index> of_dof = body_of_dofs(places, scene.d, scene.ndof());
+  std::vector<Index> body;
+  for (const BoundaryNode& p : scene.nodes) body.push_back(of_dof[p.point.dof[0]]);
+  return body;
 }
 
 void follow_free_motions(Scene& scene, const std::vector<NodePlace>& places, const Extent& extent,
                          Index bodies, bool has_begun,
                          const std::function<void(FreedomOfBodies&)>& add,
                          const SumOverProcesses& sum) {
-  std::vector<Index> body_at(scene.ndof(), 0), body;
-  for (const NodePlace& n : places) body_at[n.dof[0]] = n.body;
-  for (const BoundaryNode& p : scene.nodes) body.push_back(body_at[p.point.dof[0]]);
+  const std::vector<Index> body = body_of_points(scene, places);
   FreedomOfBodies freedom_of(scene.d, extent, body, bodies);
   add(freedom_of);
   const mortar::Freedom freedom = freedom_of.freedom();
@@ -320,7 +252,7 @@ std::unique_ptr<Stiffened> stiffened_by_force(const Triplets& A, const Scene& sc
     entries.erase(std::remove_if(entries.begin(), entries.end(), is_held), entries.end());
   }
   Matrix of_pairs(A.n, A.n);
-  if (scene.pairing) of_pairs = scene.pairing->stiffness(A.n, scene.d);
+  if (scene.pairing) of_pairs = scene.pairing->stiffness(A.n);
   if (of_pairs.nonZeros() == 0 && entries.empty()) return nullptr;
   return std::make_unique<Stiffened>(A, std::move(of_pairs), sparse(A.n, A.n, entries));
 }

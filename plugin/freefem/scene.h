@@ -36,7 +36,11 @@ struct MovingObstacles {
   RigidObstacles rigid;
 };
 
-struct Scene;
+/// The labels of the boundaries that touch: slave and master each other, those of the obstacle
+/// that. Where there is no master all is before the obstacle.
+struct Sides {
+  std::vector<long> slave, master, obstacle;
+};
 
 /// One body or more with their contact nodes, as the script posed them, but for what is made of A.
 struct Geometry {
@@ -50,28 +54,32 @@ struct Geometry {
   bool given_weight = false;
   bool tangents = false;         ///< some nodes have tangential laws
   int unnamed_radius = -1;       ///< a component, where A looks axisymmetric without a weight
+  Spaces spaces;                 ///< which the nodes are of
   std::vector<Index> mesh_node;  ///< of each dof
-  /// Makes a contact node the point at which expressions are evaluated, and returns it.
-  std::function<Vec3(Stack, const BoundaryNode&)> go_to;
   /// Where the nodal values of a displacement are.
   std::function<std::vector<NodePlace>()> places;
-  std::function<const std::vector<LabelledNode>&()> labelled;       ///< facet by facet
-  std::function<Vector(const std::vector<char>& of)> unit_load_of;  ///< of Space, per dof
   std::optional<Pairing> pairing;         ///< of two bodies; none where there is an obstacle alone
   mortar::Options facing;                 ///< of the two bodies, as the script has chosen them
   std::optional<MovingObstacles> moving;  ///< none where all obstacles stand still
-  Displacement at;                        ///< of the geometry (ndof)
-  Vector force;                           ///< of contact, that turns with it; or empty
-  /// The nodes and faces of the same spaces at another displacement.
-  std::function<std::shared_ptr<Scene>(const Stage&)> moved_to;
-  /// Of its bodies, by the mesh; found when it is first asked for.
+  Sides sides;
+  Displacement at;  ///< of the geometry (ndof)
+  Vector force;     ///< of contact, that turns with it; or empty
+  // Found when they are first asked for.
+  /// Of its bodies, by the mesh.
   Real least_gyration() const {
     if (!gyration_) gyration_ = frictioncg::least_gyration(places(), d);
     return *gyration_;
   }
+  /// Facet by facet.
+  const std::vector<LabelledNode>& labelled() const {
+    if (labelled_.empty())
+      for (const SpacePtr& V : spaces) V->add_labelled(labelled_);
+    return labelled_;
+  }
 
  private:
   mutable std::optional<Real> gyration_;
+  mutable std::vector<LabelledNode> labelled_;
 };
 
 /// A geometry with its system in local frames, and the solver that keeps the factorization.
@@ -84,9 +92,11 @@ struct Scene : Geometry {
   std::unique_ptr<Stiffened> stiffened;
   double copy_seconds = 0;
   std::vector<char> held;  ///< per dof: by a Dirichlet condition
-  /// Of the dofs held; found when it is first asked for.
+  /// Space's, of the dofs held; found when it is first asked for.
   const Vector& unit_load() const {
-    if (unit_load_.size() == 0) unit_load_ = unit_load_of(held);
+    if (unit_load_.size() > 0) return unit_load_;
+    unit_load_ = Vector::Zero(ndof());
+    for (const SpacePtr& V : spaces) V->add_unit_load(held, unit_load_);
     return unit_load_;
   }
   long ndof() const { return dofs.count; }
@@ -121,6 +131,9 @@ struct Scene : Geometry {
   }
 };
 
+/// The body of each contact point.
+std::vector<Index> body_of_points(const Scene& scene, const std::vector<NodePlace>& places);
+
 /// S of the scene's force, where it has one that turns; or null.
 std::unique_ptr<Stiffened> stiffened_by_force(const Triplets& A, const Scene& scene);
 
@@ -140,21 +153,13 @@ inline bool has_curved_obstacle(const Scene& scene) {
 /// Slips::told of the points on obstacles, or what is told of pairs, whichever is more.
 Real told_by_mesh(const Scene& scene, Real of_pairs, const SumOverProcesses& sum = {});
 
-/// Of one space, or of two.
-DofCount dofs_of(const Space& V1, const Space* V2 = nullptr);
+DofCount dofs_of(const Spaces& spaces);
 
-/// One body and an obstacle, at the contact points.
-std::shared_ptr<Scene> obstacle_scene(const SpacePtr& Vh, std::vector<BoundaryNode> points);
-
-/// Two bodies in spaces of their own, the dofs of V2 after those of V1; or, where V2 is null, in
-/// one space: two parts of a mesh, or the faces of a crack. obstacle: labels beside them.
-std::shared_ptr<Scene> pair_scene(const SpacePtr& V1, const SpacePtr& V2, const PairLabels& labels,
-                                  const std::vector<long>& obstacle = {});
+/// Bodies where the spaces have them, with contact points on obstacles.
+std::shared_ptr<Scene> scene_on(const Spaces& spaces, std::vector<BoundaryNode> points);
 void check_stage(const Stage& stage, const DofCount& dofs);
 
-/// The geometry of a site as it is now, moved where the stage says so, and to be moved elsewhere
-/// later; obstacle: labels beside pairs of bodies.
-std::shared_ptr<Scene> scene_of(const Site& site, Stack stack, const std::vector<long>& obstacle,
-                                const Stage& stage);
+/// The geometry of these sides where the stage says, in one process.
+std::shared_ptr<Scene> scene_at(const Stage& stage, const Spaces& any_stage, const Sides& sides);
 
 }  // namespace frictioncg

@@ -12,10 +12,6 @@ namespace {
 Vec3 as_vector(const R3& x) { return Vec3(x.x, x.y, x.z); }
 R3 as_R3(const Vec3& x) { return R3(x[0], x[1], x[2]); }
 
-/// What differs between FreeFEM's mesh and mesh3, and their finite-element spaces.
-template <class FESpaceType>
-struct Dimension;
-
 /// How the dofs of an element come from values at points: one entry per dof and point that has a
 /// part in it. A dof is a nodal value where it has one entry, of coefficient 1.
 struct Interpolation {
@@ -24,7 +20,7 @@ struct Interpolation {
     double coefficient;
   };
   std::vector<Entry> entries;
-  std::vector<R3> hat;  ///< the points, on the reference element
+  std::vector<Vec3> hat;  ///< the points, on the reference element
   void clear() {
     entries.clear();
     hat.clear();
@@ -36,7 +32,11 @@ struct Interpolation {
 };
 
 /// The vertices of an element, 3 in 2D.
-using Vertices = std::array<R3, 4>;
+using Vertices = std::array<Vec3, 4>;
+
+/// What differs between FreeFEM's mesh and mesh3, and their finite-element spaces.
+template <class FESpaceType>
+struct Dimension;
 
 template <>
 struct Dimension<Fem2D::FESpace> {
@@ -44,20 +44,14 @@ struct Dimension<Fem2D::FESpace> {
   using Mesh = Fem2D::Mesh;
   using Element = Fem2D::FElement;
   static constexpr const char* facet_name = "edge";
-  static long facets(const Mesh& Th) { return Th.neb; }
-  static long label(const Mesh& Th, int ib) { return Th.bedges[ib].lab; }
-  /// False where there are elements on both sides.
-  static bool outer(const Mesh& Th, int k, int facet) { return Th.nTonEdge(k, facet) == 1; }
   static bool on_facet(int facet, int what) { return Fem2D::onWhatIsEdge[facet][what] != 0; }
   /// outward, of the length of the edge; x: the vertices of an element
-  static R3 normal(const Vertices& x, int facet) {
-    const R3 E = x[(facet + 2) % 3] - x[(facet + 1) % 3];
-    return R3(E.y, -E.x, 0);
+  static Vec3 normal(const Vertices& x, int facet) {
+    const Vec3 E = x[(facet + 2) % 3] - x[(facet + 1) % 3];
+    return Vec3(E[1], -E[0], 0);
   }
   /// twice the area, > 0 where the vertices run counter-clockwise
-  static double content(const Vertices& x) { return ((x[1] - x[0]) ^ (x[2] - x[0])).z; }
-  static bool is_corner(int what) { return what < 3; }
-  static bool known_trace(std::size_t nodes) { return nodes == 2 || nodes == 3; }
+  static double content(const Vertices& x) { return (x[1] - x[0]).cross(x[2] - x[0])[2]; }
   /// integrals of the traces of P1 or P2 over a unit edge
   static double share(std::size_t nodes, bool corner) {
     return nodes == 2 ? 1. / 2 : (corner ? 1. / 6 : 2. / 3);
@@ -67,7 +61,6 @@ struct Dimension<Fem2D::FESpace> {
   /// The mean, by a trace, of what is linear: so much of it is the value at the trace's node, the
   /// rest the mean over the edge.
   static double own(std::size_t nodes) { return nodes == 2 ? 1. / 3 : 1; }
-  static constexpr const char* known_counts = "the 2 of P1 and the 3 of P2";
   /// Into ip, whose storage serves one element after the other.
   static void interpolate(const Element& K, Interpolation& ip) {
     ip.clear();
@@ -76,15 +69,14 @@ struct Dimension<Fem2D::FESpace> {
     KN<double> alpha(ipj.N());
     K.Pi_h(alpha);
     for (int k = 0; k < ipj.N(); ++k) ip.add(ipj[k].i, ipj[k].j, ipj[k].p, alpha[k]);
-    for (int p = 0; p < P.N(); ++p) ip.hat.push_back(R3(P[p].x, P[p].y, 0));
+    for (int p = 0; p < P.N(); ++p) ip.hat.emplace_back(P[p].x, P[p].y, 0);
   }
-  static R3 position(const Mesh& Th, int k, const R3& hat) {
-    const Fem2D::R2 P = Th[k](Fem2D::R2(hat.x, hat.y));
-    return R3(P.x, P.y, 0);
+  static Vec3 position(const Mesh& Th, int k, const Vec3& hat) {
+    const Fem2D::R2 P = Th[k](Fem2D::R2(hat[0], hat[1]));
+    return Vec3(P.x, P.y, 0);
   }
-  template <class Node>
-  static void set_point(MeshPoint* mp, const Mesh& Th, const Node& node, const R3& x) {
-    mp->set(Th, Fem2D::R2(x.x, x.y), Fem2D::R2(node.hat[0], node.hat[1]), Th[node.element],
+  static void set_point(MeshPoint* mp, const Mesh& Th, const BoundaryNode& node, const Vec3& x) {
+    mp->set(Th, Fem2D::R2(x[0], x[1]), Fem2D::R2(node.hat[0], node.hat[1]), Th[node.element],
             static_cast<int>(node.label), Fem2D::R2(node.point.normal[0], node.point.normal[1]),
             node.facet);
   }
@@ -96,116 +88,77 @@ struct Dimension<Fem2D::FESpace3> {
   using Mesh = Fem2D::Mesh3;
   using Element = Fem2D::FESpace3::FElement;
   static constexpr const char* facet_name = "face";
-  static long facets(const Mesh& Th) { return Th.nbe; }
-  static long label(const Mesh& Th, int ib) { return Th.be(ib).lab; }
-  static bool outer(const Mesh& Th, int k, int facet) { return Th.ElementAdj(k, facet) < 0; }
   static bool on_facet(int facet, int what) { return Fem2D::Tet::onWhatBorder[facet][what] != 0; }
   /// outward, of the area of the face
-  static R3 normal(const Vertices& x, int facet) {
+  static Vec3 normal(const Vertices& x, int facet) {
     const int(&v)[3] = Fem2D::Tet::nvface[facet];
-    const R3 N = ((x[v[1]] - x[v[0]]) ^ (x[v[2]] - x[v[0]])) / 2;
-    return (N, x[v[0]] - x[facet]) > 0 ? N : -N;
+    const Vec3 N = (x[v[1]] - x[v[0]]).cross(x[v[2]] - x[v[0]]) / 2;
+    return dot(N, x[v[0]] - x[facet]) > 0 ? N : -N;
   }
   /// six times the volume, with the sign of the element's orientation
-  static double content(const Vertices& x) { return ((x[1] - x[0]) ^ (x[2] - x[0]), x[3] - x[0]); }
-  static bool is_corner(int what) { return what < 4; }
-  static bool known_trace(std::size_t nodes) { return nodes == 3 || nodes == 6; }
+  static double content(const Vertices& x) {
+    return dot((x[1] - x[0]).cross(x[2] - x[0]), x[3] - x[0]);
+  }
   /// integrals of the traces of P1 or P2 over a unit triangle
   static double share(std::size_t nodes, bool corner) {
     return nodes == 3 ? 1. / 3 : (corner ? 0 : 1. / 3);
   }
   static double integral(bool quadratic, bool corner) { return !quadratic ? 1 : corner ? -1 : 4; }
   static double own(std::size_t nodes) { return nodes == 3 ? 1. / 4 : 2. / 5; }
-  static constexpr const char* known_counts = "the 3 of P1 and the 6 of P2";
   static void interpolate(const Element& K, Interpolation& ip) {
     ip.clear();
     Fem2D::InterpolationMatrix<R3> all(*K.tfe);
     all.set(K);
     for (int k = 0; k < all.ncoef; ++k) ip.add(all.dofe[k], all.comp[k], all.p[k], all.coef[k]);
-    for (int p = 0; p < all.P.N(); ++p) ip.hat.push_back(all.P[p]);
+    for (int p = 0; p < all.P.N(); ++p) ip.hat.push_back(as_vector(all.P[p]));
   }
-  static R3 position(const Mesh& Th, int k, const R3& hat) { return Th[k](hat); }
-  template <class Node>
-  static void set_point(MeshPoint* mp, const Mesh& Th, const Node& node, const R3& x) {
-    mp->set(Th, x, as_R3(node.hat), Th[node.element], static_cast<int>(node.label),
+  static Vec3 position(const Mesh& Th, int k, const Vec3& hat) {
+    return as_vector(Th[k](as_R3(hat)));
+  }
+  static void set_point(MeshPoint* mp, const Mesh& Th, const BoundaryNode& node, const Vec3& x) {
+    mp->set(Th, as_R3(x), as_R3(node.hat), Th[node.element], static_cast<int>(node.label),
             as_R3(node.point.normal), node.facet);
   }
 };
 
-/// Why a space cannot be used; the name of the space is put before it.
-struct UnfitSpace : IllegalInput {
-  using IllegalInput::IllegalInput;
-};
-
-[[noreturn]] void refuse_space(const std::string& why) {
-  throw UnfitSpace(why +
-                   "; contact needs a continuous vector Lagrange space such as [P1,P1], [P2,P2] or "
-                   "[P1,P1,P1]");
-}
-
-/// The nodes of one facet: dofs of each component, grouped by the interpolation points they share.
-struct FacetNodes {
-  struct Node {
-    std::array<Index, 3> dof{{-1, -1, -1}};
-    R3 x, hat;
-    bool corner = false;
-  };
-  std::vector<Node> node;
-  /// The node at a point of the reference element, a new one if need be.
-  Node& at(const R3& hat) {
-    for (Node& n : node) {
-      const R3 away = n.hat - hat;
-      if (std::abs(away.x) + std::abs(away.y) + std::abs(away.z) < 1e-10) return n;
-    }
-    node.emplace_back().hat = hat;
-    return node.back();
-  }
+/// A node of one facet: the dof of each component, by the interpolation point that they share.
+struct FacetNode {
+  Vec3 hat;
+  std::array<Index, 3> dof{{-1, -1, -1}};
+  Vec3 x = Vec3::Zero();
+  bool corner = false;
 };
 
 /// The nodes of a facet in the order of BoundaryFacet::node.
-std::vector<std::size_t> in_order(const FacetNodes& facet, int d) {
+std::vector<std::size_t> in_order(const std::vector<FacetNode>& node, int d) {
   std::vector<std::size_t> order;
-  for (std::size_t k = 0; k < facet.node.size(); ++k)
-    if (facet.node[k].corner) order.push_back(k);
-  if (facet.node.size() == order.size()) return order;
+  for (std::size_t k = 0; k < node.size(); ++k)
+    if (node[k].corner) order.push_back(k);
+  if (node.size() == order.size()) return order;
   for (int edge = 0; edge < mortar::edges_of_facet(d); ++edge) {
     const auto [a, b] = mortar::edge_ends(d, edge);
-    const R3 ends = facet.node[order[a]].hat + facet.node[order[b]].hat;
-    for (std::size_t k = 0; k < facet.node.size(); ++k)
-      if (Norme2(2. * facet.node[k].hat - ends) < 1e-10) order.push_back(k);
+    const Vec3 ends = node[order[a]].hat + node[order[b]].hat;
+    for (std::size_t k = 0; k < node.size(); ++k)
+      if (length(2 * node[k].hat - ends) < 1e-10) order.push_back(k);
   }
   return order;
-}
-
-/// Refuses traces for which the laws are not written.
-template <class FESpaceType>
-void check_trace(const FacetNodes& facet) {
-  using D = Dimension<FESpaceType>;
-  if (facet.node.empty()) refuse_space("has no degree of freedom on the boundary");
-  for (const FacetNodes::Node& n : facet.node)
-    for (int c = 0; c < D::d; ++c)
-      if (n.dof[c] < 0) refuse_space("mixes elements whose components have different nodes");
-  if (!D::known_trace(facet.node.size()))
-    refuse_space("has " + std::to_string(facet.node.size()) + " nodes on each boundary " +
-                 D::facet_name + ", where the laws of contact are written for " + D::known_counts);
 }
 
 template <class FESpaceType>
 class SpaceOn final : public Space {
   using D = Dimension<FESpaceType>;
+  using Mesh = typename D::Mesh;
+  using Element = typename D::Element;
 
  public:
-  explicit SpaceOn(const FESpaceType& Vh, const Stage& stage = {}, Index offset = 0)
-      : Space(D::d, stage, offset), keep_(const_cast<FESpaceType*>(&Vh)) {
+  SpaceOn(const FESpaceType& Vh, const char* word, Index first, const Stage& where = {})
+      : Space(D::d, word, first, where), keep_(const_cast<FESpaceType*>(&Vh)) {
     if (is_moved()) move_vertices();
   }
-  SpacePtr at(const Stage& stage, Index offset) const override {
-    return std::make_shared<const SpaceOn>(space(), stage, offset);
+  SpacePtr at(const Stage& other) const override {
+    return std::make_shared<const SpaceOn>(space(), name, offset, other);
   }
-  const FESpaceType& space() const { return *keep_; }
-  const typename D::Mesh& mesh() const { return space().Th; }
   Index dofs() const override { return space().NbOfDF; }
-  Index nodes() const override { return space().NbOfNodes; }
   Index vertices() const override { return mesh().nv; }
   Index elements() const override { return mesh().nt; }
   std::array<Index, 4> element(Index k) const override {
@@ -215,28 +168,46 @@ class SpaceOn final : public Space {
   }
   std::set<long> labels() const override {
     std::set<long> labels;
-    for (int ib = 0; ib < D::facets(mesh()); ++ib) labels.insert(D::label(mesh(), ib));
+    for (int ib = 0; ib < mesh().nbBrdElmts(); ++ib) labels.insert(mesh().be(ib).lab);
     return labels;
   }
-  std::vector<Index> mesh_nodes() const override {
-    std::vector<Index> node(dofs());
-    for (int k = 0; k < nodes(); ++k)
-      for (int i = space().FirstDFOfNode(k); i < space().LastDFOfNode(k); ++i) node[i] = k;
-    return node;
+  Boundary boundary(const std::vector<long>& labels, const char* inside) const override {
+    if (space().N != D::d)
+      refuse_space("has " + std::to_string(space().N) + " component" + (space().N > 1 ? "s" : "") +
+                   " on a " + std::to_string(D::d) + "D mesh");
+    std::map<long, std::vector<int>> facets;  // of each label, named once
+    for (long label : labels) facets[label];
+    for (int ib = 0; ib < mesh().nbBrdElmts(); ++ib)
+      if (const auto of = facets.find(mesh().be(ib).lab); of != facets.end())
+        of->second.push_back(ib);
+    Boundary found;
+    found.is_moved = is_moved();
+    std::map<Index, std::size_t> node_of_dof;  // first dof of a node -> its place in the boundary
+    for (long label : labels) {
+      const auto of = facets.find(label);
+      if (of == facets.end()) continue;
+      if (of->second.empty()) refuse_absent(label);
+      for (int ib : of->second) {
+        int facet;
+        const int k = mesh().BoundaryElement(ib, facet);
+        add_facet({this, label, k, facet}, inside, node_of_dof, found);
+      }
+      facets.erase(of);
+    }
+    return found;
   }
-  Boundary boundary(const std::vector<long>& labels, const SpaceInWords& words) const override;
   SharedNode node_at_vertex(Index element, int vertex) const override {
-    const typename D::Element K(space()[element]);
+    const Element K(space()[element]);
     Interpolation ip;
     D::interpolate(K, ip);
     SharedNode node;
     for (const auto& e : ip.entries) {
-      const R3& hat = ip.hat[e.point];
-      if (corner_at(as_vector(hat), D::d) != vertex || e.coefficient != 1) continue;
-      node.dof[e.component] = K(e.dof);
-      node.x = as_vector(place(element, hat));
+      const Vec3& hat = ip.hat[e.point];
+      if (corner_at(hat, D::d) != vertex || e.coefficient != 1) continue;
+      node.dof[e.component] = dof(K, e.dof);
+      node.x = place(element, hat);
     }
-    node.moved = as_vector(moved(node.dof));
+    node.moved = moved(node.dof);
     return node;
   }
   double thickness(Index element, int facet) const override {
@@ -246,10 +217,8 @@ class SpaceOn final : public Space {
     using Point = Eigen::Matrix<double, n, 1>;
     const auto vertices = [&](Index k) {  // columns (x, 1)
       Square V;
-      for (int v = 0; v < n; ++v) {
-        const R3 hat(v == 1, v == 2, v == 3);
-        V.col(v) << as_vector(D::position(mesh(), k, hat)).template head<D::d>(), 1;
-      }
+      for (int v = 0; v < n; ++v)
+        V.col(v) << D::position(mesh(), k, corner(v)).template head<D::d>(), 1;
       return V;
     };
     const Square first = vertices(element);
@@ -268,77 +237,88 @@ class SpaceOn final : public Space {
           out = v, step = -here[v] / rate[v];
       if (out < 0) break;
       depth += std::max(0., step);
-      if (D::outer(mesh(), element, out)) return depth;
-      element = mesh().ElementAdj(element, out);
       from = out;
+      const Index behind = mesh().ElementAdj(element, from);
+      if (is_none(behind, element)) return depth;
+      element = behind;
       lambda = vertices(element).inverse();
     }
     return infinity;
   }
+  void add_mesh_nodes(std::vector<Index>& node) const override {
+    const Index first = node.empty() ? 0 : *std::max_element(node.begin(), node.end()) + 1;
+    node.resize(offset + dofs());
+    for (int k = 0; k < space().NbOfNodes; ++k)
+      for (int i = space().FirstDFOfNode(k); i < space().LastDFOfNode(k); ++i)
+        node[offset + i] = first + k;
+  }
   /// Elements with nothing new are passed over: most of them, in 3D.
-  std::vector<NodePlace> places() const override {
+  void add_places(std::vector<NodePlace>& places) const override {
+    const Index first = count_bodies(places);
     const std::vector<Index> body = body_of_element();
-    std::vector<NodePlace> places, at_point;
-    std::vector<char> seen(dofs(), 0);
-    const auto is_new = [&](int dof) { return !seen[dof]; };
-    for_each_element(is_new, [&](int k, const auto& K, const Interpolation& ip) {
+    std::vector<NodePlace> at_point;
+    std::vector<char> seen(offset + dofs(), 0);
+    const auto is_new = [&](Index i) { return !seen[i]; };
+    for_each_element(is_new, [&](int k, const Element& K, const Interpolation& ip) {
       at_point.assign(ip.hat.size(), NodePlace());
       for (const auto& e : ip.entries)
-        if (e.coefficient == 1) at_point[e.point].dof[e.component] = K(e.dof);
+        if (e.coefficient == 1) at_point[e.point].dof[e.component] = dof(K, e.dof);
       for (std::size_t p = 0; p < at_point.size(); ++p) {
         NodePlace& n = at_point[p];
         bool whole = true;
         for (int c = 0; c < D::d; ++c) whole &= n.dof[c] >= 0;
         if (!whole || seen[n.dof[0]]) continue;
-        n.x = as_vector(node(k, ip.hat[p], n.dof));
-        n.body = body[k];
+        n.x = node(k, ip.hat[p], n.dof);
+        n.body = first + body[k];
         places.push_back(n);
         seen[n.dof[0]] = 1;
       }
-      for (int i = 0; i < K.NbDoF(); ++i) seen[K(i)] = 1;
+      for (int i = 0; i < K.NbDoF(); ++i) seen[dof(K, i)] = 1;
     });
-    return places;
   }
-  std::vector<LabelledNode> labelled() const override {
-    std::vector<LabelledNode> all;
-    for (int ib = 0; ib < D::facets(mesh()); ++ib) {
+  void add_labelled(std::vector<LabelledNode>& all) const override {
+    for (int ib = 0; ib < mesh().nbBrdElmts(); ++ib) {
       int facet;
       const int k = mesh().BoundaryElement(ib, facet);
-      const Real measure = Norme2(D::normal(vertices_of(k), facet));
-      const FacetNodes nodes = facet_nodes(k, facet);
-      for (const FacetNodes::Node& n : nodes.node)
-        all.push_back(
-            {D::label(mesh(), ib), n.dof, measure * D::share(nodes.node.size(), n.corner), 0});
+      const Real measure = length(D::normal(vertices_of(k), facet));
+      const std::vector<FacetNode> nodes = facet_nodes(k, facet);
+      for (const FacetNode& n : nodes)
+        all.push_back({mesh().be(ib).lab, n.dof, measure * D::share(nodes.size(), n.corner),
+                       offset > 0 ? 1 : 0});
     }
-    return all;
   }
-  Vector unit_load(const std::vector<char>& of) const override {
-    Vector load = Vector::Zero(dofs());
-    const auto is_wanted = [&](int dof) { return of[dof] != 0; };
-    for_each_element(is_wanted, [&](int k, const auto& K, const Interpolation& ip) {
-      const auto at_corner = [&](int p) { return corner_at(as_vector(ip.hat[p]), D::d) >= 0; };
-      const bool quadratic = std::any_of(ip.hat.begin(), ip.hat.end(), [](const R3& hat) {
-        return hat.x + hat.y + hat.z == 0.5;  // in the middle of an edge, which no bubble is
+  void add_unit_load(const std::vector<char>& of, Vector& load) const override {
+    const auto is_wanted = [&](Index i) { return of[i] != 0; };
+    for_each_element(is_wanted, [&](int k, const Element& K, const Interpolation& ip) {
+      const auto at_corner = [&](int p) { return corner_at(ip.hat[p], D::d) >= 0; };
+      const bool quadratic = std::any_of(ip.hat.begin(), ip.hat.end(), [](const Vec3& hat) {
+        return hat.sum() == 0.5;  // in the middle of an edge, which no bubble is
       });
       const Real content = std::abs(D::content(vertices_of(k)));
       for (const auto& e : ip.entries)
-        load[K(e.dof)] += content * D::integral(quadratic, at_corner(e.point));
+        load[dof(K, e.dof)] += content * D::integral(quadratic, at_corner(e.point));
     });
-    return load;
   }
   Vec3 go_to(Stack stack, const BoundaryNode& node) const override {
-    const auto& there = static_cast<const SpaceOn&>(node.is_begun ? *begun() : *this);
-    const Vec3 x = as_vector(there.place(node.element, as_R3(node.hat))) + node.aside;
-    D::set_point(MeshPointStack(stack), mesh(), node, as_R3(x));
+    const Vec3 x = place(node.element, node.hat) + node.aside;
+    D::set_point(MeshPointStack(stack), mesh(), node, x);
     return x;
   }
-  std::string moved_by() const { return stage_.name; }  ///< the argument
+
+ private:
+  const FESpaceType& space() const { return *keep_; }
+  const Mesh& mesh() const { return space().Th; }
+  /// The number of dof i of an element.
+  Index dof(const Element& K, int i) const { return offset + K(i); }
+  static Vec3 corner(int v) { return Vec3(v == 1, v == 2, v == 3); }
+  /// Whether there is no element behind a facet of k: on a mesh k is its own neighbour there.
+  static bool is_none(Index neighbour, Index k) { return neighbour < 0 || neighbour == k; }
   /// A point of element k, by its place in the reference element.
-  R3 place(int k, const R3& hat) const {
-    R3 x = D::position(mesh(), k, hat);
+  Vec3 place(int k, const Vec3& hat) const {
+    Vec3 x = D::position(mesh(), k, hat);
     if (!is_moved()) return x;
-    const double lambda[4] = {1 - hat.x - hat.y - hat.z, hat.x, hat.y, hat.z};
-    for (int v = 0; v <= D::d; ++v) x += lambda[v] * (*of_vertex_)[mesh()(k, v)];
+    const double lambda[4] = {1 - hat[0] - hat[1] - hat[2], hat[0], hat[1], hat[2]};
+    for (int v = 0; v <= D::d; ++v) x += lambda[v] * of_vertex_[mesh()(k, v)];
     return x;
   }
   Vertices vertices_of(int k) const {
@@ -347,14 +327,14 @@ class SpaceOn final : public Space {
     return x;
   }
   /// The displacement of the node that has these dofs.
-  R3 moved(const std::array<Index, 3>& dof) const {
-    R3 u;
-    for (int c = 0; c < D::d && is_moved(); ++c) u[c] = (*stage_.at)[offset_ + dof[c]];
+  Vec3 moved(const std::array<Index, 3>& of_node) const {
+    Vec3 u = Vec3::Zero();
+    for (int c = 0; c < D::d && is_moved(); ++c) u[c] = (*stage.at)[of_node[c]];
     return u;
   }
   /// A node of element k itself: that of a P2 edge may have left the edge's middle.
-  R3 node(int k, const R3& hat, const std::array<Index, 3>& dof) const {
-    return D::position(mesh(), k, hat) + moved(dof);
+  Vec3 node(int k, const Vec3& hat, const std::array<Index, 3>& of_node) const {
+    return D::position(mesh(), k, hat) + moved(of_node);
   }
   /// Whether the displacement turns element k inside out, or flattens it.
   bool is_inverted(int k) const {
@@ -364,180 +344,156 @@ class SpaceOn final : public Space {
     for (int v = 0; v <= D::d; ++v) X[v] = D::position(mesh(), k, corner(v));
     return !(D::content(vertices_of(k)) > flat * D::content(X));
   }
-  FacetNodes facet_nodes(int k, int facet) const {
-    const typename D::Element K(space()[k]);
-    Interpolation ip;
-    D::interpolate(K, ip);
-    std::map<int, int> uses;  // dof -> interpolation points it is made from
-    for (const auto& e : ip.entries) ++uses[e.dof];
-    FacetNodes found;
-    for (const auto& e : ip.entries) {
-      if (!D::on_facet(facet, K.DFOnWhat(e.dof))) continue;
-      if (uses[e.dof] != 1 || e.coefficient != 1)
-        refuse_space("has degrees of freedom that are not nodal values");
-      const R3& hat = ip.hat[e.point];
-      FacetNodes::Node& n = found.at(hat);
-      n.x = place(k, hat);
-      n.dof[e.component] = K(e.dof);
-      n.corner = D::is_corner(K.DFOnWhat(e.dof));
-    }
-    check_trace<FESpaceType>(found);
-    return found;
-  }
-
- private:
   /// visit(k, element, interpolation), where a dof of the element is wanted.
   template <class Wanted, class Visit>
   void for_each_element(const Wanted& wanted, const Visit& visit) const {
     Interpolation ip;
     for (int k = 0; k < elements(); ++k) {
-      const typename D::Element K(space()[k]);
+      const Element K(space()[k]);
       bool any = false;
-      for (int i = 0; i < K.NbDoF() && !any; ++i) any = wanted(K(i));
+      for (int i = 0; i < K.NbDoF() && !any; ++i) any = wanted(dof(K, i));
       if (!any) continue;
       D::interpolate(K, ip);
       visit(k, K, ip);
     }
   }
-  static R3 corner(int v) { return R3(v == 1, v == 2, v == 3); }
   /// Elements with no new vertex are passed over.
   void move_vertices() {
-    const auto displacement = std::make_shared<std::vector<R3>>(mesh().nv);
+    of_vertex_.assign(mesh().nv, Vec3::Zero());
     std::vector<char> known(mesh().nv, 0);
     Interpolation ip;
     for (int k = 0; k < mesh().nt; ++k) {
       bool news = false;
       for (int v = 0; v <= D::d; ++v) news = news || !known[mesh()(k, v)];
       if (!news) continue;
-      const typename D::Element K(space()[k]);
+      const Element K(space()[k]);
       D::interpolate(K, ip);
       for (const auto& e : ip.entries) {
-        const int v = corner_at(as_vector(ip.hat[e.point]), D::d);
+        const int v = corner_at(ip.hat[e.point], D::d);
         if (v < 0 || e.component >= D::d || e.coefficient != 1) continue;
-        (*displacement)[mesh()(k, v)][e.component] = (*stage_.at)[offset_ + K(e.dof)];
+        of_vertex_[mesh()(k, v)][e.component] = (*stage.at)[dof(K, e.dof)];
         known[mesh()(k, v)] = 1;
       }
     }
-    of_vertex_ = displacement;
   }
-
-  CountPointer<FESpaceType> keep_;
-  std::shared_ptr<const std::vector<R3>> of_vertex_;  ///< displacements; null: none
-};
-
-/// Collects the nodes of the contact boundary facet by facet.
-template <class FESpaceType>
-class BoundaryNodes {
-  using D = Dimension<FESpaceType>;
-
- public:
-  BoundaryNodes(const SpaceOn<FESpaceType>& Vh, const SpaceInWords& words,
-                const std::vector<long>& labels)
-      : words_(words), place_(Vh), Vh_(Vh.space()) {
-    try {
-      if (Vh_.N != D::d)
-        refuse_space("has " + std::to_string(Vh_.N) + " component" + (Vh_.N > 1 ? "s" : "") +
-                     " on a " + std::to_string(D::d) + "D mesh");
-      std::map<long, std::vector<int>> facets;  // of each label, named once
-      for (long label : labels) facets[label];
-      for (int ib = 0; ib < D::facets(Vh_.Th); ++ib)
-        if (const auto of = facets.find(D::label(Vh_.Th, ib)); of != facets.end())
-          of->second.push_back(ib);
-      for (long label : labels) {
-        const auto of = facets.find(label);
-        if (of == facets.end()) continue;
-        if (of->second.empty()) refuse_absent(label);
-        for (int ib : of->second) {
-          int facet;
-          const int k = Vh_.Th.BoundaryElement(ib, facet);
-          add(label, k, facet);
-        }
-        facets.erase(of);
+  /// Refuses traces for which the laws are not written.
+  std::vector<FacetNode> facet_nodes(int k, int facet) const {
+    const Element K(space()[k]);
+    Interpolation ip;
+    D::interpolate(K, ip);
+    std::map<int, int> uses;  // dof -> interpolation points it is made from
+    for (const auto& e : ip.entries) ++uses[e.dof];
+    std::vector<FacetNode> found;
+    for (const auto& e : ip.entries) {
+      const int what = K.DFOnWhat(e.dof);
+      if (!D::on_facet(facet, what)) continue;
+      if (uses[e.dof] != 1 || e.coefficient != 1)
+        refuse_space("has degrees of freedom that are not nodal values");
+      const Vec3& hat = ip.hat[e.point];
+      const auto is_here = [&](const FacetNode& n) {
+        return (n.hat - hat).template lpNorm<1>() < 1e-10;
+      };
+      auto n = std::find_if(found.begin(), found.end(), is_here);
+      if (n == found.end())
+        n = found.insert(n, FacetNode{hat, {{-1, -1, -1}}, place(k, hat), what <= D::d});
+      n->dof[e.component] = dof(K, e.dof);
+    }
+    if (found.empty()) refuse_space("has no degree of freedom on the boundary");
+    for (const FacetNode& n : found)
+      if (std::count(n.dof.begin(), n.dof.begin() + D::d, -1) > 0)
+        refuse_space("mixes elements whose components have different nodes");
+    const std::size_t of_P1 = D::d, of_P2 = mortar::nodes_of_facet(D::d, true);
+    if (found.size() != of_P1 && found.size() != of_P2)
+      refuse_space("has " + std::to_string(found.size()) + " nodes on each boundary " +
+                   D::facet_name + ", where the laws of contact are written for the " +
+                   std::to_string(of_P1) + " of P1 and the " + std::to_string(of_P2) + " of P2");
+    return found;
+  }
+  void add_facet(const FacetPoint& at, const char* inside,
+                 std::map<Index, std::size_t>& node_of_dof, Boundary& all) const {
+    const Vec3 normal = D::normal(vertices_of(at.element), at.facet);
+    const std::vector<FacetNode> nodes = facet_nodes(at.element, at.facet);
+    int facet = at.facet;
+    if (!is_none(mesh().ElementAdj(at.element, facet), at.element))
+      refuse("label ", at.label, " lies inside the body at ", mortar::place(D::d, nodes.front().x),
+             ", with elements on both sides of its ", D::facet_name, "s; ", inside);
+    if (is_inverted(at.element)) refuse_inverted(at, nodes);
+    std::vector<std::size_t> number;
+    for (const FacetNode& n : nodes) {
+      const auto [entry, is_new] = node_of_dof.emplace(n.dof[0], all.nodes.size());
+      number.push_back(entry->second);
+      if (is_new) {
+        const Vec3 aside =
+            is_moved() ? Vec3(node(at.element, n.hat, n.dof) - n.x) : Vec3(Vec3::Zero());
+        all.nodes.push_back({n.dof, n.x, moved(n.dof), aside, {}, {}});
       }
-    } catch (const UnfitSpace& e) {
-      refuse(words.name, " ", e.what());
+      SharedNode& shared = all.nodes[entry->second];
+      if (is_elsewhere(n.x, shared.x, normal, D::d)) shared.other = n.x;
+      const double share = length(normal) * D::share(nodes.size(), n.corner);
+      AdjacentFacet seen{at, normal, share, all.facets.size(), D::own(nodes.size()), normal};
+      seen.hat = n.hat;
+      shared.facets.push_back(seen);
     }
+    all.facets.push_back({at.label, normal, {}, at.element, at.facet});
+    for (std::size_t n : in_order(nodes, D::d)) all.facets.back().node.push_back(number[n]);
   }
-  Boundary take() { return {std::move(nodes_), std::move(facets_), place_.is_moved()}; }
-
- private:
-  void add(long label, int k, int facet) {
-    const Vec3 normal = as_vector(D::normal(place_.vertices_of(k), facet));
-    const FacetNodes nodes = place_.facet_nodes(k, facet);
-    if (!D::outer(Vh_.Th, k, facet)) refuse_inside(label, nodes.node.front().x);
-    if (place_.is_inverted(k)) refuse_inverted(label, k, nodes);
-    std::vector<std::size_t> place;
-    for (const FacetNodes::Node& n : nodes.node) {
-      const auto [entry, is_new] = node_of_dof_.emplace(n.dof[0], nodes_.size());
-      const R3 aside = place_.is_moved() ? place_.node(k, n.hat, n.dof) - n.x : R3();
-      if (is_new)
-        nodes_.push_back(
-            {n.dof, as_vector(n.x), as_vector(place_.moved(n.dof)), as_vector(aside), {}, {}});
-      SharedNode& shared = nodes_[entry->second];
-      if (is_elsewhere(as_vector(n.x), shared.x, normal, D::d)) shared.other = as_vector(n.x);
-      const double share = length(normal) * D::share(nodes.node.size(), n.corner);
-      shared.facets.push_back({label, k, facet, as_vector(n.hat), normal, share, facets_.size(),
-                               D::own(nodes.node.size()), normal});
-      place.push_back(entry->second);
-    }
-    facets_.push_back({label, normal, {}, k, facet});
-    for (std::size_t n : in_order(nodes, D::d)) facets_.back().node.push_back(place[n]);
+  [[noreturn]] void refuse_space(const std::string& why) const {
+    refuse(name, " ", why,
+           "; contact needs a continuous vector Lagrange space such as [P1,P1], [P2,P2] or "
+           "[P1,P1,P1]");
   }
   [[noreturn]] void refuse_absent(long label) const {
-    std::ostringstream s;
-    s << "label " << label << " is not on the boundary of " << words_.mesh
-      << ", which has the labels";
-    for (long present : place_.labels()) s << " " << present;
-    throw IllegalInput(s.str());
+    std::string present;
+    for (long other : labels()) present += " " + std::to_string(other);
+    refuse("label ", label, " is not on the boundary of ", mesh_in_words(),
+           ", which has the labels", present);
   }
-  [[noreturn]] void refuse_inside(long label, const R3& x) const {
-    refuse("label ", label, " lies inside the body at ", mortar::place(D::d, as_vector(x)),
-           ", with elements on both sides of its ", D::facet_name, "s; ", words_.inside);
-  }
-  /// By the middle of its facet, on the mesh.
-  [[noreturn]] void refuse_inverted(long label, int k, const FacetNodes& facet) const {
-    R3 middle;
-    for (const FacetNodes::Node& n : facet.node)
-      if (n.corner) middle += D::position(Vh_.Th, k, n.hat) / D::d;
-    refuse(place_.moved_by(), " turns the element behind the ", D::facet_name, " at ",
-           mortar::place(D::d, as_vector(middle)), " on label ", label,
+  /// By the middle of the facet, on the mesh.
+  [[noreturn]] void refuse_inverted(const FacetPoint& at,
+                                    const std::vector<FacetNode>& facet) const {
+    Vec3 middle = Vec3::Zero();
+    for (const FacetNode& n : facet)
+      if (n.corner) middle += D::position(mesh(), at.element, n.hat) / D::d;
+    refuse(stage.name, " turns the element behind the ", D::facet_name, " at ",
+           mortar::place(D::d, middle), " on label ", at.label,
            " inside out, or makes it flat; take a smaller increment of the load, or a "
            "part of the step");
   }
 
-  const SpaceInWords& words_;
-  const SpaceOn<FESpaceType>& place_;
-  const FESpaceType& Vh_;
-  std::map<int, std::size_t> node_of_dof_;  // first dof of a node -> its place in nodes_
-  std::vector<SharedNode> nodes_;
-  std::vector<BoundaryFacet> facets_;
+  CountPointer<FESpaceType> keep_;
+  std::vector<Vec3> of_vertex_;  ///< displacements; empty: none
 };
 
-template <class FESpaceType>
-Boundary SpaceOn<FESpaceType>::boundary(const std::vector<long>& labels,
-                                        const SpaceInWords& words) const {
-  return BoundaryNodes<FESpaceType>(*this, words, labels).take();
-}
-
 template <class V>
-SpacePtr space_of(Stack stack, Expression e, const char* name) {
+SpacePtr space_of(Stack stack, Expression e, const char* name, Index offset) {
   const typename V::FESpace* Vh = evaluated(name, [&] {
     typename V::pfes* p = GetAny<typename V::pfes*>((*e)(stack));
     return p && *p ? static_cast<typename V::FESpace*>(**p) : nullptr;
   });
   if (!Vh) refuse(name, " is not a finite-element space");
-  return std::make_shared<const SpaceOn<typename V::FESpace>>(*Vh);
+  return std::make_shared<const SpaceOn<typename V::FESpace>>(*Vh, name, offset);
 }
 
 }  // namespace
 
-SpacePtr space_of(Stack stack, int d, Expression e, const char* name) {
-  return d == 2 ? space_of<v_fes>(stack, e, name) : space_of<v_fes3>(stack, e, name);
+SpacePtr space_of(Stack stack, int d, Expression e, const char* name, Index offset) {
+  return d == 2 ? space_of<v_fes>(stack, e, name, offset)
+                : space_of<v_fes3>(stack, e, name, offset);
+}
+
+Spaces at(const Stage& stage, const Spaces& spaces) {
+  Spaces there;
+  for (const SpacePtr& space : spaces) there.push_back(space->at(stage));
+  return there;
 }
 
 const Space* Space::begun() const {
-  if (!begun_ && is_moved() && stage_.begun) begun_ = at({stage_.begun, nullptr, "uold"}, offset_);
+  if (!begun_ && is_moved() && stage.begun) begun_ = at({stage.begun, nullptr, "uold"});
   return begun_.get();
+}
+
+std::string Space::mesh_in_words() const {
+  return std::string("the mesh") + (name == std::string("Vh") ? "" : std::string(" of ") + name);
 }
 
 std::vector<Index> Space::body_of_element() const {
@@ -551,6 +507,13 @@ std::vector<Index> Space::body_of_element() const {
   for (Index k = 0; k < elements(); ++k)
     body[k] = number.try_emplace(groups.of(element(k)[0]), static_cast<Index>(number.size()))
                   .first->second;
+  return body;
+}
+
+std::vector<Index> body_of_dofs(const std::vector<NodePlace>& nodes, int d, Index n) {
+  std::vector<Index> body(n, -1);
+  for (const NodePlace& p : nodes)
+    for (int c = 0; c < d; ++c) body[p.dof[c]] = p.body;
   return body;
 }
 

@@ -17,70 +17,73 @@ struct Stage {
   const char* name = "at";  ///< of the argument that `at` is
 };
 
-/// What the labels of a space are called in messages, and what one of them inside a body is told.
-struct SpaceInWords {
-  const char *name, *mesh, *inside;
-};
-
+/// What a label inside a body is told.
 constexpr const char* obstacle_inside = "an obstacle touches the outer boundary only";
-constexpr SpaceInWords before_obstacle{"Vh", "the mesh", obstacle_inside};
 
 /// A finite-element space of a mesh or a mesh3, and where its nodes are: on the mesh, or moved from
 /// there by a displacement. Elements stay straight between their vertices, as those of a mesh that
-/// movemesh moves.
+/// movemesh moves. All dofs are those of the call, of two spaces those of the first before those of
+/// the second, and so is what is added to that of spaces before this one.
 class Space {
  public:
   virtual ~Space() = default;
-  /// The same at another displacement: among the dofs of the call those of this space begin at
-  /// `offset`.
-  virtual std::shared_ptr<const Space> at(const Stage& stage, Index offset = 0) const = 0;
-  virtual Index dofs() const = 0;
-  virtual Index nodes() const = 0;
-  virtual std::vector<Index> mesh_nodes() const = 0;  ///< which of them each dof belongs to
-  virtual Index vertices() const = 0;                 ///< of the mesh
+  /// The same at another displacement.
+  virtual std::shared_ptr<const Space> at(const Stage& stage) const = 0;
+  virtual Index dofs() const = 0;      ///< how many it has
+  virtual Index vertices() const = 0;  ///< of the mesh
   virtual Index elements() const = 0;
   virtual std::array<Index, 4> element(Index k) const = 0;  ///< its vertices; in 2D the last is -1
   virtual std::set<long> labels() const = 0;                ///< that the mesh's boundary has
   /// The contact boundary of the labels. Throws IllegalInput where there is none, or the space is
   /// not one of those for which the laws are written.
   virtual Boundary boundary(const std::vector<long>& labels,
-                            const SpaceInWords& words = before_obstacle) const = 0;
+                            const char* inside = obstacle_inside) const = 0;
   virtual SharedNode node_at_vertex(Index element, int vertex) const = 0;
   /// How far it is from the middle of a facet through the mesh as given, along its normal, to where
   /// the body ends; infinite beyond four times the facet's size.
   virtual double thickness(Index element, int facet) const = 0;
+  /// Which node of the mesh each dof belongs to.
+  virtual void add_mesh_nodes(std::vector<Index>& node) const = 0;
   /// The nodes that carry values of every component of the displacement.
-  virtual std::vector<NodePlace> places() const = 0;
-  virtual std::vector<LabelledNode> labelled() const = 0;  ///< facet by facet, by all its labels
+  virtual void add_places(std::vector<NodePlace>& places) const = 0;
+  /// Facet by facet, by all its labels.
+  virtual void add_labelled(std::vector<LabelledNode>& nodes) const = 0;
   /// What a load of 1 per content makes of each dof, up to a common factor: the integral of its
   /// function. of: per dof, which ones are wanted.
-  virtual Vector unit_load(const std::vector<char>& of) const = 0;
+  virtual void add_unit_load(const std::vector<char>& of, Vector& load) const = 0;
   /// Makes a node the point at which expressions are evaluated: where it has been moved to, and in
   /// its element, by which functions on the mesh are read. Returns the place.
   virtual Vec3 go_to(Stack stack, const BoundaryNode& node) const = 0;
-  bool is_moved() const { return stage_.at != nullptr; }
+  bool is_moved() const { return stage.at != nullptr; }
   /// Where the increment began; null: here.
   const Space* begun() const;
   /// Which part of the mesh each element belongs to: parts share no vertex.
   std::vector<Index> body_of_element() const;
+  std::string mesh_in_words() const;
 
-  const int d;  ///< dimension
+  const int d;             ///< dimension
+  const char* const name;  ///< Vh; of two spaces V1 or V2
+  const Index offset;      ///< its first dof
+  const Stage stage;
 
  protected:
-  Space(int dimension, const Stage& stage, Index offset)
-      : d(dimension), stage_(stage), offset_(offset) {}
-
-  const Stage stage_;
-  const Index offset_;
+  Space(int dimension, const char* word, Index first, const Stage& where)
+      : d(dimension), name(word), offset(first), stage(where) {}
 
  private:
   mutable std::shared_ptr<const Space> begun_;  ///< once it is asked for
 };
 using SpacePtr = std::shared_ptr<const Space>;
+using Spaces = std::vector<SpacePtr>;  ///< of a call: one, or two
 
 /// The space that an expression of the script stands for, on its mesh: made anew where the mesh has
-/// changed.
-SpacePtr space_of(Stack stack, int d, E_F0* expression, const char* name);
+/// changed. offset: its first dof.
+SpacePtr space_of(Stack stack, int d, E_F0* expression, const char* name, Index offset);
+
+Spaces at(const Stage& stage, const Spaces& spaces);
+
+/// The body of each of n dofs; -1 where it is none of these nodes.
+std::vector<Index> body_of_dofs(const std::vector<NodePlace>& nodes, int d, Index n);
 
 /// The vertex at a place of the reference simplex, or -1.
 int corner_at(const Vec3& hat, int d);

@@ -33,11 +33,10 @@ AnyType together(const char* name, MPI_Comm communicator, Body body) {
   return Nothing;
 }
 
-/// What a script's variable of type contactdomain stands for, as ContactProblemVariable.
-struct ContactDomainVariable {
-  std::shared_ptr<const Domain> domain;  ///< null where createMat was not called: one process
-  void destroy() { domain.reset(); }
-};
+/// What a script's variable of type contactdomain has: null where createMat was not called, on one
+/// process.
+using DomainPtr = std::shared_ptr<const Domain>;
+using ContactDomainVariable = Variable<DomainPtr>;
 
 /// [C1, C2]: the domains of two spaces, whose dofs follow each other in a call.
 class JoinedDomains : public E_F0mps {
@@ -45,13 +44,11 @@ class JoinedDomains : public E_F0mps {
   using C = ContactDomainVariable*;
   JoinedDomains(C_F0 first, C_F0 second) : first_(to<C>(first)), second_(to<C>(second)) {}
   AnyType operator()(Stack stack) const override {
-    const auto a = GetAny<C>((*first_)(stack))->domain, b = GetAny<C>((*second_)(stack))->domain;
+    const DomainPtr a = GetAny<C>((*first_)(stack))->value, b = GetAny<C>((*second_)(stack))->value;
     if (!a != !b)
       refuse("domain = [C1, C2]: the ", (a ? "second" : "first"),
              " is a contactdomain that is not set; let createMat(Th, C, Pk) set both");
-    auto* joined = new ContactDomainVariable;
-    if (a) joined->domain = std::make_shared<const Domain>(*a, *b);
-    return SetAny<C>(Add2StackOfPtr2Free(stack, joined));
+    return variable(stack, a ? std::make_shared<const Domain>(*a, *b) : DomainPtr());
   }
 
  private:
@@ -104,7 +101,7 @@ class MakeDomain : public E_F0mps {
       auto* C = GetAny<ContactDomainVariable*>((*C_)(stack));
       const Lists& lists = *GetAny<Lists*>((*lists_)(stack));
       const KN_<double> D = GetAny<KN_<double>>((*D_)(stack));
-      C->domain = std::make_shared<const Domain>(communicator, neighbours(lists), copy_of(D));
+      C->value = std::make_shared<const Domain>(communicator, neighbours(lists), copy_of(D));
       return SetAny<ContactDomainVariable*>(C);
     });
   }

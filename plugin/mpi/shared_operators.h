@@ -18,7 +18,7 @@ inline std::shared_ptr<const Domain> domain_of(Stack stack, const Arguments& arg
   if (!args.has(p_domain)) return nullptr;
   auto domain = evaluated(name_of(p_domain), [&] {
                   return GetAny<ContactDomainVariable*>((*args.expression(p_domain))(stack));
-                })->domain;
+                })->value;
   if (!domain && site.is_on_part(stack))
     throw IllegalInput(
         "domain is a contactdomain that is not set, but the mesh is one process's part of a "
@@ -162,9 +162,8 @@ class SharedSolveIncrement : public SolveIncrement {
     PosedProblem posed;
     Opening opening(operator_name, std::string(operator_name) + " of a contactproblem", arguments_);
     opening.alone([&] {
-      posed = evaluated("the contactproblem", [&] {
-                return GetAny<ContactProblemVariable*>((*C_)(stack));
-              })->get();
+      posed = posed_by(evaluated("the contactproblem",
+                                 [&] { return GetAny<ContactProblemVariable*>((*C_)(stack)); }));
     });
     if (!posed.shared && !opening.failed())
       return solved_alone([&] { return SolveIncrement::operator()(stack); });

@@ -18,12 +18,11 @@ inline InterfacePart interface_part(Stack stack, const Arguments& args, const Sc
   const auto held = mortar::held_components(scene.d, faces.dof, dirichlet);
   const auto body = scene.pairing->body_of_nodes(scene.places(), static_cast<Index>(scene.ndof()));
   for (std::size_t i = 0; i < faces.dof.size(); ++i) {
+    const auto& dof = faces.dof[i];
     for (Index c = 1; c < scene.d; ++c)
-      if (faces.dof[i][c] != faces.dof[i][0] + c)
+      if (dof[c] != dof[0] + c)
         throw std::logic_error("the dofs of a node do not follow each other");
-    const auto groups = faces.body_count.find(static_cast<Index>(i));
-    part.nodes.push_back(
-        {-1, faces.X[i], held[i], body[i], groups == faces.body_count.end() ? 1 : groups->second});
+    part.nodes.push_back({-1, faces.X[i], held[i], body[i], faces.groups[i]});
   }
   const auto set = [&](Vec3 InterfaceNode::*value, const std::vector<Vec3>& of_node) {
     for (std::size_t i = 0; i < of_node.size(); ++i) part.nodes[i].*value = of_node[i];
@@ -32,7 +31,7 @@ inline InterfacePart interface_part(Stack stack, const Arguments& args, const Sc
     if (!args.has(p)) return {};
     const Vector v = args.vector(stack, p);
     check_vector(v, name_of(p), scene.dofs);
-    return scene.pairing->at_nodes(v, scene.d);
+    return scene.pairing->at_nodes(v);
   };
   if (scene.at) {
     set(&InterfaceNode::now, faces.moved);
@@ -168,8 +167,7 @@ inline Vector gap_of_all(Stack stack, const Arguments& args, const SharedScene& 
   const Vector moved = moved_along_normals(scene).head(static_cast<Index>(shared.in_mortar.size()));
   if (!args.has(p_gap)) return scene.pairing->gap() + moved;
   Vector given;
-  shared.domain->agree(
-      [&] { given = at_nodes(stack, args, p_gap, scene, scene.pairing->slave_nodes()); });
+  shared.domain->agree([&] { given = at_nodes(stack, args, p_gap, scene.pairing->slave_nodes()); });
   const WholeInterface& faces = *shared.interface;
   Vector at_faces = Vector::Zero(faces.count());
   const Vector at_slaves = faces.gathered(*shared.domain, given);

@@ -9,8 +9,9 @@
 namespace frictioncg {
 
 /// Those of the labels that are on this part's boundary; each is on that of some.   Collective.
-inline std::vector<long> labels_here(const Domain& domain, const std::set<long>& boundary,
-                                     const std::vector<long>& labels, const std::string& mesh) {
+inline std::vector<long> labels_here(const Domain& domain, const Space& Vh,
+                                     const std::vector<long>& labels) {
+  const std::set<long> boundary = Vh.labels();
   std::vector<long> present;
   for (long label : labels) {
     if (label == cut)
@@ -20,7 +21,7 @@ inline std::vector<long> labels_here(const Domain& domain, const std::set<long>&
     const bool here = boundary.count(label) > 0;
     if (here) present.push_back(label);
     if (domain.largest(here) == 0)
-      refuse("label ", label, " is not on the boundary of any part of ", mesh);
+      refuse("label ", label, " is not on the boundary of any part of ", Vh.mesh_in_words());
   }
   return present;
 }
@@ -57,7 +58,7 @@ inline std::shared_ptr<Scene> obstacle_part(const SpacePtr& Vh, const std::vecto
     place = Vh->at(stage);
     surface = place->boundary(labels);
     if (place->begun()) begun = place->begun()->boundary(labels);
-    places = place->places();
+    place->add_places(places);
   });
   refuse_other_domain(domain, places);
   const std::size_t own = surface.nodes.size();
@@ -69,30 +70,28 @@ inline std::shared_ptr<Scene> obstacle_part(const SpacePtr& Vh, const std::vecto
         contact_points(place->d, std::move(surface), place->begun() ? &begun : nullptr, own);
     const auto is_ghost = [&](const BoundaryNode& n) { return !domain.owns(n.point.dof[0]); };
     points.erase(std::remove_if(points.begin(), points.end(), is_ghost), points.end());
-    scene = obstacle_scene(place, std::move(points));
+    scene = scene_on({place}, std::move(points));
   });
-  scene->at = stage.at;
   follow_motions_of_all(domain, name_bodies(domain, std::move(places), *scene),
                         place->begun() != nullptr, *scene);
   return scene;
 }
 
-/// V2: the master's space; null where it is V1.
-inline std::shared_ptr<Scene> pair_part(const SpacePtr& V1, const SpacePtr& V2,
-                                        const std::vector<long>& slave,
+inline std::shared_ptr<Scene> pair_part(const Spaces& on_mesh, const std::vector<long>& slave,
                                         const std::vector<long>& master, const Opening& opening,
                                         const Domain& domain, const Stage& stage) {
   std::shared_ptr<Scene> scene;
   std::vector<NodePlace> places;
   domain.agree([&] {
-    if (!V2 && opening.labels == opening.masters)
+    if (on_mesh.size() == 1 && opening.labels == opening.masters)
       throw IllegalInput("slave and master have the same labels " + in_brackets(opening.labels) +
                          ": what touches itself is of one process; with domain= name two labels");
     PairLabels labels{opening.labels, opening.masters};
     labels.slave = slave;
     labels.master = master;
-    scene = pair_scene(V1->at(stage), V2 ? V2->at(stage, V1->dofs()) : nullptr, labels);
-    scene->at = stage.at;
+    const Spaces spaces = at(stage, on_mesh);
+    scene = scene_on(spaces, {});
+    scene->pairing.emplace(interface_of(spaces, labels));
     places = scene->places();
   });
   refuse_other_domain(domain, places);
@@ -104,23 +103,18 @@ inline std::shared_ptr<Scene> pair_part(const SpacePtr& V1, const SpacePtr& V2,
 /// opening are the same on all.   Collective.
 inline std::shared_ptr<Scene> part_of(const Site& site, Stack stack, const Opening& opening,
                                       const Domain& domain, const Stage& given) {
-  SpacePtr V1, V2;  // the latter of two spaces alone
+  Spaces spaces;
   DofCount dofs;
   domain.agree([&] {
-    V1 = site.space(stack);
-    if (site.in_two_spaces()) V2 = site.space(stack, 1);
-    dofs = dofs_of(*V1, V2.get());
+    spaces = site.spaces(stack);
+    dofs = dofs_of(spaces);
     check_size(domain, dofs);
   });
-  const auto here = [&](const Space& Vh, const std::vector<long>& labels, const char* name) {
-    return labels_here(domain, Vh.labels(), labels,
-                       V2 ? std::string("the mesh of ") + name : "the mesh");
-  };
-  const std::vector<long> labels = here(*V1, opening.labels, "V1");
+  const std::vector<long> labels = labels_here(domain, *spaces.front(), opening.labels);
   if (!site.two_bodies())
-    return obstacle_part(V1, labels, domain, with_ghosts(given, dofs, domain));
-  const std::vector<long> masters = here(V2 ? *V2 : *V1, opening.masters, "V2");
-  return pair_part(V1, V2, labels, masters, opening, domain, with_ghosts(given, dofs, domain));
+    return obstacle_part(spaces.front(), labels, domain, with_ghosts(given, dofs, domain));
+  const std::vector<long> masters = labels_here(domain, *spaces.back(), opening.masters);
+  return pair_part(spaces, labels, masters, opening, domain, with_ghosts(given, dofs, domain));
 }
 
 }  // namespace frictioncg

@@ -148,10 +148,7 @@ inline Index name_bodies(const Domain& domain, std::vector<NodePlace> places, Sc
 inline void follow_motions_of_all(const Domain& domain, Index bodies, bool has_begun,
                                   Scene& scene) {
   if (domain.largest(any_curved(scene.nodes)) == 0) return;
-  std::vector<Index> body_at(domain.dofs(), 0), body;
-  for (const NodePlace& n : scene.places()) body_at[n.dof[0]] = n.body;
-  for (const BoundaryNode& p : scene.nodes) body.push_back(body_at[p.point.dof[0]]);
-  follow_motions(scene.d, body, bodies, has_begun, scene.nodes,
+  follow_motions(scene.d, body_of_points(scene, scene.places()), bodies, has_begun, scene.nodes,
                  [&](Real* values, Index count) { domain.sum(values, count); });
 }
 

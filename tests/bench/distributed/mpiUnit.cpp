@@ -35,7 +35,7 @@ PetscInt solve_linear(Mat A, Vec b, Vec x) {
 }
 
 KN_<double> petsc_units(Stack stack, ContactProblemVariable* const& P) {
-  const PosedProblem posed = P->get();
+  const PosedProblem posed = posed_by(P);
   if (!posed.shared) ExecError("petscUnits: the contactproblem has no domain");
   const MPI_Comm all = posed.shared->domain->communicator();
   Mat A = posed.shared->A->matrix();
