@@ -36,6 +36,9 @@ inline void add_ghost_points(const Domain& domain, Scene& scene) {
     long label;
     ContactPoint point;
   };
+  const auto shift = [&](ContactPoint& point, Index by) {
+    for (int c = 0; c < scene.d; ++c) point.dof[c] += by;
+  };
   std::map<Index, std::vector<BoundaryNode>> points;
   for (const BoundaryNode& n : scene.nodes) points[n.point.dof[0]].push_back(n);
   const auto pack = [&](const std::vector<Index>& dofs) {
@@ -44,7 +47,7 @@ inline void add_ghost_points(const Domain& domain, Scene& scene) {
       if (const auto found = points.find(dofs[k]); found != points.end())
         for (const BoundaryNode& n : found->second) {
           sent.push_back({k, n.x, n.label, n.point});
-          sent.back().point.dof = shifted(-dofs[k], scene.d, n.point.dof);
+          shift(sent.back().point, -dofs[k]);
         }
     return sent;
   };
@@ -54,7 +57,7 @@ inline void add_ghost_points(const Domain& domain, Scene& scene) {
       n.x = from.x;
       n.label = from.label;
       n.point = from.point;
-      n.point.dof = shifted(dofs[from.place], scene.d, from.point.dof);
+      shift(n.point, dofs[from.place]);
     }
   };
   domain.tell<Sent>(pack, unpack);
