@@ -47,7 +47,7 @@ class Tables {
     s.nbiter = 20000;
     s.tol = 1e-15;
     Vector x = Vector::Zero(problem_.dofs());
-    const auto solver = make_tresca_solver(problem_, s, s.nbiter, nullptr);
+    const auto solver = make_tresca_solver(problem_, s, nullptr);
     const double start = cpu_seconds();
     const Outcome o = solver->minimize(x, problem_.increment.g, eps, Tangents::sliding, 0);
     const double seconds = cpu_seconds() - start;
