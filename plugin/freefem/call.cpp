@@ -369,7 +369,7 @@ Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws)
                            vectors.u_old, laws);
   const Vector moved = scene.system->to_global(solution.x, now.u0),
                field = moved.head(scene.ndof());
-  const std::string turned = runaway(scene, solution, field);
+  const std::string turned = runaway(scene, problem, solution, field);
   if (!turned.empty()) solution.status = Status::runaway;
   const std::string blamed = turned.empty() ? blamed_motion(scene, solution) : turned;
   if (call.verb > 0) {

@@ -192,7 +192,7 @@ inline Vector solve_together(Stack stack, const Call& call, SharedScene& shared,
   const Vector field = shared.scene->system->to_global(local.x, now.u0);
   Vector from_geometry = field;
   if (shared.scene->at) from_geometry -= with_guests(shared, *shared.scene->at);
-  const std::string turned = runaway(shared, solution, from_geometry);
+  const std::string turned = runaway(shared, problem, solution, from_geometry);
   if (!turned.empty()) solution.status = local.status = Status::runaway;
   const std::string blamed = turned.empty() ? blamed_motion(shared, solution) : turned;
   if (verb > 0) report_end(solution, blamed);

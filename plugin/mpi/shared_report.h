@@ -85,7 +85,8 @@ inline std::string describe(const SharedScene& shared, const Vector& motion) {
 }
 
 /// As in one process, by a sample; what the least gyration rules out needs none.   Collective.
-inline std::string runaway(SharedScene& shared, const Solution& own, const Vector& field) {
+inline std::string runaway(SharedScene& shared, const ContactProblem& problem, const Solution& own,
+                           const Vector& field) {
   if (own.status != Status::converged) return "";
   const int d = shared.scene->d;
   if (!shared.gyration) shared.gyration = least_gyration(Sample(shared).nodes(), d);
@@ -93,7 +94,7 @@ inline std::string runaway(SharedScene& shared, const Solution& own, const Vecto
   if (!(most > jamming_turn * *shared.gyration)) return "";
   const Sample sample(shared);
   return runaway(*shared.scene, field, sample.nodes(), sample.of(field),
-                 shared.numbering().own_nodes, own, *shared.A,
+                 shared.numbering().own_nodes, problem, own,
                  [&](const Vector& w) { return sample.of(field_of(shared, w)); });
 }
 

@@ -249,16 +249,39 @@ bool StandAgainst::holds(Real turn) const {
   return share() > std::min(turn / 2, clearly);
 }
 
-std::string describe(const LargeTurn& turn, int d, bool jams) {
+void StandOnEdge::add(const RigidMotion& turn, const Vec3& x, const Vec3& pressure, Real limit) {
+  const Vec3 axis = turn.w.normalized(), arm = x - turn.c;
+  const Real moment = arm.cross(pressure).dot(axis);
+  sums_[0] += moment;
+  sums_[1] += turn.w.cross(arm).cross(pressure).dot(axis);
+  sums_[2] += std::abs(moment) + limit * axis.cross(arm).norm();
+}
+
+Real StandOnEdge::share() const {
+  const auto& [moment, change, most] = sums_;
+  return most > 0 ? std::min(std::abs(moment), std::abs(change)) / most : 0;
+}
+
+std::string describe(const LargeTurn& turn, int d, Hold hold) {
   std::ostringstream s;
   s.precision(3);
   s << "the body around " << components_of(turn.motion.c, d, 1e-6 + turn.motion.c.norm())
     << " has turned by " << turn.motion.w.norm() << " radians, " << describe(turn.motion, d)
-    << ", and is strained by no more than " << turn.strain
-    << (jams ? ": contact held it where it was, and no longer where it has come. It jams: a linear "
-               "rotation by theta makes it larger by theta^2/2, and its forces grow with that"
-             : ": small rotations cannot mean that, and nothing holds it but the error of the "
-               "normals, the couple of friction and a gap, or a contact on which it rolls");
+    << ", and is strained by no more than " << turn.strain;
+  switch (hold) {
+    case Hold::jams:
+      s << ": contact held it where it was, and no longer where it has come. It jams: a linear "
+           "rotation by theta makes it larger by theta^2/2, and its forces grow with that";
+      break;
+    case Hold::rolls:
+      s << ": the pressures that held it where it was do not where it has come. It rolls on to an "
+           "edge of the mesh, or tips: `at` follows that, and facets small beside mu do not hold "
+           "it";
+      break;
+    default:
+      s << ": small rotations cannot mean that, and nothing holds it but the error of the normals, "
+           "the couple of friction and a gap, or a contact on which it rolls";
+  }
   return s.str();
 }
 

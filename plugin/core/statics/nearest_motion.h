@@ -135,7 +135,25 @@ class StandAgainst {
   Vector sums_;
 };
 
-/// What the call has to say of such a body, that contact does not hold, or that jams.
-std::string describe(const LargeTurn& turn, int d, bool jams = false);
+/// What the pressures on a body hold of its turn and do not hold where it has come, as a round body
+/// that has rolled on to its next vertex stands on an edge of the mesh: the lesser of their moment
+/// about the axis, and of what the turn changes that by. It is told over all that contact can hold.
+class StandOnEdge {
+ public:
+  /// At x, of the obstacle or the other body on this one; limit: of friction.
+  void add(const RigidMotion& turn, const Vec3& x, const Vec3& pressure, Real limit);
+  void sum(const System& system) { system.sum(sums_, 3); }
+  Real share() const;
+
+ private:
+  Real sums_[3] = {0, 0, 0};  ///< moment, its change, the moments that each node can hold
+};
+
+/// How contact holds a body against its turn: also where it has come, or the turn is small; where
+/// it was alone, in a jam; where it was, by forces that do not balance where it has come; not.
+enum class Hold { lasts, jams, rolls, none };
+
+/// What the call has to say of such a body, that contact does not hold.
+std::string describe(const LargeTurn& turn, int d, Hold hold = Hold::none);
 
 }  // namespace frictioncg
