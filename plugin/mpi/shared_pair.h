@@ -103,13 +103,8 @@ inline std::vector<BoundaryNode> face_whole(const Arguments& args, const Opening
   options.bodies = [&] { return faces.at_all(&InterfaceNode::body); };
   options.freedom = [&] {
     const std::vector<Index> body = options.bodies();
-    FreedomOfBodies bodies(faces.d, extent_of(X), body, count_of(body));
-    part.agree([&] {
-      bodies.add(A.triplets(), A.dirichlet(), scene.places(),
-                 [&](Index i) { return part.owns(i); });
-    });
-    bodies.sum([&](Real* values, Index count) { part.sum(values, count); });
-    return bodies.freedom();
+    return freedom_of(A.triplets(), A.dirichlet(), scene.places(), faces.d, extent_of(X), body,
+                      count_of(body), part);
   };
   options.element_groups = [&](Index i) { return faces.nodes[i].groups; };
   if (args.has(p_forceold)) options.force = faces.at_all(&InterfaceNode::force);

@@ -72,8 +72,10 @@ inline std::shared_ptr<Scene> obstacle_part(const SpacePtr& Vh, const std::vecto
     points.erase(std::remove_if(points.begin(), points.end(), is_ghost), points.end());
     scene = scene_on({place}, std::move(points));
   });
-  follow_motions_of_all(domain, name_bodies(domain, std::move(places), *scene),
-                        place->begun() != nullptr, *scene);
+  const Index bodies = name_bodies(domain, std::move(places), *scene);
+  if (domain.largest(any_curved(scene->nodes)) > 0)
+    follow_motions(scene->d, body_of_points(*scene, scene->places()), bodies,
+                   place->begun() != nullptr, scene->nodes, domain);
   return scene;
 }
 
