@@ -229,7 +229,8 @@ void follow_by_body(int d, const std::vector<Index>& body, Index bodies, bool ha
 }
 
 void follow_motions(int d, const std::vector<Index>& body, Index bodies, bool has_begun,
-                    std::vector<BoundaryNode>& points, const SumOverProcesses& sum) {
+                    std::vector<BoundaryNode>& points, const Processes& all) {
+  const auto sum = [&](Real* values, Index count) { all.sum(values, count); };
   follow_by_body(d, body, bodies, has_begun, points,
                  [&](Index, std::vector<PointNormal>& own, DecidedSlips decided) {
                    return follow_slippable_motions(d, own, decided, sum);

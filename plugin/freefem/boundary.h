@@ -3,6 +3,7 @@
 
 #include "../core/assembly/local_system.h"
 #include "../core/assembly/slippable.h"
+#include "processes.h"
 
 namespace frictioncg {
 
@@ -123,8 +124,8 @@ using Follow = std::function<Slips(Index, std::vector<PointNormal>&, DecidedSlip
 void follow_by_body(int d, const std::vector<Index>& body, Index bodies, bool has_begun,
                     std::vector<BoundaryNode>& points, const Follow& follow);
 
-/// The motions that the points of each body tell themselves.
+/// The motions that the points of each body on all processes tell themselves.   Collective.
 void follow_motions(int d, const std::vector<Index>& body, Index bodies, bool has_begun,
-                    std::vector<BoundaryNode>& points, const SumOverProcesses& sum = {});
+                    std::vector<BoundaryNode>& points, const Processes& all = Processes());
 
 }  // namespace frictioncg

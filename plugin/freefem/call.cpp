@@ -101,22 +101,13 @@ std::shared_ptr<Scene> unmoved(Stack stack, const Arguments& args, const Scene& 
   return scene;
 }
 
-/// The points on curved obstacles leave to bodies the motions that A does.
-void follow_free_motions(Stack stack, const Expression A, Scene& scene) {
-  if (!has_curved_obstacle(scene)) return;
-  const Triplets matrix = matrix_of(stack, A, scene.dofs);
-  const std::vector<NodePlace> places = scene.places();
-  const auto add = [&](FreedomOfBodies& freedom) {
-    freedom.add(matrix, Dirichlet(matrix, points_of(scene.nodes)), places);
-  };
-  follow_free_motions(scene, places, extent_of(places), count_bodies(places),
-                      any_begun(scene.nodes), add);
-}
-
 /// What A and the last force make of points on obstacles, and the contact nodes of pairs.
 void face(Stack stack, const Arguments& args, const Expression A, Scene& scene) {
   if (scene.nodes.empty() && !scene.averted.empty()) refuse_inward(scene);
-  follow_free_motions(stack, A, scene);
+  if (has_curved_obstacle(scene)) {
+    const std::vector<NodePlace> places = scene.places();
+    follow_free_motions(matrix_of(stack, A, scene.dofs), places, extent_of(places), scene);
+  }
   if (args.has(p_forceold)) {
     scene.force = args.vector(stack, p_forceold);
     check_vector(scene.force, name_of(p_forceold), scene.dofs);
@@ -314,8 +305,8 @@ LocalIncrement increment(const Vectors& vectors, const Scene& scene, PointLaws l
   LocalIncrement now =
       scene.increment(scene.system->load_from(vectors.b, scene.slip_from(vectors.u_old)), laws);
   if (laws.law != Law::frictionless) return now;
-  const Real told = told_by_mesh(scene, scene.pairing ? scene.pairing->told() : 0);
   const System& system = *scene.system->system();
+  const Real told = told_by_mesh(scene, scene.pairing ? scene.pairing->told() : 0, system);
   if (told > 0)
     now.left_out =
         leave_out_uncertain_work(system, floating_motions(system), told, now.increment.F);

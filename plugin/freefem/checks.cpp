@@ -14,17 +14,18 @@ struct Scales {
   Real stiffest = 0;   ///< the largest of it
 };
 
-Scales scales_of(const Scene& scene, const Vector& b, const Together& all) {
-  const Vector& D = all.system.D;
+Scales scales_of(const Scene& scene, const Vector& b, const System& system, Real extent,
+                 const Processes& all) {
+  const Vector& D = system.D;
   Real load = 0, diagonal[] = {D.sum(), Real(D.size())};
   for (Index i = 0; i < scene.ndof(); ++i)
     if (!scene.held[i] && all.owns(i)) load = std::max(load, std::abs(b[i]));
-  all.system.sum(diagonal, 2);
+  system.sum(diagonal, 2);
   Scales s;
-  s.extent = all.extent;
+  s.extent = extent;
   s.stiffness = diagonal[0] / diagonal[1];
-  s.stiffest = all.system.largest(D.size() > 0 ? D.maxCoeff() : 0);
-  s.moved = all.system.largest(load) / s.stiffness;
+  s.stiffest = system.largest(D.size() > 0 ? D.maxCoeff() : 0);
+  s.moved = system.largest(load) / s.stiffness;
   return s;
 }
 
@@ -252,6 +253,49 @@ void refuse_data_without_row(const Scene& scene, const Vector& b, const Scales& 
 
 bool is_tiny(Real u, const Scales& s) { return u > 0 && u * tgv_ratio < s.extent; }
 
+/// What b has at the Dirichlet dofs of a body, where it is too small to be data of tgv = 1e30: how
+/// many nodes have something there, and how many 0.
+struct Leftover {
+  Real loaded = 0, empty = 0;
+  Real most = 0;  ///< the largest of b there [force]
+  /// Of each component, the least and the largest.
+  Vec3 least = Vec3::Constant(infinity), largest = -least;
+  void add(const Scene& scene, const Vector& b, const NodePlace& n) {
+    bool held = false, any = false;
+    for (int c = 0; c < scene.d; ++c) {
+      const Index i = n.dof[c];
+      if (!scene.held[i]) continue;
+      held = true;
+      if (b[i] == 0) continue;
+      any = true;
+      most = std::max(most, std::abs(b[i]));
+      least[c] = std::min(least[c], b[i]);
+      largest[c] = std::max(largest[c], b[i]);
+    }
+    loaded += any;
+    empty += held && !any;
+  }
+  /// One value for all nodes: forces of a mesh are smaller at the ends of a boundary.
+  bool uniform() const { return loaded > 2 && !(least.array() < largest.array()).any(); }
+};
+
+/// Of each body.   Collective.
+std::vector<Leftover> leftovers(const Scene& scene, const Vector& b, const Processes& all) {
+  const std::vector<NodePlace> places = scene.places();
+  std::vector<Leftover> left(static_cast<Index>(all.largest(count_bodies(places))));
+  for (const NodePlace& n : places)
+    if (all.owns(n.dof[0])) left[n.body].add(scene, b, n);
+  for (Leftover& of_body : left) {
+    Eigen::Vector2d counts(of_body.loaded, of_body.empty);
+    Eigen::Matrix<Real, 7, 1> most;
+    most << of_body.most, of_body.largest, -of_body.least;
+    all.sum(counts.data(), 2);
+    all.largest(most.data(), 7);
+    of_body = {counts[0], counts[1], most[0], -most.tail<3>(), most.segment<3>(1)};
+  }
+  return left;
+}
+
 /// Data that are next to nothing are 0 where b = A U + r leaves the rest: what the other entries of
 /// the row make of a displacement U, at every node, of its own size at each. Refused is what they
 /// cannot make (U as large as a thousand bodies), what is the same at all nodes (data of another
@@ -269,8 +313,9 @@ void refuse_tiny_data(const Scene& scene, const Vector& b, const Vector& u0, lon
 
 }  // namespace
 
-Real check_data(const Scene& scene, const Vector& b, const Vector& u0, const Together& all) {
-  const Scales s = scales_of(scene, b, all);
+Real check_data(const Scene& scene, const Vector& b, const Vector& u0, const System& system,
+                Real extent, const Processes& all) {
+  const Scales s = scales_of(scene, b, system, extent, all);
   long i = -1;  // the dof held whose data are largest; -1 where all are 0
   for (long k = 0; k < scene.ndof(); ++k)
     if (scene.held[k] && b[k] != 0 && (i < 0 || std::abs(u0[k]) > std::abs(u0[i]))) i = k;
@@ -279,9 +324,9 @@ Real check_data(const Scene& scene, const Vector& b, const Vector& u0, const Tog
     if (i >= 0 && std::abs(u0[i]) > tgv_ratio * std::max(s.extent, s.moved))
       refuse_data(b, u0, i, different_tgv);
   });
-  if (scene.at || !is_tiny(all.system.largest(i < 0 ? 0 : std::abs(u0[i])), s)) return 0;
+  if (scene.at || !is_tiny(system.largest(i < 0 ? 0 : std::abs(u0[i])), s)) return 0;
   Real most = 0;
-  const std::vector<Leftover> bodies = all.leftovers();
+  const std::vector<Leftover> bodies = leftovers(scene, b, all);
   all.agree([&] {
     for (const Leftover& left : bodies) {
       if (i >= 0) refuse_tiny_data(scene, b, u0, i, s, left);
@@ -292,14 +337,7 @@ Real check_data(const Scene& scene, const Vector& b, const Vector& u0, const Tog
 }
 
 Real check_data(const Scene& scene, const Vector& b, const Vector& u0) {
-  const auto leftovers = [&] {
-    std::vector<Leftover> bodies(count_bodies(scene.places()));
-    for (const NodePlace& n : scene.places()) bodies[n.body].add(scene, b, n);
-    return bodies;
-  };
-  return check_data(scene, b, u0,
-                    {*scene.system->system(), contact_extent(scene), [](Index) { return true; },
-                     [](const auto& body) { body(); }, leftovers});
+  return check_data(scene, b, u0, *scene.system->system(), contact_extent(scene), Processes());
 }
 
 void check_one_value(const Scene& scene, const Vector& b, long verb) {
@@ -365,23 +403,5 @@ void refuse_exchanged_blocks(const Scene& scene, const Triplets& A) {
       "the other order: A = [[A1, 0], [0, A2]] and b = [b1, b2] have those of V1, the space of the "
       "slave, first; exchange them, or, where they are right, swap slave and master");
 }
-
-void Leftover::add(const Scene& scene, const Vector& b, const NodePlace& n) {
-  bool held = false, any = false;
-  for (int c = 0; c < scene.d; ++c) {
-    const Index i = n.dof[c];
-    if (!scene.held[i]) continue;
-    held = true;
-    if (b[i] == 0) continue;
-    any = true;
-    most = std::max(most, std::abs(b[i]));
-    least[c] = std::min(least[c], b[i]);
-    largest[c] = std::max(largest[c], b[i]);
-  }
-  loaded += any;
-  empty += held && !any;
-}
-
-bool Leftover::uniform() const { return loaded > 2 && !(least.array() < largest.array()).any(); }
 
 }  // namespace frictioncg

@@ -3,32 +3,14 @@
 
 namespace frictioncg {
 
-/// What b has at the Dirichlet dofs of a body, where it is too small to be data of tgv = 1e30: how
-/// many nodes have something there, and how many 0.
-struct Leftover {
-  Real loaded = 0, empty = 0;
-  Real most = 0;  ///< the largest of b there [force]
-  /// Of each component, the least and the largest.
-  Vec3 least = Vec3::Constant(infinity), largest = -least;
-  void add(const Scene& scene, const Vector& b, const NodePlace& n);
-  /// One value for all nodes: forces of a mesh are smaller at the ends of a boundary.
-  bool uniform() const;
-};
-
-/// What processes that share a scene have together, and do alike.
-struct Together {
-  const System& system;  ///< sums over them
-  Real extent;           ///< of the contact boundary, or of the body [length]
-  std::function<bool(Index dof)> owns;
-  std::function<void(const std::function<void()>&)> agree;  ///< runs what each does by itself
-  std::function<std::vector<Leftover>()> leftovers;         ///< of each body
-};
-
 /// Refuses data that A and b cannot have been assembled with alike. Returns the largest entry of b
 /// that counts as none, or 0. With `at` the load is A U + r, whose rows have such entries always.
 /// u0 (ndof): where the increment starts, which has the data [length].
-Real check_data(const Scene& scene, const Vector& b, const Vector& u0, const Together& all);
 Real check_data(const Scene& scene, const Vector& b, const Vector& u0);
+/// The same of all processes, by their own dofs of b. system: sums over them; extent: of the
+/// contact boundary, or of the bodies [length].   Collective.
+Real check_data(const Scene& scene, const Vector& b, const Vector& u0, const System& system,
+                Real extent, const Processes& all);
 
 /// Refuses b of one value at all nodes of a boundary, its ends included, and nowhere else, where A
 /// has rows of tgv = -1: the data of an on() are such values, and no traction is. By any other A a

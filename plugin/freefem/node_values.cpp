@@ -22,7 +22,7 @@ void check_value(Parameter p, double x, const BoundaryNode& node, int d) {
 /// The bound on n.w at each contact point: the gap, which replaces that of the meshes where it is
 /// given, with what has been moved already. before: that of the contactproblem, or empty; what the
 /// call does not name has it.
-Vector read_gap(Stack stack, const Arguments& args, const Scene& scene, const Vector& before = {}) {
+Vector read_gap(Stack stack, const Arguments& args, const Scene& scene, const Vector& before) {
   const Vector moved = moved_along_normals(scene);
   if (!scene.pairing) return at_nodes(stack, args, p_gap, scene.nodes) + moved;
   const Index paired = static_cast<Index>(scene.paired()), beside = moved.size() - paired;

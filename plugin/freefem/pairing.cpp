@@ -122,6 +122,45 @@ class InterfaceBuilder {
   std::map<Index, Index> number_;  ///< first dof of a node -> its number
 };
 
+/// Gram matrices of rigid motions, k x k of each body, side by side.
+struct Gram {
+  DenseMatrix in_A, in_D, held;  ///< in A, in its diagonal, and over what Dirichlet conditions hold
+};
+
+/// Of the motions of rigid_modes, over the dofs that each process owns.   Collective.
+Gram gram_of(const Triplets& A, const Dirichlet& dirichlet, const std::vector<NodePlace>& places,
+             int d, const Extent& extent, Index bodies, const Processes& all) {
+  using Rows = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const Index k = rigid_components(d);
+  Gram gram;
+  gram.in_A = gram.in_D = gram.held = DenseMatrix::Zero(k, k * bodies);
+  all.agree([&] {
+    const Rows w = rigid_modes(places, d, A.n, extent);
+    Rows Aw = Rows::Zero(A.n, k);
+    std::vector<Index> of = body_of_dofs(places, d, A.n);
+    std::replace_if(
+        of.begin(), of.end(), [bodies](Index body) { return body >= bodies; }, -1);
+    Vector D = Vector::Zero(A.n);
+    for_each_entry(A, [&](Index i, Index j, Real a) {
+      if (of[i] < 0 || of[i] != of[j] || dirichlet.holds(i) || dirichlet.holds(j)) return;
+      Aw.row(i) += a * w.row(j);
+      if (i == j) D[i] += a;
+    });
+    for (Index i = 0; i < A.n; ++i) {
+      if (of[i] < 0 || !all.owns(i)) continue;
+      const auto add_to = [&](DenseMatrix& sum, const auto& row) {
+        sum.middleCols(k * of[i], k).noalias() += w.row(i).transpose() * row;
+      };
+      if (dirichlet.holds(i)) add_to(gram.held, w.row(i));
+      add_to(gram.in_A, Aw.row(i));
+      add_to(gram.in_D, D[i] * w.row(i));
+    }
+  });
+  for (DenseMatrix* sums : {&gram.in_A, &gram.in_D, &gram.held})
+    all.sum(sums->data(), static_cast<Index>(sums->size()));
+  return gram;
+}
+
 }  // namespace
 
 Interface interface_of(const Spaces& spaces, const PairLabels& labels) {
@@ -132,52 +171,19 @@ Index count_of(const std::vector<Index>& body) {
   return body.empty() ? 0 : *std::max_element(body.begin(), body.end()) + 1;
 }
 
-FreedomOfBodies::FreedomOfBodies(int d, const Extent& extent, std::vector<Index> body, Index bodies)
-    : d_(d), extent_(extent), body_(std::move(body)), bodies_(bodies) {
-  const Index k = generators().count();
-  in_A_ = in_D_ = held_ = DenseMatrix::Zero(k, k * bodies_);
-}
-
-void FreedomOfBodies::add(const Triplets& A, const Dirichlet& dirichlet,
-                          const std::vector<NodePlace>& places,
-                          const std::function<bool(Index)>& own) {
-  const Index k = generators().count();
-  using Rows = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const Rows w = rigid_modes(places, d_, A.n, extent_);
-  Rows Aw = Rows::Zero(A.n, k);
-  std::vector<Index> of = body_of_dofs(places, d_, A.n);
-  std::replace_if(
-      of.begin(), of.end(), [this](Index body) { return body >= bodies_; }, -1);
-  Vector D = Vector::Zero(A.n);
-  for_each_entry(A, [&](Index i, Index j, Real a) {
-    if (of[i] < 0 || of[i] != of[j] || dirichlet.holds(i) || dirichlet.holds(j)) return;
-    Aw.row(i) += a * w.row(j);
-    if (i == j) D[i] += a;
-  });
-  for (Index i = 0; i < A.n; ++i) {
-    if (of[i] < 0 || (own && !own(i))) continue;
-    const auto add_to = [&](DenseMatrix& sum, const auto& row) {
-      sum.middleCols(k * of[i], k).noalias() += w.row(i).transpose() * row;
-    };
-    if (dirichlet.holds(i)) add_to(held_, w.row(i));
-    add_to(in_A_, Aw.row(i));
-    add_to(in_D_, D[i] * w.row(i));
-  }
-}
-
-void FreedomOfBodies::sum(const SumOverProcesses& over_processes) {
-  for (DenseMatrix* all : {&in_A_, &in_D_, &held_})
-    over_processes(all->data(), static_cast<Index>(all->size()));
-}
-
-mortar::Freedom FreedomOfBodies::freedom() const {
-  mortar::Freedom freedom{generators(), body_, {}, {}, {}};
+mortar::Freedom freedom_of(const Triplets& A, const Dirichlet& dirichlet,
+                           const std::vector<NodePlace>& places, int d, const Extent& extent,
+                           std::vector<Index> body, Index bodies, const Processes& all) {
+  constexpr Real resisted = 1e-10;  // <Aw,w>/<Dw,w>, a free motion's: supports are beyond rounding
+  constexpr Real rigid = 1e30;      // the stiffness of a body of which all is held
+  mortar::Freedom freedom{{d, extent.mean, extent.radius}, std::move(body), {}, {}, {}};
+  const Gram gram = gram_of(A, dirichlet, places, d, extent, bodies, all);
   const Index k = freedom.generators.count();
-  for (Index b = 0; b < bodies_; ++b) {
-    const DenseMatrix D = in_D_.middleCols(k * b, k), in_A = in_A_.middleCols(k * b, k);
+  for (Index b = 0; b < bodies; ++b) {
+    const DenseMatrix D = gram.in_D.middleCols(k * b, k), in_A = gram.in_A.middleCols(k * b, k);
     DenseMatrix support = rigid * DenseMatrix::Identity(k, k), free(k, 0);
     if (D.trace() > 0) {
-      support = D.trace() * held_.middleCols(k * b, k);
+      support = D.trace() * gram.held.middleCols(k * b, k);
       const Eigenpairs found = eigenpairs(in_A + support, D + support);
       Index count = 0;
       while (count < k && found.values[count] <= resisted) ++count;
@@ -216,9 +222,7 @@ std::vector<BoundaryNode> Pairing::face(const Triplets& A, mortar::Options optio
     asked = true;
     const std::vector<NodePlace> all = places();
     const std::vector<Index> body = body_of_nodes(all, A.n);
-    FreedomOfBodies bodies(between_.d, extent_of(between_.X), body, count_of(body));
-    bodies.add(A, *dirichlet_, all);
-    return bodies.freedom();
+    return freedom_of(A, *dirichlet_, all, between_.d, extent_of(between_.X), body, count_of(body));
   };
   const mortar::Nodes nodes = nodes_at(u_old, obstacle);
   const bool stays =

@@ -31,32 +31,13 @@ Interface interface_of(const Spaces& spaces, const PairLabels& labels);
 /// Bodies 0, 1, ...: how many.
 Index count_of(const std::vector<Index>& body);
 
-/// Which rigid motions of bodies A leaves free.
-class FreedomOfBodies {
- public:
-  /// body: of each node on the interface, or on obstacles; extent: of these nodes, roughly.
-  FreedomOfBodies(int d, const Extent& extent, std::vector<Index> body, Index bodies);
-  /// Adds the Gram matrices of the generators in A, in its diagonal, and over what Dirichlet
-  /// conditions hold; of the dofs that are own, in one process all. A body that A couples to
-  /// another is not free of it.
-  void add(const Triplets& A, const Dirichlet& dirichlet, const std::vector<NodePlace>& places,
-           const std::function<bool(Index)>& own = {});
-  void sum(const SumOverProcesses& over_processes);
-  mortar::Freedom freedom() const;
-
- private:
-  /// <Aw,w>/<Dw,w> up to which a motion counts as free: a support is stiffer than rounding.
-  static constexpr Real resisted = 1e-10;
-  static constexpr Real rigid = 1e30;  ///< the stiffness of a body of which all is held
-  /// Those of rigid_modes.
-  RigidGenerators generators() const { return {d_, extent_.mean, extent_.radius}; }
-
-  const int d_;
-  const Extent extent_;
-  const std::vector<Index> body_;
-  const Index bodies_;
-  DenseMatrix in_A_, in_D_, held_;  ///< k x k of each body, side by side
-};
+/// Which rigid motions of bodies A leaves free: a body that A couples to another is not free of it.
+/// body: of each node on the interface, or on obstacles; extent: of these nodes, roughly; places:
+/// of all nodes.   Collective.
+mortar::Freedom freedom_of(const Triplets& A, const Dirichlet& dirichlet,
+                           const std::vector<NodePlace>& places, int d, const Extent& extent,
+                           std::vector<Index> body, Index bodies,
+                           const Processes& all = Processes());
 
 /// A pair for reports.
 struct FacingPair {
@@ -91,8 +72,7 @@ class Pairing {
   /// nodes are held and taken, and it depends on nothing else of A or of the increment.
   std::vector<BoundaryNode> face(const Triplets& A, mortar::Options options, const Vector& u_old,
                                  const std::vector<BoundaryNode>& on_obstacle,
-                                 const std::function<std::vector<NodePlace>()>& places,
-                                 bool again = false);
+                                 const std::function<std::vector<NodePlace>()>& places, bool again);
   void set(FacedPart faced) { faced_ = std::move(faced); }
   /// G U at each contact node, U empty where nothing has moved; and what their slip lacks of their
   /// motion, where the increment began elsewhere.

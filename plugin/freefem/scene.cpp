@@ -205,14 +205,14 @@ std::vector<Index> body_of_points(const Scene& scene, const std::vector<NodePlac
   return body;
 }
 
-void follow_free_motions(Scene& scene, const std::vector<NodePlace>& places, const Extent& extent,
-                         Index bodies, bool has_begun,
-                         const std::function<void(FreedomOfBodies&)>& add,
-                         const SumOverProcesses& sum) {
+void follow_free_motions(const Triplets& A, const std::vector<NodePlace>& places,
+                         const Extent& extent, Scene& scene, const Processes& all) {
   const std::vector<Index> body = body_of_points(scene, places);
-  FreedomOfBodies freedom_of(scene.d, extent, body, bodies);
-  add(freedom_of);
-  const mortar::Freedom freedom = freedom_of.freedom();
+  const Index bodies = static_cast<Index>(all.largest(count_bodies(places)));
+  std::unique_ptr<const Dirichlet> dirichlet;
+  all.agree([&] { dirichlet = std::make_unique<Dirichlet>(A, points_of(scene.nodes)); });
+  const mortar::Freedom freedom =
+      freedom_of(A, *dirichlet, places, scene.d, extent, body, bodies, all);
   const RigidGenerators& generators = freedom.generators;
   const Index each = generators.count();
   DenseMatrix of_obstacles(each, 0);  // their free components
@@ -221,6 +221,8 @@ void follow_free_motions(Scene& scene, const std::vector<NodePlace>& places, con
     of_obstacles.conservativeResize(each, of_obstacles.cols() + 1);
     of_obstacles.rightCols(1) = generators.about(scene.moving->pivot[q / each], q % each);
   }
+  const auto sum = [&](Real* values, Index count) { all.sum(values, count); };
+  const bool has_begun = all.largest(any_begun(scene.nodes)) > 0;
   follow_by_body(scene.d, body, bodies, has_begun, scene.nodes,
                  [&](Index b, std::vector<PointNormal>& points, DecidedSlips decided) {
                    const DenseMatrix& own = freedom.of_body[b];
@@ -230,14 +232,14 @@ void follow_free_motions(Scene& scene, const std::vector<NodePlace>& places, con
                  });
 }
 
-Real told_by_mesh(const Scene& scene, Real of_pairs, const SumOverProcesses& sum) {
+Real told_by_mesh(const Scene& scene, Real of_pairs, const System& system) {
   Real curved_weight_untold[] = {Real(has_curved_obstacle(scene)), 0, 0};
   auto& [curved, weight, all] = curved_weight_untold;
   for (std::size_t k = scene.paired(); k < scene.nodes.size(); ++k) {
     weight += scene.nodes[k].weight;
     all += scene.nodes[k].weight * untold(scene.nodes[k].turn);
   }
-  if (sum) sum(curved_weight_untold, 3);
+  system.sum(curved_weight_untold, 3);
   return curved > 0 && all > 0 ? std::max(of_pairs, all / weight) : of_pairs;
 }
 

@@ -137,13 +137,11 @@ std::vector<Index> body_of_points(const Scene& scene, const std::vector<NodePlac
 /// S of the scene's force, where it has one that turns; or null.
 std::unique_ptr<Stiffened> stiffened_by_force(const Triplets& A, const Scene& scene);
 
-/// What bodies and obstacles may do that A does not resist, body by body, for its points on
-/// obstacles: motions that their normals let slip, as far as the mesh can tell, they let slip to
-/// rounding.   add: A to the freedom of bodies that the places name
-void follow_free_motions(Scene& scene, const std::vector<NodePlace>& places, const Extent& extent,
-                         Index bodies, bool has_begun,
-                         const std::function<void(FreedomOfBodies&)>& add,
-                         const SumOverProcesses& sum = {});
+/// What bodies and obstacles may do that A does not resist, body by body, for the points of each
+/// process on obstacles: motions that their normals let slip, as far as the mesh can tell, they let
+/// slip to rounding. places, extent: of the bodies' nodes.   Collective.
+void follow_free_motions(const Triplets& A, const std::vector<NodePlace>& places,
+                         const Extent& extent, Scene& scene, const Processes& all = Processes());
 
 /// Whether the mesh tells the normals of a curved obstacle.
 inline bool has_curved_obstacle(const Scene& scene) {
@@ -151,7 +149,8 @@ inline bool has_curved_obstacle(const Scene& scene) {
 }
 
 /// Slips::told of the points on obstacles, or what is told of pairs, whichever is more.
-Real told_by_mesh(const Scene& scene, Real of_pairs, const SumOverProcesses& sum = {});
+/// system: sums over the processes.
+Real told_by_mesh(const Scene& scene, Real of_pairs, const System& system);
 
 DofCount dofs_of(const Spaces& spaces);
 

@@ -142,11 +142,6 @@ void Domain::largest(Real* values, Index count) const {
   MPI_Allreduce(MPI_IN_PLACE, values, count, MPI_DOUBLE, MPI_MAX, *communicator_);
 }
 
-Real Domain::largest(Real value) const {
-  largest(&value, 1);
-  return value;
-}
-
 Real Domain::sum_before(Real value) const {
   Real before = 0;
   MPI_Exscan(&value, &before, 1, MPI_DOUBLE, MPI_SUM, *communicator_);

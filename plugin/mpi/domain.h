@@ -1,6 +1,7 @@
 #pragma once
 #include <mpi.h>
 
+#include "../freefem/processes.h"
 #include "meeting.h"
 #include "model/system.h"
 
@@ -11,7 +12,7 @@ namespace frictioncg {
 ///
 /// A dof belongs to the process with the largest share D in the partition of unity, ties to the
 /// lowest rank: all elements around it are there, and its row of the local matrix is complete.
-class Domain {
+class Domain final : public Processes {
  public:
   struct Neighbour {
     int rank;
@@ -40,7 +41,7 @@ class Domain {
   int rank() const { return rank_; }
   int size() const { return size_; }
   Index dofs() const { return static_cast<Index>(owned_.size()); }
-  bool owns(Index dof) const { return owned_[dof] != 0; }
+  bool owns(Index dof) const override { return owned_[dof] != 0; }
   const char* owned() const { return owned_.data(); }  ///< dofs()
 
   /// What owners have for shared dofs goes to all others.
@@ -59,17 +60,17 @@ class Domain {
   template <class Items>
   Items gathered(const Items& own) const;
 
-  void sum(Real* values, Index count) const;
-  void largest(Real* values, Index count) const;
-  Real largest(Real value) const;
+  void sum(Real* values, Index count) const override;
+  void largest(Real* values, Index count) const override;
+  using Processes::largest;
   Real sum_before(Real value) const;  ///< over the processes of lower rank
-  /// As in Processes; the same on all.
+  /// As in System; the same on all.
   Vector combined(Vector own,
                   const std::function<Vector(const Vector&, const Vector&)>& both) const;
 
   /// Runs what one process does by itself. Where it throws on any of them, all throw IllegalInput
   /// with the message of the lowest rank that failed.
-  void agree(const std::function<void()>& body) const { agree(attempt(body)); }
+  void agree(const std::function<void()>& body) const override { agree(attempt(body)); }
   void agree(const Attempt& own_part) const;  ///< what has been run
 
  private:

@@ -107,8 +107,8 @@ inline LocalIncrement pose(const SharedScene& shared, const Vector& b, const Vec
   own_load.sizes = shared.A->own_part(load.sizes);
   set_load(own_load, *shared.A, own);
   if (laws.law != Law::frictionless) return local;
-  const Real told = told_by_mesh(*shared.scene, shared.mortar ? shared.mortar->told() : 0,
-                                 [&](Real* values, Index n) { shared.domain->sum(values, n); });
+  const Real told =
+      told_by_mesh(*shared.scene, shared.mortar ? shared.mortar->told() : 0, *shared.A);
   if (told > 0)
     local.left_out = leave_out_uncertain_work(*shared.A, shared.solver->floating(), told, own.F);
   return local;
@@ -122,7 +122,8 @@ inline LocalIncrement increment_together(const Call& call, const SharedScene& sh
   domain.agree([&] { check_vectors(call, shared.script); });
   const Vector b = shared.patch->load(domain, load_of(call, shared));
   LocalIncrement local = pose(shared, b, slip_from(call, shared), laws, problem);
-  report_leftover(check_data(shared, b, local.u0), verb);
+  report_leftover(
+      check_data(*shared.scene, b, local.u0, *shared.A, 2 * shared.extent.radius, domain), verb);
   report_left_out(local.left_out, verb);
   domain.agree([&] { validate(problem.increment, *problem.system); });
   return local;

@@ -8,13 +8,10 @@
 namespace frictioncg {
 
 /// What a process knows of the faces, with normals and weights where the call gives them.
-inline InterfacePart interface_part(Stack stack, const Arguments& args, const Scene& scene,
-                                    const Dirichlet& dirichlet) {
+inline std::vector<InterfaceNode> interface_nodes(Stack stack, const Arguments& args,
+                                                  const Scene& scene, const Dirichlet& dirichlet) {
   const Interface& faces = scene.pairing->between();
-  InterfacePart part;
-  part.dof = faces.dof;
-  part.pairs = faces.pairs;
-  part.slaves = static_cast<Index>(faces.slave.size());
+  std::vector<InterfaceNode> nodes;
   const auto held = mortar::held_components(scene.d, faces.dof, dirichlet);
   const auto body = scene.pairing->body_of_nodes(scene.places(), static_cast<Index>(scene.ndof()));
   for (std::size_t i = 0; i < faces.dof.size(); ++i) {
@@ -22,10 +19,10 @@ inline InterfacePart interface_part(Stack stack, const Arguments& args, const Sc
     for (Index c = 1; c < scene.d; ++c)
       if (dof[c] != dof[0] + c)
         throw std::logic_error("the dofs of a node do not follow each other");
-    part.nodes.push_back({-1, faces.X[i], held[i], body[i], faces.groups[i]});
+    nodes.push_back({-1, faces.X[i], held[i], body[i], faces.groups[i]});
   }
   const auto set = [&](Vec3 InterfaceNode::*value, const std::vector<Vec3>& of_node) {
-    for (std::size_t i = 0; i < of_node.size(); ++i) part.nodes[i].*value = of_node[i];
+    for (std::size_t i = 0; i < of_node.size(); ++i) nodes[i].*value = of_node[i];
   };
   const auto given = [&](Parameter p) -> std::vector<Vec3> {
     if (!args.has(p)) return {};
@@ -40,13 +37,13 @@ inline InterfacePart interface_part(Stack stack, const Arguments& args, const Sc
   }
   if (args.has(p_normal)) set(&InterfaceNode::normal, slave_normals(stack, args, scene));
   const std::vector<Real> weight = slave_weights(stack, args, scene);
-  for (std::size_t i = 0; i < weight.size(); ++i) part.nodes[i].weight = weight[i];
-  return part;
+  for (std::size_t i = 0; i < weight.size(); ++i) nodes[i].weight = weight[i];
+  return nodes;
 }
 
 /// macro_ddm.idp tells nodes by their places: faces that lie on each other when a mesh is
 /// decomposed may get each other's nodes for ghosts.   Collective.
-inline void refuse_exchanged_faces(const Domain& domain, const InterfacePart& part) {
+inline void refuse_exchanged_faces(const Domain& domain, const Interface& part) {
   Eigen::MatrixXd sides = Eigen::MatrixXd::Zero(2, domain.dofs());
   for (const mortar::Pair& pair : part.pairs)
     for (int side = 0; side < 2; ++side)
@@ -103,13 +100,8 @@ inline std::vector<BoundaryNode> face_whole(const Arguments& args, const Opening
   options.bodies = [&] { return faces.at_all(&InterfaceNode::body); };
   options.freedom = [&] {
     const std::vector<Index> body = options.bodies();
-    FreedomOfBodies bodies(faces.d, extent_of(X), body, count_of(body));
-    part.agree([&] {
-      bodies.add(A.triplets(), A.dirichlet(), scene.places(),
-                 [&](Index i) { return part.owns(i); });
-    });
-    bodies.sum([&](Real* values, Index count) { part.sum(values, count); });
-    return bodies.freedom();
+    return freedom_of(A.triplets(), A.dirichlet(), scene.places(), faces.d, extent_of(X), body,
+                      count_of(body), part);
   };
   options.element_groups = [&](Index i) { return faces.nodes[i].groups; };
   if (args.has(p_forceold)) options.force = faces.at_all(&InterfaceNode::force);
@@ -278,11 +270,12 @@ inline std::unique_ptr<GrownPart> grow(Stack stack, const Arguments& args, const
   const Timed timed(Phase::pairing);
   const Scene& scene = *shared.scene;
   const Domain& part = *shared.domain;
-  InterfacePart faces;
-  part.agree([&] { faces = interface_part(stack, args, scene, A.dirichlet()); });
+  const Interface& faces = scene.pairing->between();
+  std::vector<InterfaceNode> nodes;
+  part.agree([&] { nodes = interface_nodes(stack, args, scene, A.dirichlet()); });
   refuse_exchanged_faces(part, faces);
   NodeNumbers numbers(part, scene.d, scene.mesh_node);
-  shared.interface = std::make_shared<WholeInterface>(part, numbers, scene.d, faces);
+  shared.interface = std::make_shared<WholeInterface>(part, numbers, faces, nodes);
   InterfaceBasis basis;
   std::vector<NumberedEntry> stiffness;
   part.agree([&] {

@@ -58,11 +58,6 @@ inline std::vector<Extent> extents_of_all(const Domain& domain,
   return extents;
 }
 
-/// Of all processes, which call them alike.   Collective.
-inline Index count_bodies(const Domain& domain, const std::vector<NodePlace>& places) {
-  return static_cast<Index>(domain.largest(count_bodies(places)));
-}
-
 /// Gives the own system the motions of the bodies; finds the extent.   Collective.
 inline void set_motions(SharedScene& shared, System& own) {
   const std::vector<NodePlace> places = shared.scene->places();
@@ -77,7 +72,8 @@ inline void set_motions(SharedScene& shared, System& own) {
     own.body_modes = [&shared] {
       const Scene& posed = *shared.scene;
       const std::vector<NodePlace> nodes = posed.places();
-      std::vector<std::vector<NodePlace>> bodies(count_bodies(*shared.domain, nodes));
+      std::vector<std::vector<NodePlace>> bodies(
+          static_cast<std::size_t>(shared.domain->largest(count_bodies(nodes))));
       for (const NodePlace& n : nodes) bodies[n.body].push_back(n);
       const Matrix M =
           posed.system->basis().W * body_modes(bodies, extents_of_all(*shared.domain, bodies),
@@ -117,65 +113,22 @@ inline void make_solver(SharedScene& shared) {
   set_solver(shared, Coarsening::aggregation);
 }
 
-/// As in one process, of the own points, before ghosts take their normals.   Collective.
-inline void follow_free_motions_of_all(const Triplets& A, SharedScene& shared) {
-  const Domain& domain = *shared.domain;
-  Scene& scene = *shared.scene;
-  if (domain.largest(has_curved_obstacle(scene)) == 0) return;
-  const std::vector<NodePlace> places = scene.places();
-  const auto sum = [&](Real* values, Index count) { domain.sum(values, count); };
-  const auto add = [&](FreedomOfBodies& freedom) {
-    domain.agree([&] {
-      freedom.add(A, Dirichlet(A, points_of(scene.nodes)), places,
-                  [&](Index i) { return domain.owns(i); });
-    });
-    freedom.sum(sum);
-  };
-  follow_free_motions(scene, places, extents_of_all(domain, {places}).front(),
-                      count_bodies(domain, places), domain.largest(any_begun(scene.nodes)) > 0, add,
-                      sum);
-}
-
 /// The scene of this process becomes one of all.   Collective.
 inline void share(const Triplets& A, SharedScene& shared) {
   const Domain& domain = *shared.domain;
   Scene& scene = *shared.scene;
   shared.own_points = scene.nodes.size();
   shared.script = scene.dofs;
-  follow_free_motions_of_all(A, shared);
+  if (domain.largest(has_curved_obstacle(scene)) > 0) {
+    const std::vector<NodePlace> places = scene.places();
+    follow_free_motions(A, places, extents_of_all(domain, {places}).front(), scene, domain);
+  }
   add_ghost_points(domain, scene);
   std::unique_ptr<Dirichlet> own;
   domain.agree([&] { own = std::make_unique<Dirichlet>(A, points_of(scene.nodes)); });
   shared.patch = std::make_unique<PatchedMatrix>(domain, A, *own);
   domain.agree([&] { scene.assemble(shared.patch->triplets(A)); });
   make_solver(shared);
-}
-
-/// As leftovers, of the bodies of all processes.   Collective.
-inline std::vector<Leftover> leftovers_of_all(const SharedScene& shared, const Vector& b) {
-  const Domain& domain = *shared.domain;
-  const std::vector<NodePlace> places = shared.scene->places();
-  std::vector<Leftover> left(count_bodies(domain, places));
-  for (const NodePlace& n : places)
-    if (domain.owns(n.dof[0])) left[n.body].add(*shared.scene, b, n);
-  for (Leftover& of_body : left) {
-    Eigen::Vector2d counts(of_body.loaded, of_body.empty);
-    Eigen::Matrix<Real, 7, 1> most;
-    most << of_body.most, of_body.largest, -of_body.least;
-    domain.sum(counts.data(), 2);
-    domain.largest(most.data(), 7);
-    of_body = {counts[0], counts[1], most[0], -most.tail<3>(), most.segment<3>(1)};
-  }
-  return left;
-}
-
-/// As in one process.   Collective.
-inline Real check_data(const SharedScene& shared, const Vector& b, const Vector& u0) {
-  const Domain& domain = *shared.domain;
-  return check_data(
-      *shared.scene, b, u0,
-      {*shared.A, 2 * shared.extent.radius, [&](Index i) { return domain.owns(i); },
-       [&](const auto& body) { domain.agree(body); }, [&] { return leftovers_of_all(shared, b); }});
 }
 
 }  // namespace frictioncg

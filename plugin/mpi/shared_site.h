@@ -48,55 +48,22 @@ inline Stage with_ghosts(const Stage& stage, const DofCount& dofs, const Domain&
   return {at, of_owners(stage.begun)};
 }
 
-/// One body, by the labels that are here.
-inline std::shared_ptr<Scene> obstacle_part(const SpacePtr& Vh, const std::vector<long>& labels,
-                                            const Domain& domain, const Stage& stage) {
-  SpacePtr place;
-  Boundary surface, begun;
-  std::vector<NodePlace> places;
-  domain.agree([&] {
-    place = Vh->at(stage);
-    surface = place->boundary(labels);
-    if (place->begun()) begun = place->begun()->boundary(labels);
-    place->add_places(places);
-  });
-  refuse_other_domain(domain, places);
+/// Adds the contact points of own nodes on an obstacle. surface: with the labels that are here;
+/// begun: the same where the increment began.   Collective.
+inline void add_own_points(const Domain& domain, Boundary surface, Boundary begun, Index bodies,
+                           Scene& scene) {
+  const bool has_begun = scene.spaces.front()->begun() != nullptr;
   const std::size_t own = surface.nodes.size();
-  add_facets_of_others(domain, place->d, surface);
-  if (place->begun()) add_facets_of_others(domain, place->d, begun);
-  std::shared_ptr<Scene> scene;
+  add_facets_of_others(domain, scene.d, surface);
+  if (has_begun) add_facets_of_others(domain, scene.d, begun);
   domain.agree([&] {
-    std::vector<BoundaryNode> points =
-        contact_points(place->d, std::move(surface), place->begun() ? &begun : nullptr, own);
-    const auto is_ghost = [&](const BoundaryNode& n) { return !domain.owns(n.point.dof[0]); };
-    points.erase(std::remove_if(points.begin(), points.end(), is_ghost), points.end());
-    scene = scene_on({place}, std::move(points));
+    for (const BoundaryNode& n :
+         contact_points(scene.d, std::move(surface), has_begun ? &begun : nullptr, own))
+      if (domain.owns(n.point.dof[0])) scene.nodes.push_back(n);
   });
-  follow_motions_of_all(domain, name_bodies(domain, std::move(places), *scene),
-                        place->begun() != nullptr, *scene);
-  return scene;
-}
-
-inline std::shared_ptr<Scene> pair_part(const Spaces& on_mesh, const std::vector<long>& slave,
-                                        const std::vector<long>& master, const Opening& opening,
-                                        const Domain& domain, const Stage& stage) {
-  std::shared_ptr<Scene> scene;
-  std::vector<NodePlace> places;
-  domain.agree([&] {
-    if (on_mesh.size() == 1 && opening.labels == opening.masters)
-      throw IllegalInput("slave and master have the same labels " + in_brackets(opening.labels) +
-                         ": what touches itself is of one process; with domain= name two labels");
-    PairLabels labels{opening.labels, opening.masters};
-    labels.slave = slave;
-    labels.master = master;
-    const Spaces spaces = at(stage, on_mesh);
-    scene = scene_on(spaces, {});
-    scene->pairing.emplace(interface_of(spaces, labels));
-    places = scene->places();
-  });
-  refuse_other_domain(domain, places);
-  name_bodies(domain, std::move(places), *scene);
-  return scene;
+  if (domain.largest(any_curved(scene.nodes)) > 0)
+    follow_motions(scene.d, body_of_points(scene, scene.places()), bodies, has_begun, scene.nodes,
+                   domain);
 }
 
 /// The part of this process, where the stage says, of whose labels it may have none; those of the
@@ -110,11 +77,32 @@ inline std::shared_ptr<Scene> part_of(const Site& site, Stack stack, const Openi
     dofs = dofs_of(spaces);
     check_size(domain, dofs);
   });
-  const std::vector<long> labels = labels_here(domain, *spaces.front(), opening.labels);
+  const std::vector<long> labels = labels_here(domain, *spaces.front(), opening.labels),
+                          masters = labels_here(domain, *spaces.back(), opening.masters);
+  const Stage stage = with_ghosts(given, dofs, domain);
+  std::shared_ptr<Scene> scene;
+  std::vector<NodePlace> places;
+  Boundary surface, begun;
+  domain.agree([&] {
+    if (spaces.size() == 1 && opening.labels == opening.masters)
+      throw IllegalInput("slave and master have the same labels " + in_brackets(opening.labels) +
+                         ": what touches itself is of one process; with domain= name two labels");
+    scene = scene_on(at(stage, spaces), {});
+    const Space& first = *scene->spaces.front();
+    if (site.two_bodies()) {
+      scene->pairing.emplace(interface_of(
+          scene->spaces, {labels, masters, mortar::label_pairs(opening.labels, opening.masters)}));
+    } else {
+      surface = first.boundary(labels);
+      if (first.begun()) begun = first.begun()->boundary(labels);
+    }
+    places = scene->places();
+  });
+  refuse_other_domain(domain, places);
+  const Index bodies = name_bodies(domain, std::move(places), *scene);
   if (!site.two_bodies())
-    return obstacle_part(spaces.front(), labels, domain, with_ghosts(given, dofs, domain));
-  const std::vector<long> masters = labels_here(domain, *spaces.back(), opening.masters);
-  return pair_part(spaces, labels, masters, opening, domain, with_ghosts(given, dofs, domain));
+    add_own_points(domain, std::move(surface), std::move(begun), bodies, *scene);
+  return scene;
 }
 
 }  // namespace frictioncg

@@ -144,12 +144,4 @@ inline Index name_bodies(const Domain& domain, std::vector<NodePlace> places, Sc
   return bodies.count;
 }
 
-/// As in one process, over the own points of all.   Collective.
-inline void follow_motions_of_all(const Domain& domain, Index bodies, bool has_begun,
-                                  Scene& scene) {
-  if (domain.largest(any_curved(scene.nodes)) == 0) return;
-  follow_motions(scene.d, body_of_points(scene, scene.places()), bodies, has_begun, scene.nodes,
-                 [&](Real* values, Index count) { domain.sum(values, count); });
-}
-
 }  // namespace frictioncg

@@ -2,12 +2,12 @@
 
 namespace frictioncg {
 
-WholeInterface::WholeInterface(const Domain& domain, const NodeNumbers& numbers, Index dimension,
-                               const InterfacePart& part)
-    : d(dimension), pairs(part.pairs) {
+WholeInterface::WholeInterface(const Domain& domain, const NodeNumbers& numbers,
+                               const Interface& part, const std::vector<InterfaceNode>& of_part)
+    : d(part.d), pairs(part.pairs) {
   for (mortar::Pair& pair : pairs)
     for (mortar::Surface* side : {&pair.slave, &pair.master}) side->facets.clear();
-  gather_nodes(domain, numbers, part);
+  gather_nodes(domain, numbers, part, of_part);
   gather_facets(domain, numbers, part);
   find_one_body();
   find_own(domain, numbers);
@@ -15,26 +15,28 @@ WholeInterface::WholeInterface(const Domain& domain, const NodeNumbers& numbers,
 
 /// Slaves and others, one gather each.
 void WholeInterface::gather_nodes(const Domain& domain, const NodeNumbers& numbers,
-                                  const InterfacePart& part) {
+                                  const Interface& part,
+                                  const std::vector<InterfaceNode>& of_part) {
+  const Index slaves_here = static_cast<Index>(part.slave.size());
   const auto gathered = [&](Index first, Index end) {
     std::vector<InterfaceNode> own;
     for (Index i = first; i < end; ++i) {
       if (!domain.owns(part.dof[i][0])) continue;
-      if (i < part.slaves) own_slaves_.push_back(i);
-      own.push_back(part.nodes[i]);
+      if (i < slaves_here) own_slaves_.push_back(i);
+      own.push_back(of_part[i]);
       own.back().number = numbers.node(numbers.of(part.dof[i][0]));
     }
     return domain.gathered(own);
   };
-  nodes = gathered(0, part.slaves);
+  nodes = gathered(0, slaves_here);
   slaves = count();
-  const auto others = gathered(part.slaves, static_cast<Index>(part.nodes.size()));
+  const auto others = gathered(slaves_here, static_cast<Index>(of_part.size()));
   nodes.insert(nodes.end(), others.begin(), others.end());
   for (Index i = 0; i < count(); ++i) at.emplace(nodes[i].number, i);
 }
 
 void WholeInterface::gather_facets(const Domain& domain, const NodeNumbers& numbers,
-                                   const InterfacePart& part) {
+                                   const Interface& part) {
   using Number = NodeNumbers::Number;
   struct Sent {
     std::size_t pair;

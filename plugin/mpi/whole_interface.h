@@ -1,5 +1,5 @@
 #pragma once
-#include "assembly/mortar/coupling.h"
+#include "../freefem/pairing.h"
 #include "numbering.h"
 
 namespace frictioncg {
@@ -17,21 +17,13 @@ struct InterfaceNode {
   Vec3 now = Vec3::Zero(), before = Vec3::Zero(), force = Vec3::Zero();
 };
 
-/// What a process knows of the faces of two bodies: its own part with overlap.
-struct InterfacePart {
-  std::vector<InterfaceNode> nodes;  ///< those of slaves come first
-  Index slaves = 0;
-  mortar::NodeDofs dof;
-  std::vector<mortar::Pair> pairs;  ///< the same on all processes, but for their facets
-};
-
 /// The faces of two bodies whole, the same on all processes in every bit and order: what they make
 /// of it is the same, too. Nodes are sent by their owners, facets by the owner of their vertex with
 /// the lowest number, around which it has all elements.
 struct WholeInterface {
-  /// Collective.
-  WholeInterface(const Domain& domain, const NodeNumbers& numbers, Index dimension,
-                 const InterfacePart& part);
+  /// part: what this process knows of them, with overlap; of_part: its nodes.   Collective.
+  WholeInterface(const Domain& domain, const NodeNumbers& numbers, const Interface& part,
+                 const std::vector<InterfaceNode>& of_part);
 
   Index count() const { return static_cast<Index>(nodes.size()); }
   /// One of their values at all nodes.
@@ -57,8 +49,9 @@ struct WholeInterface {
   std::vector<mortar::Pair> pairs;
 
  private:
-  void gather_nodes(const Domain& domain, const NodeNumbers& numbers, const InterfacePart& part);
-  void gather_facets(const Domain& domain, const NodeNumbers& numbers, const InterfacePart& part);
+  void gather_nodes(const Domain& domain, const NodeNumbers& numbers, const Interface& part,
+                    const std::vector<InterfaceNode>& of_part);
+  void gather_facets(const Domain& domain, const NodeNumbers& numbers, const Interface& part);
   void find_one_body();
   void find_own(const Domain& domain, const NodeNumbers& numbers);
 
