@@ -388,9 +388,10 @@ Spaces Site::spaces(Stack stack) const {
 }
 
 bool Site::is_on_part(Stack stack) const {
+  if (mpisize <= 1) return false;  // 0 in FreeFem++ itself
   const Spaces all = spaces(stack);
-  const auto is_cut = [](const SpacePtr& V) { return V->labels().count(cut) > 0; };
-  return mpisize > 1 && std::any_of(all.begin(), all.end(), is_cut);  // 0 in FreeFem++ itself
+  return std::any_of(all.begin(), all.end(),
+                     [](const SpacePtr& V) { return V->labels().count(cut) > 0; });
 }
 
 std::vector<long> Site::labels(Stack stack) const {
