@@ -6,7 +6,7 @@
 #include "model/validate.h"
 #include "multigrid/multigrid_solver.h"
 #include "sparse/sparse_solver.h"
-#include "statics/floating.h"
+#include "statics/undetermined.h"
 
 namespace frictioncg {
 
@@ -125,8 +125,26 @@ Solution Solver::solve(const Increment& increment, const Settings& settings, con
   return answer(
       problem, settings, [&] { return floating_(); },
       [&] {
-        return by_route({problem, settings, x0, observer});
+        const Request request{problem, settings, x0, observer};
+        return or_as_held_before(by_route(request), request);
       });
+}
+
+/// s, or where contact lets go of what it held at the start of the increment, the answer of stick
+/// as a face, if that keeps it: of two that the laws allow, its descent from the start ends at the
+/// one that a path leads to, where Newton's steps pass by it.
+Solution Solver::or_as_held_before(Solution s, const Request& request) {
+  const Settings& settings = request.settings;
+  const bool chooses = settings.newton && request.problem.increment.law != Law::frictionless;
+  if (!chooses || s.layer == Layer::gcx || s.undetermined.cols() == 0) return s;
+  if (!(s.certificate.residual <= settings.tol) || !lets_go(floating_(), request.problem, s))
+    return s;
+  const Request rest = what_remains(without_factor(request), s);
+  if (rest.settings.nbiter <= 0) return s;
+  Solution held = after(s, by_gradients(rest, floating_));
+  const bool holds =
+      held.certificate.residual <= settings.tol && held.undetermined.cols() < s.undetermined.cols();
+  return holds ? held : s;
 }
 
 /// The route of the plan; where it is not open, or does not arrive, another one.

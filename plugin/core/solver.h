@@ -44,6 +44,7 @@ class Solver {
 
  private:
   using Way = Solution (Solver::*)(const Request& request);
+  Solution or_as_held_before(Solution s, const Request& request);
   Solution by_route(const Request& request);
   Solution by_condensation(const Request& request);
   Solution by_multigrid(const Request& request);

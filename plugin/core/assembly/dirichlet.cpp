@@ -56,14 +56,17 @@ Dirichlet::Dirichlet(const Triplets& A, const std::vector<ContactPoint>& points)
     for (Index i = 0; i < A.n; ++i)
       emptied_unit_rows |= rows.emptied[i] && rows.row_max[i] == 0 && rows.unit(i);
 
-  const auto most = std::max_element(rows.row_max.begin(), rows.row_max.end());
-  const Real largest = most != rows.row_max.end() ? *most : 0;
+  Real usual = 0;  // the largest of other entries, or, where there are none, the least diagonal
+  if (A.n > 0)
+    usual = std::max(*std::max_element(rows.row_max.begin(), rows.row_max.end()),
+                     *std::min_element(rows.diagonal.begin(), rows.diagonal.end()));
   for (Index i = 0; i < A.n; ++i) {
     const Real others = rows.others(i);
     const bool huge = others > 0 && rows.diagonal[i] >= huge_ratio * others;
     const bool unit = A.half ? emptied_unit_rows && rows.row_max[i] == 0 && rows.unit(i)
                              : rows.row_max[i] == 0 && rows.column_max[i] > 0;
-    const bool spring = may_touch[i] && !rows.emptied[i] && rows.diagonal[i] < huge_ratio * largest;
+    const bool spring =
+        may_touch[i] && !(rows.emptied[i] && rows.unit(i)) && rows.diagonal[i] < huge_ratio * usual;
     const bool uncoupled = others == 0 && !spring;
     if (!huge && !unit && !uncoupled) continue;
     number_[i] = size();

@@ -346,3 +346,31 @@ TEST(Dirichlet, AContactNodeOnSpringsIsNoSupport) {
   EXPECT_EQ(local.nodes(), 1);
   EXPECT_EQ(local.fixed_dofs(), 2);
 }
+
+TEST(Dirichlet, LumpedSpringsAreNoSupportAlthoughTheirRowsHaveZeros) {
+  for (bool coupled : {true, false}) {  // by stiffness, beside springs; or nothing at all
+    Scene s;
+    s.d = 2;
+    s.n = 8;
+    const auto add = [&](Index i, Index j, Real a) {
+      s.i.push_back(i);
+      s.j.push_back(j);
+      s.a.push_back(a);
+    };
+    for (Index k = 0; k < 8; ++k)
+      for (Index l = 0; l < 8; ++l) add(k, l, k == l ? (k < 4 ? 0.52 : (k < 6 ? 1.0 : 1e30)) : 0.0);
+    if (coupled) {
+      add(1, 3, -0.1);
+      add(3, 1, -0.1);
+    }
+    for (Index node = 0; node < 3; ++node) {
+      ContactPoint p;
+      p.dof = {2 * node, 2 * node + 1, -1};
+      p.normal = {0, -1, 0};
+      s.points.push_back(p);
+    }
+    const Dirichlet held(s.triplets(), s.points);
+    EXPECT_EQ(held.size(), 4);  // two rows of the identity, two by a penalty
+    for (Index i = 0; i < 8; ++i) EXPECT_EQ(held.holds(i), i >= 4) << i;
+  }
+}

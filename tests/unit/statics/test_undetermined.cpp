@@ -320,6 +320,25 @@ TEST(Undetermined, ItsSlipTellsASlidingNodeFromAStuckOne) {
   EXPECT_EQ(branches_of(p, x, c)[0].d[0], -1);
 }
 
+TEST(Undetermined, ContactLetsGoOfWhatItTouchedAtTheStart) {
+  BlockOptions o;
+  o.cells = 2;
+  ContactProblem p = problem_of(o);
+  const DenseMatrix W = rigid_motions(*p.system, 100000);
+  Solution s;
+  s.undetermined = W.leftCols(1);
+  p.increment.gap.setZero();
+  EXPECT_TRUE(lets_go(W, p, s));
+  p.increment.gap.setConstant(1e-3);
+  EXPECT_FALSE(lets_go(W, p, s));
+  p.increment.gap[0] = 0;  // a hinge: one of three motions is left
+  EXPECT_FALSE(lets_go(W, p, s));
+  s.undetermined = W.leftCols(2);
+  EXPECT_TRUE(lets_go(W, p, s));
+  p.increment.mu.setZero();  // and now two
+  EXPECT_FALSE(lets_go(W, p, s));
+}
+
 TEST(Undetermined, BranchesBarTheMotionsThatTheyStandAgainst) {
   BlockOptions o;
   o.d = 3;
