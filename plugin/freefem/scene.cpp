@@ -122,10 +122,10 @@ void Scene::assemble(const Triplets& A, Scene* before, bool alone) {
   const auto each = [places = places, d = d, n] { return body_modes(places(), d, n); };
   system = placed([&] {
     if (pairing) return pairing->system(A, std::move(points), mesh_node, modes, each, last);
-    if (moving)
-      return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, moving->rigid, modes,
-                                           each, last);
-    return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, modes, last);
+    if (!moving)
+      return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, modes, last);
+    return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, modes, last,
+                                         moving->rigid, each);
   });
   const Basis& basis = system->basis();  // rows of dofs held have prescribed displacements alone
   held.assign(basis.T.rows(), 1);

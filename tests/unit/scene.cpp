@@ -11,6 +11,12 @@ Posed Scene::system(const std::vector<Index>& mesh_node) const {
           laws()};
 }
 
+Real& Scene::entry(Index row, Index column) {
+  std::size_t k = 0;
+  while (i.at(k) != row || j[k] != column) ++k;
+  return a[k];
+}
+
 Eigen::MatrixXd rigid_motions_of(const Eigen::MatrixXd& X, int d) {
   Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(d * X.rows(), d == 2 ? 3 : 6);
   for (Index p = 0; p < X.rows(); ++p)

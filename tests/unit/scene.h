@@ -64,6 +64,7 @@ struct Scene {
     return {law, false, gap, friction, {}, cohesion, cap};
   }
   Posed system(const std::vector<Index>& mesh_node = {}) const;
+  Real& entry(Index row, Index column);  ///< one that is stored
 };
 
 /// The rigid motions of nodes at X (nodes x 3), whose components are numbered node by node.

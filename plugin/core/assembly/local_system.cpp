@@ -10,28 +10,23 @@ namespace frictioncg {
 constexpr Real same_gap = 1e-9;
 
 LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
-                         const std::vector<Index>& mesh_node, RigidModes modes,
-                         const LocalSystem* before)
-    : points_(std::move(points)), dirichlet_(A, points_) {
-  make_basis(A, dimension);
-  assemble(A, dimension, mesh_node, std::move(modes), {}, before);
-}
-
-LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
-                         const std::vector<Index>& mesh_node, const RigidObstacles& obstacles,
-                         RigidModes modes, BodyModes body_modes, const LocalSystem* before)
+                         std::vector<Index> mesh_node, RigidModes modes, const LocalSystem* before,
+                         const RigidObstacles& obstacles, BodyModes body_modes)
     : points_(std::move(points)), dirichlet_(A, points_) {
   make_basis(A, dimension);
   const Index n_q = obstacles.dofs();
-  basis_ =
-      std::make_shared<const Basis>(with_obstacles(*basis_, dimension, points_, nodes_, obstacles));
-  std::vector<char> given(A.n + n_q, 0);
-  for (Index k = 0; k < n_q; ++k) given[A.n + k] = !obstacles.free[k];
-  dirichlet_ = dirichlet_.with_more(given, Vector::Ones(A.n + n_q));
-  std::vector<Index> nodes = mesh_node;  // each component as if it had a node of its own
-  const Index next = nodes.empty() ? 0 : 1 + *std::max_element(nodes.begin(), nodes.end());
-  for (Index k = 0; k < n_q && !mesh_node.empty(); ++k) nodes.push_back(next + k);
-  if (modes)
+  if (n_q > 0) {
+    basis_ = std::make_shared<const Basis>(
+        with_obstacles(*basis_, dimension, points_, nodes_, obstacles));
+    std::vector<char> given(A.n + n_q, 0);
+    for (Index k = 0; k < n_q; ++k) given[A.n + k] = !obstacles.free[k];
+    dirichlet_ = dirichlet_.with_more(given, Vector::Ones(A.n + n_q));
+  }
+  if (!mesh_node.empty()) {  // each component as if it had a node of its own
+    const Index next = 1 + *std::max_element(mesh_node.begin(), mesh_node.end());
+    for (Index k = 0; k < n_q; ++k) mesh_node.push_back(next + k);
+  }
+  if (modes && n_q > 0)
     modes = [n_q, of_bodies = std::move(modes)] {
       DenseMatrix M = of_bodies();
       M.conservativeResizeLike(DenseMatrix::Zero(M.rows() + n_q, M.cols()));
@@ -41,7 +36,7 @@ LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPo
     body_modes = [n_q, of_bodies = std::move(body_modes)] {
       return with_obstacles(of_bodies(), n_q);
     };
-  assemble(A, dimension, nodes, std::move(modes), std::move(body_modes), before);
+  assemble(A, dimension, mesh_node, std::move(modes), std::move(body_modes), before);
 }
 
 LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,

@@ -52,18 +52,15 @@ class LocalSystem {
   /// Copies A once, in O(nnz); A itself is not kept. mesh_node (n, or empty): which dofs share a
   /// node of the mesh, so that the factorization orders nodes in place of dofs. modes, or empty:
   /// the rigid motions in dofs of the script (n x k). before: the system of another matrix, or
-  /// null; its pattern is kept where that holds all of A. Throws IllegalInput for what is not
-  /// finite, not symmetric, or has a diagonal <= 0.
+  /// null; its pattern is kept where that holds all of A. obstacles: those that move; n counts
+  /// their dofs, too, of which b has the load where they are free, and the motion where it is
+  /// given. body_modes: beside them, rigid motions of each body alone, of the dofs of the script.
+  /// Throws IllegalInput for what is not finite, not symmetric, or has a diagonal <= 0, and as
+  /// with_obstacles.
   LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
-              const std::vector<Index>& mesh_node = {}, RigidModes modes = {},
-              const LocalSystem* before = nullptr);
-  /// With obstacles that move: n counts their dofs, too, of which b has the load where they are
-  /// free, and the motion where it is given. body_modes: rigid motions of each body alone, of the
-  /// dofs of the script. Throws as with_obstacles, too.
-  LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
-              const std::vector<Index>& mesh_node, const RigidObstacles& obstacles,
-              RigidModes modes = {}, BodyModes body_modes = {},
-              const LocalSystem* before = nullptr);
+              std::vector<Index> mesh_node = {}, RigidModes modes = {},
+              const LocalSystem* before = nullptr, const RigidObstacles& obstacles = {},
+              BodyModes body_modes = {});
   /// With two bodies: frames and laws act on the relative displacements of the coupling, that knows
   /// what `dirichlet` holds of A. body_modes: rigid motions of each body alone.
   LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,

@@ -76,8 +76,7 @@ TEST(Frames, TwoNormalsWithAHeldComponentInCommonAreInvertedToo) {
   s.points.push_back(corner);
   s.points.front().normal = {0.36, 0.48, -0.8};
   s.points.back().normal = {0.6, -0.64, -0.48};
-  for (std::size_t k = 0; k < s.a.size(); ++k)  // a support along x
-    if (s.i[k] == corner.dof[0] && s.j[k] == corner.dof[0]) s.a[k] = 1e30;
+  s.entry(corner.dof[0], corner.dof[0]) = 1e30;  // a support along x
   expect_inverse(s);
 }
 
@@ -205,8 +204,7 @@ TEST(Frames, TheNearestOfTwoFlanksHoldsTheTipOfAGrooveWhoseOtherComponentsAreHel
       s.points.push_back(tip);
       s.points.back().normal = {k == 0 ? -std::sqrt(1 - sine[k] * sine[k]) : 0.6, -sine[k], 0};
     }
-    for (std::size_t k = 0; k < s.a.size(); ++k)  // a support along x
-      if (s.i[k] == tip.dof[0] && s.j[k] == tip.dof[0]) s.a[k] = 1e30;
+    s.entry(tip.dof[0], tip.dof[0]) = 1e30;  // a support along x
     s.b[tip.dof[0]] = 1e30 * 2e-3;
     const Index m = Index(s.points.size());
     s.gap = Vector::Constant(m, INFINITY);
@@ -232,8 +230,7 @@ TEST(Frames, BilateralContactWithTwoFlanksAtOneNodeNeedsOneGap) {
   s.points = {tip, tip};
   s.points[0].normal = {-0.8, -0.6, 0};
   s.points[1].normal = {0.6, -0.8, 0};
-  for (std::size_t k = 0; k < s.a.size(); ++k)  // a support along x
-    if (s.i[k] == tip.dof[0] && s.j[k] == tip.dof[0]) s.a[k] = 1e30;
+  s.entry(tip.dof[0], tip.dof[0]) = 1e30;  // a support along x
   const LocalSystem system(s.triplets(), 2, s.points);
   PointLaws laws{Law::frictionless, true, Vector(2), {}};
   laws.gap << 0.6e-3, 0.8e-3;  // both 1e-3 below
@@ -261,8 +258,7 @@ TEST(Frames, RoundingOfWhatIsPrescribedAlongAGrooveIsNoOtherGap) {
   s.points[1].normal = {0.8 * std::sin(turn), -0.8 * std::cos(turn), -0.6};
   const Real along[2] = {std::cos(turn), std::sin(turn)};
   for (int c = 0; c < 2; ++c) {
-    for (std::size_t k = 0; k < s.a.size(); ++k)
-      if (s.i[k] == tip.dof[c] && s.j[k] == tip.dof[c]) s.a[k] = 1e30;
+    s.entry(tip.dof[c], tip.dof[c]) = 1e30;
     s.b[tip.dof[c]] = 1e30 * run * along[c];
   }
   const LocalSystem system(s.triplets(), 3, s.points);
@@ -275,11 +271,9 @@ TEST(Frames, NormalsThatFaceEachOtherOnWhatIsFreeAreRefused) {
   BlockOptions o;
   o.clamp_side = true;
   Scene s = block(o);
-  Index tip = -1;
-  for (Index k = 0; k < Index(s.points.size()); ++k) tip = k;
-  for (std::size_t k = 0; k < s.a.size(); ++k)
-    if (s.i[k] == s.points[tip].dof[0] && s.j[k] == s.i[k]) s.a[k] = 1e30;
-  s.points.push_back(s.points[tip]);
+  const ContactPoint tip = s.points.back();
+  s.entry(tip.dof[0], tip.dof[0]) = 1e30;
+  s.points.push_back(tip);
   s.points.back().normal = {0.6, 0.8, 0};
   try {
     LocalSystem(s.triplets(), 2, s.points);

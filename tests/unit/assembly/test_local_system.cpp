@@ -3,6 +3,7 @@
 #include "core/solver.h"
 #include "core/threads.h"
 #include "unit/driven.h"
+#include "unit/refusal.h"
 
 using namespace frictioncg;
 using namespace frictioncg::test;
@@ -18,12 +19,7 @@ Scene small(bool clamp, Real angle = 0) {
 }
 
 std::string refusal(const Scene& s) {
-  try {
-    s.system();
-  } catch (const IllegalInput& e) {
-    return e.what();
-  }
-  return "";
+  return test::refusal([&] { s.system(); });
 }
 
 }  // namespace
@@ -164,25 +160,20 @@ TEST(LocalSystem, ZeroedColumnsWithDataAreRefused) {
     if (s.i[k] != s.j[k] && unit[s.j[k]]) s.a[k] = 0;
   EXPECT_EQ(refusal(s), "");
   s.b[fixed] = 0.1;
-  EXPECT_NE(refusal(s).find("tgv=-2"), std::string::npos);
+  EXPECT_TRUE(names(refusal(s), "tgv=-2"));
 }
 
 TEST(LocalSystem, AsymmetryNaNAndZeroDiagonalsAreRefusedByName) {
   Scene s = small(false);
-  const auto entry = [&](Index i, Index j) -> Real& {
-    for (std::size_t k = 0; k < s.a.size(); ++k)
-      if (s.i[k] == i && s.j[k] == j) return s.a[k];
-    throw std::logic_error("no such entry");
-  };
   const Scene good = s;
-  entry(2, 0) += 1;
-  EXPECT_NE(refusal(s).find("must be symmetric"), std::string::npos);
+  s.entry(2, 0) += 1;
+  EXPECT_TRUE(names(refusal(s), "must be symmetric"));
   s = good;
-  entry(2, 0) = std::nan("");
-  EXPECT_NE(refusal(s).find("A(2,0) = "), std::string::npos);
+  s.entry(2, 0) = std::nan("");
+  EXPECT_TRUE(names(refusal(s), "A(2,0) = "));
   s = good;
-  entry(4, 4) = 0;
-  EXPECT_NE(refusal(s).find("A(4,4) = 0"), std::string::npos);
+  s.entry(4, 4) = 0;
+  EXPECT_TRUE(names(refusal(s), "A(4,4) = 0"));
   EXPECT_EQ(refusal(good), "");
 }
 
@@ -227,22 +218,14 @@ TEST(LocalSystem, VectorsOfAnotherSizeAreRefused) {
   const Scene s = small(true);
   const Posed system = s.system();
   const auto refused = [&](const Vector& b, const Vector& u_old, const PointLaws& laws) {
-    try {
-      system.local().increment(b, u_old, laws);
-    } catch (const IllegalInput& e) {
-      return std::string(e.what());
-    }
-    return std::string();
+    return test::refusal([&] { system.local().increment(b, u_old, laws); });
   };
   EXPECT_EQ(refused(s.b, {}, s.laws()), "");
-  EXPECT_NE(refused(Vector::Zero(3), {}, s.laws()).find("b has 3 values"), std::string::npos);
-  EXPECT_NE(refused(s.b, Vector::Zero(1), s.laws()).find("u_old has 1"), std::string::npos);
-  EXPECT_NE(refused(s.b, {}, {Law::coulomb, false, {}, s.friction, {}}).find("gap has 0"),
-            std::string::npos);
-  EXPECT_NE(refused(s.b, {}, {Law::coulomb, false, s.gap, {}, {}}).find("mu has 0"),
-            std::string::npos);
-  EXPECT_NE(refused(s.b, {}, {Law::tresca, false, s.gap, {}, {}}).find("g has 0"),
-            std::string::npos);
+  EXPECT_TRUE(names(refused(Vector::Zero(3), {}, s.laws()), "b has 3 values"));
+  EXPECT_TRUE(names(refused(s.b, Vector::Zero(1), s.laws()), "u_old has 1"));
+  EXPECT_TRUE(names(refused(s.b, {}, {Law::coulomb, false, {}, s.friction, {}}), "gap has 0"));
+  EXPECT_TRUE(names(refused(s.b, {}, {Law::coulomb, false, s.gap, {}, {}}), "mu has 0"));
+  EXPECT_TRUE(names(refused(s.b, {}, {Law::tresca, false, s.gap, {}, {}}), "g has 0"));
   EXPECT_EQ(refused(s.b, {}, {Law::frictionless, false, s.gap, {}, {}}), "");
 }
 
@@ -254,8 +237,7 @@ TEST(LocalSystem, AnEntryWithoutItsMirrorImageIsRefusedWhereverItStands) {
     s.i.erase(s.i.begin() + Index(k));
     s.j.erase(s.j.begin() + Index(k));
     s.a.erase(s.a.begin() + Index(k));
-    EXPECT_NE(refusal(s).find("must be symmetric"), std::string::npos)
-        << good.i[k] << " " << good.j[k];
+    EXPECT_TRUE(names(refusal(s), "must be symmetric")) << good.i[k] << " " << good.j[k];
   }
 }
 
@@ -265,25 +247,17 @@ TEST(LocalSystem, RowsOfAPartThatAreNotWholeAreNotChecked) {
     whole[row] = 0;
     Triplets A = s.triplets();
     A.whole = whole.data();
-    try {
-      const LocalSystem system(A, 2, {}, {});
-    } catch (const IllegalInput& e) {
-      return std::string(e.what());
-    }
-    return std::string();
+    return test::refusal([&] { LocalSystem(A, 2, {}, {}); });
   };
   Scene s = small(false);
-  for (std::size_t k = 0; k < s.a.size(); ++k) {
-    if (s.i[k] == 2 && s.j[k] == 0) s.a[k] += 1;
-    if (s.i[k] == 2 && s.j[k] == 2) s.a[k] = 1e-170;
-  }
+  s.entry(2, 0) += 1;
+  s.entry(2, 2) = 1e-170;
   EXPECT_EQ(refusal_of_part(s, 2), "");
-  EXPECT_NE(refusal_of_part(s, 4).find("A(2,2) = 1e-170; a stiffness"), std::string::npos);
+  EXPECT_TRUE(names(refusal_of_part(s, 4), "A(2,2) = 1e-170; a stiffness"));
   s = small(false);
-  for (std::size_t k = 0; k < s.a.size(); ++k)
-    if (s.i[k] == 2 && s.j[k] == 0) s.a[k] += 1;
+  s.entry(2, 0) += 1;
   EXPECT_EQ(refusal_of_part(s, 0), "");
-  EXPECT_NE(refusal_of_part(s, 4).find("must be symmetric"), std::string::npos);
+  EXPECT_TRUE(names(refusal_of_part(s, 4), "must be symmetric"));
 }
 
 TEST(LocalSystem, TheStateOfALoadMayBeGivenInLocalDofs) {

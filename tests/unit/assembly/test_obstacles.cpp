@@ -47,8 +47,8 @@ struct Moving {
     const BodyModes each = [modes] { return Matrix(modes.sparseView()); };
     std::vector<Index> node(scene.n);
     for (Index i = 0; i < scene.n; ++i) node[i] = i / scene.d;
-    local = std::make_unique<LocalSystem>(scene.triplets(), scene.d, scene.points, node, obstacles,
-                                          made, each);
+    local = std::make_unique<LocalSystem>(scene.triplets(), scene.d, scene.points, node, made,
+                                          nullptr, obstacles, each);
   }
   Index each() const { return rigid_components(scene.d); }
   /// Of obstacle o at a point, by the cross product.

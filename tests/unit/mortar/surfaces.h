@@ -60,7 +60,8 @@ struct Surfaces {
   std::map<std::pair<Index, Index>, Index> middle;
 };
 
-/// A sheet at height z that reaches along the first coordinate so far.
+/// A sheet as it is, or at height z, where it reaches along the first coordinate so far.
+inline Vec3 same(const Vec3& x) { return x; }
 inline std::function<Vec3(const Vec3&)> lifted(int d, Real z, Real from = 0, Real to = 1) {
   return [=](const Vec3& x) {
     Vec3 y = x;
@@ -68,6 +69,18 @@ inline std::function<Vec3(const Vec3&)> lifted(int d, Real z, Real from = 0, Rea
     y[d - 1] = z;
     return y;
   };
+}
+
+inline void append(Surface& surface, const Surface& more) {
+  surface.facets.insert(surface.facets.end(), more.facets.begin(), more.facets.end());
+}
+
+/// Turns the nodes, and what is outward.
+inline void turn(const Eigen::Matrix3d& Q, Surfaces& s) {
+  for (Vec3& x : s.nodes.X) x = Q * x;
+  for (Pair& pair : s.pairs)
+    for (Surface* surface : {&pair.slave, &pair.master})
+      for (Facet& f : surface->facets) f.outward = Q * f.outward;
 }
 
 /// Bodies that may move by the columns of of_body, of generators, and are held otherwise.
@@ -82,8 +95,8 @@ inline void set_free(const std::vector<DenseMatrix>& of_body, Freedom& freedom) 
 }
 
 /// |T W - I|
-inline Real error_of_inverse(const Mortar& mortar) {
-  const Matrix T = mortar.change_of_basis(), W = mortar.inverse_basis();
+inline Real error_of_inverse(const Mortar& mortar, const std::vector<char>& held = {}) {
+  const Matrix T = mortar.change_of_basis(held), W = mortar.inverse_basis(held);
   Matrix I(T.rows(), T.rows());
   I.setIdentity();
   return Matrix(Matrix(T * W) - I).norm();

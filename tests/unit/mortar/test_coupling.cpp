@@ -89,11 +89,6 @@ struct Sheared {
   }
 };
 
-const char* name(Method method) {
-  static const char* names[] = {"automatic", "condensed", "gc1", "gc2", "gc3", "gcx", "sorp"};
-  return names[static_cast<int>(method)];
-}
-
 }  // namespace
 
 TEST(MortarContact, CoulombFrictionThatSticksOrSlipsPassesThePatchTest) {
@@ -127,12 +122,12 @@ TEST(MortarContact, EveryMethodPassesThePatchTest) {
         settings.nbiter = 100000;
         const Answer answer = solve_contact(scene.s, coefficient, settings);
         const auto [sum, moment, traction] = scene.force_errors(answer.force);
-        EXPECT_EQ(answer.solution.status, Status::converged) << d << name(method) << slips;
+        EXPECT_EQ(answer.solution.status, Status::converged) << d << int(method) << slips;
         EXPECT_TRUE(answer.rotated);
-        EXPECT_LT(scene.error(answer.u), 1e-8) << d << name(method) << slips;
-        EXPECT_LT(sum, 1e-14) << d << name(method) << slips;
-        EXPECT_LT(moment, 1e-14) << d << name(method) << slips;
-        EXPECT_LT(traction, 1e-8) << d << name(method) << slips;
+        EXPECT_LT(scene.error(answer.u), 1e-8) << d << int(method) << slips;
+        EXPECT_LT(sum, 1e-14) << d << int(method) << slips;
+        EXPECT_LT(moment, 1e-14) << d << int(method) << slips;
+        EXPECT_LT(traction, 1e-8) << d << int(method) << slips;
       }
 }
 

@@ -97,11 +97,8 @@ TEST(MortarGap, AlongTheNormalOfTheSlaveBetweenParallelPlanes) {
     for (bool quadratic : {false, true})
       for (Real lift : {0.25, 0.0, -0.05}) {  // a little overlap is a negative gap
         Surfaces s(d, quadratic);
-        const auto at = [d](Real z) {
-          return [d, z](const Vec3& x) { return Vec3(x + z * Vec3::Unit(d - 1)); };
-        };
-        s.pairs[0].slave = s.sheet(7, -1, at(lift), 2);
-        s.pairs[0].master = s.sheet(5, 1, at(0), 1);
+        s.pairs[0].slave = s.sheet(7, -1, lifted(d, lift), 2);
+        s.pairs[0].master = s.sheet(5, 1, same, 1);
         const Mortar mortar = s.mortar();
         Real area = 0;
         for (const SlaveNode& node : mortar.nodes()) {
@@ -142,10 +139,8 @@ TEST(MortarGap, AtTheMiddleOfAnEdgeItIsExactForPlanesWhereTheFacetIsPartlyCovere
 
 TEST(MortarGap, AtTheMiddleOfAnEdgeWithoutLawsItIsThatOfWhatFacesIt) {
   Surfaces s(2, true);
-  const auto lifted = [](const Vec3& x) { return Vec3(x + 0.25 * Vec3::Unit(1)); };
-  s.pairs[0].slave = s.sheet(4, -1, lifted, 2);
-  s.pairs[0].master = s.sheet(
-      3, 1, [](const Vec3& x) { return x; }, 1);
+  s.pairs[0].slave = s.sheet(4, -1, lifted(2, 0.25), 2);
+  s.pairs[0].master = s.sheet(3, 1, same, 1);
   s.nodes.held.assign(s.nodes.X.size(), 0);
   s.nodes.held[0] = 2;  // an end of the slave
   const Mortar mortar = s.mortar();
@@ -158,8 +153,7 @@ TEST(MortarGap, AcrossAStepOfTheMasterItIsTheWeightedMean) {
   // gap x^2 between a flat slave and a master below: the mean of the quadratic interpolant
   Surfaces s(2);
   s.options.smooth = false;
-  s.pairs[0].slave = s.sheet(
-      4, -1, [](const Vec3& x) { return x; }, 2);
+  s.pairs[0].slave = s.sheet(4, -1, same, 2);
   s.pairs[0].master = s.sheet(
       64, 1, [](const Vec3& x) { return Vec3(x[0], -x[0] * x[0], 0); }, 1);
   const Mortar mortar = s.mortar();
@@ -175,10 +169,8 @@ TEST(MortarGap, AGapGivenAtTheNodesIsWeightedLikeTheDisplacement) {
   for (int d : {2, 3})
     for (bool quadratic : {false, true}) {
       Surfaces s(d, quadratic);
-      s.pairs[0].slave = s.sheet(
-          5, -1, [](const Vec3& x) { return x; }, 2);
-      s.pairs[0].master = s.sheet(
-          3, 1, [](const Vec3& x) { return x; }, 1);
+      s.pairs[0].slave = s.sheet(5, -1, same, 2);
+      s.pairs[0].master = s.sheet(3, 1, same, 1);
       s.nodes.held.assign(s.nodes.X.size(), 0);
       s.nodes.held[0] = 7;  // a removed node: its neighbours carry its share
       const Mortar mortar = s.mortar();

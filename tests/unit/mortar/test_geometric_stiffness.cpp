@@ -68,28 +68,42 @@ NodeBlocks stiffness(Surfaces s, const std::vector<Vec3>& f) {
   return s.mortar().stiffness().forces;
 }
 
-/// How far the stiffness is off along motions of the nodes, from central differences: each node
-/// goes its own way, or all bend as one where that is `even`.
+/// Motions of the nodes: each goes its own way, or all bend as one where that is `even`.
+std::vector<Vec3> ways(const Surfaces& s, int motion, bool even) {
+  std::vector<Vec3> along(s.nodes.X.size(), Vec3::Zero());
+  for (std::size_t j = 0; j < along.size(); ++j)
+    for (int c = 0; c < s.nodes.dimension; ++c)
+      along[j][c] =
+          std::sin(motion * (even ? s.nodes.X[j].dot(Vec3(0.4, 0.6, 0.2)) : 7. * j) + 3 * c);
+  return along;
+}
+
+constexpr Real way_aside = 1e-6;
+
+/// The mortars on both sides, for central differences.
+std::pair<Mortar, Mortar> beside(const Surfaces& s, const std::vector<Vec3>& along) {
+  Surfaces up = s, down = s;
+  for (std::size_t j = 0; j < along.size(); ++j) {
+    up.nodes.X[j] += way_aside * along[j];
+    down.nodes.X[j] -= way_aside * along[j];
+  }
+  return {up.mortar(), down.mortar()};
+}
+
+/// How far the stiffness is off along motions of the nodes, from central differences.
 Real error(const Surfaces& s, bool even = false, Real reach = within) {
   const Mortar mortar = s.mortar();
   const std::vector<Vec3> y = multipliers(s, mortar, 0.5, reach);
   const NodeBlocks blocks = stiffness(s, force(mortar, y, mortar.nodes()));
-  const Real h = 1e-6;
   Real worst = 0;
   for (int motion : {1, 2, 3}) {
-    Surfaces up = s, down = s;
-    std::vector<Vec3> along(s.nodes.X.size(), Vec3::Zero()), off = along;
+    const std::vector<Vec3> along = ways(s, motion, even);
+    std::vector<Vec3> off(along.size(), Vec3::Zero());
     Real size = 0;
-    for (std::size_t j = 0; j < along.size(); ++j)
-      for (int c = 0; c < s.nodes.dimension; ++c) {
-        along[j][c] =
-            std::sin(motion * (even ? s.nodes.X[j].dot(Vec3(0.4, 0.6, 0.2)) : 7. * j) + 3 * c);
-        up.nodes.X[j][c] += h * along[j][c], down.nodes.X[j][c] -= h * along[j][c];
-      }
-    const auto high = force(up.mortar(), y, mortar.nodes()),
-               low = force(down.mortar(), y, mortar.nodes());
+    const auto [up, down] = beside(s, along);
+    const auto high = force(up, y, mortar.nodes()), low = force(down, y, mortar.nodes());
     for (std::size_t i = 0; i < off.size(); ++i) {
-      off[i] -= (high[i] - low[i]) / (2 * h);
+      off[i] -= (high[i] - low[i]) / (2 * way_aside);
       size = std::max(size, off[i].norm());
     }
     EXPECT_GT(size, 0.1);
@@ -104,22 +118,15 @@ Real error_of_gaps(const Surfaces& s, bool even = false, Real reach = within) {
   const Mortar mortar = s.mortar();
   Surfaces loaded = s;
   loaded.options.force = force(mortar, multipliers(s, mortar, 0.5, reach), mortar.nodes());
-  const Real h = 1e-6;
-  Surfaces up = s, down = s;
-  std::vector<Vec3> along(s.nodes.X.size(), Vec3::Zero());
-  for (std::size_t j = 0; j < along.size(); ++j)
-    for (int c = 0; c < s.nodes.dimension; ++c) {
-      along[j][c] = std::sin(even ? s.nodes.X[j].dot(Vec3(0.4, 0.6, 0.2)) + 3 * c : 7. * j + 3 * c);
-      up.nodes.X[j][c] += h * along[j][c], down.nodes.X[j][c] -= h * along[j][c];
-    }
-  const Mortar high = up.mortar(), low = down.mortar();
+  const std::vector<Vec3> along = ways(s, 1, even);
+  const auto [high, low] = beside(s, along);
   std::map<Index, Real> slope;
   const Mortar sloped = loaded.mortar();
   for (const auto& [kj, by] : sloped.stiffness().gaps) slope[kj.first] += by.dot(along[kj.second]);
   EXPECT_GT(slope.size(), 2u);
   Real worst = 0, size = 0;
   for (const auto& [k, found] : slope) {
-    const Real exact = (high.nodes()[k].gap - low.nodes()[k].gap) / (2 * h);
+    const Real exact = (high.nodes()[k].gap - low.nodes()[k].gap) / (2 * way_aside);
     worst = std::max(worst, std::abs(found - exact));
     size = std::max(size, std::abs(exact));
   }
@@ -234,17 +241,11 @@ TEST(GeometricStiffness, KnowsHowWhatIsBarelyCoveredSharesItsMultipliers) {
       for (Matrix::InnerIterator G(mortar.relative(), k); G; ++G)
         s.options.force[G.col()][d - 1] += (1 + 0.1 * Real(k)) * G.value();
     // What the sliver is covered by stands still, and so do its nodes.
-    std::vector<Vec3> along(s.nodes.X.size(), Vec3::Zero());
+    std::vector<Vec3> along = ways(s, 1, false);
     for (std::size_t j = 0; j < along.size(); ++j)
-      for (int c = 0; c < d && s.nodes.X[j][0] > 0.26; ++c)
-        along[j][c] = std::sin(7. * Real(j) + 3 * c);
-    const Real h = 1e-6;
-    Surfaces up = s, down = s;
-    for (std::size_t j = 0; j < along.size(); ++j) {
-      up.nodes.X[j] += h * along[j];
-      down.nodes.X[j] -= h * along[j];
-    }
-    const Mortar now = s.mortar(), high = up.mortar(), low = down.mortar();
+      if (s.nodes.X[j][0] <= 0.26) along[j].setZero();
+    const Mortar now = s.mortar();
+    const auto [high, low] = beside(s, along);
     Vector slope = Vector::Zero(now.relative().rows());
     for (const auto& [kj, by] : now.stiffness().gaps) slope[kj.first] += by.dot(along[kj.second]);
     Index shared = 0;
@@ -252,7 +253,7 @@ TEST(GeometricStiffness, KnowsHowWhatIsBarelyCoveredSharesItsMultipliers) {
       const Real x = s.nodes.X[now.nodes()[k].node][0];
       if (x > 0.3) continue;  // the first facet's
       ++shared;
-      const Real exact = (high.nodes()[k].gap - low.nodes()[k].gap) / (2 * h);
+      const Real exact = (high.nodes()[k].gap - low.nodes()[k].gap) / (2 * way_aside);
       EXPECT_NEAR(slope[k], exact, 1e-7) << d << "D " << x;
       EXPECT_GT(std::abs(exact), x > 0.2 ? 0.01 : 0);
     }

@@ -46,8 +46,7 @@ Surfaces left_out(int d, Real t) {
   Surfaces s(d);
   s.options.maxgap = 0.1;
   s.pairs[0].master = s.sheet(5, 1, lifted(d, 0, 0, 0.5), 1);
-  for (const Facet& f : s.sheet(4, 1, lifted(d, -0.1 - t, 0.5, 1), 1).facets)
-    s.pairs[0].master.facets.push_back(f);
+  append(s.pairs[0].master, s.sheet(4, 1, lifted(d, -0.1 - t, 0.5, 1), 1));
   s.pairs[0].slave = s.sheet(6, -1, lifted(d, 0, 0, 1), 2);
   return s;
 }
@@ -65,8 +64,7 @@ TEST(MortarIncrement, ASurfaceStaysOnItsSideOfAStep) {
           [&](Real t) {
             Surfaces s(d);
             s.pairs[0].master = s.sheet(5, 1, lifted(d, 0, 0, edge), 1);
-            for (const Facet& f : s.sheet(4, 1, lifted(d, -0.02 * size - t, edge, 1), 1).facets)
-              s.pairs[0].master.facets.push_back(f);
+            append(s.pairs[0].master, s.sheet(4, 1, lifted(d, -0.02 * size - t, edge, 1), 1));
             s.pairs[0].slave = s.sheet(6, -1, lifted(d, 0, 0, 1), 2);
             return s;
           },
@@ -112,7 +110,7 @@ TEST(MortarIncrement, StepsAreOfThePlacesNowWhereNothingWasBeforeAFacet) {
         return y;
       };
       s.pairs[0].master = s.sheet(2, 1, lifted(d, 0, 0, 0.5), 1);
-      for (const Facet& f : s.sheet(2, 1, ramp, 1).facets) s.pairs[0].master.facets.push_back(f);
+      append(s.pairs[0].master, s.sheet(2, 1, ramp, 1));
       s.pairs[0].slave = s.sheet(3, -1, lifted(d, 0.1, from, from + 0.97), 2);
       return s;
     };
@@ -218,10 +216,8 @@ namespace {
 Surfaces crosswise(Real above) {
   Surfaces s(2);
   s.pairs.resize(2);
-  s.pairs[1].slave = s.sheet(
-      4, -1, [](const Vec3& x) { return Vec3(x[0], 0.1, 0); }, 3);
-  s.pairs[1].master = s.sheet(
-      5, 1, [](const Vec3& x) { return Vec3(2 * x[0] - 0.5, 0, 0); }, 1);
+  s.pairs[1].slave = s.sheet(4, -1, lifted(2, 0.1), 3);
+  s.pairs[1].master = s.sheet(5, 1, lifted(2, 0, -0.5, 1.5), 1);
   const Index first = static_cast<Index>(s.nodes.X.size());
   s.pairs[0].master = s.sheet(
       4, 1, [](const Vec3& x) { return Vec3(1, 0.1 + x[0], 0); }, 2);
@@ -510,8 +506,7 @@ TEST(MortarIncrement, ANodeThatHasPassedToAnotherBodySeesThatAsByItself) {
   for (int d : {2, 3}) {
     Surfaces s = before_wheel(d, lifted(d, -1e-3, -1, 1), 4, arc(d, 1, 0, -1.3, 1.5));
     const Index of_wheel = static_cast<Index>(s.nodes.X.size());
-    for (const Facet& f : s.sheet(5, -1, lifted(d, 0.01, 8.9, 11.2), 1).facets)
-      s.pairs[0].master.facets.push_back(f);
+    append(s.pairs[0].master, s.sheet(5, -1, lifted(d, 0.01, 8.9, 11.2), 1));
     s.options.freedom = [=, wheel = s.options.freedom, all = s.nodes.X.size()] {
       Freedom freedom = wheel();
       freedom.body.resize(all, 2);
@@ -536,8 +531,7 @@ TEST(MortarIncrement, TheSlaveOfASurfaceThatTouchesItselfStaysIt) {
     const auto opening = [d](Real length) {  // smaller facets are slaves, or those that come first
       Surfaces s(d);
       Surface all = s.sheet(4, -1, lifted(d, 0.1, 0, 1), 1);
-      for (const Facet& f : s.sheet(4, 1, lifted(d, 0, -0.1, length - 0.1), 1).facets)
-        all.facets.push_back(f);
+      append(all, s.sheet(4, 1, lifted(d, 0, -0.1, length - 0.1), 1));
       s.pairs[0].slave = s.pairs[0].master = all;
       return s;
     };
@@ -696,8 +690,7 @@ TEST(MortarIncrement, BodiesThatTurnFarKeepWhatTheyFace) {
   const Surfaces start = [] {
     Surfaces s(3);
     s.pairs[0].master = s.sheet(5, 1, lifted(3, 0, 0, 0.53), 1);
-    for (const Facet& f : s.sheet(4, 1, lifted(3, -0.1, 0.53, 1), 1).facets)
-      s.pairs[0].master.facets.push_back(f);
+    append(s.pairs[0].master, s.sheet(4, 1, lifted(3, -0.1, 0.53, 1), 1));
     s.pairs[0].slave = s.sheet(6, -1, lifted(3, 0, 0, 1), 2);
     return s;
   }();
@@ -705,10 +698,7 @@ TEST(MortarIncrement, BodiesThatTurnFarKeepWhatTheyFace) {
       (Eigen::AngleAxisd(2.5, Vec3(1, 2, 0).normalized()) * Eigen::AngleAxisd(1, Vec3::UnitZ()))
           .toRotationMatrix();
   Surfaces turned = start;
-  for (Vec3& x : turned.nodes.X) x = Q * x;
-  for (Pair& pair : turned.pairs)
-    for (Surface* surface : {&pair.slave, &pair.master})
-      for (Facet& f : surface->facets) f.outward = Q * f.outward;
+  turn(Q, turned);
   turned.nodes.before = turned.nodes.reference = start.nodes.X;
   const Mortar a = start.mortar(), b = turned.mortar();
   ASSERT_EQ(a.nodes().size(), b.nodes().size());

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "../refusal.h"
 #include "core/assembly/mortar/mortar.h"
 #include "core/types.h"
 
@@ -44,12 +45,9 @@ TEST(LabelPairs, LabelsNamedAgainAreJoined) {
 }
 
 TEST(LabelPairs, OtherLengthsAreRefused) {
-  try {
-    label_pairs({1, 2, 3}, {4, 5});
-    FAIL();
-  } catch (const IllegalInput& e) {
-    EXPECT_EQ(std::string(e.what()),
-              "slave has 3 labels and master has 2; lists of one length are pairs, slave[k] facing "
-              "master[k], and a single label faces all of the other list");
-  }
+  EXPECT_EQ(frictioncg::test::refusal([] {
+              label_pairs({1, 2, 3}, {4, 5});
+            }),
+            "slave has 3 labels and master has 2; lists of one length are pairs, slave[k] facing "
+            "master[k], and a single label faces all of the other list");
 }

@@ -82,8 +82,7 @@ class Box {
         if (s.nodes.X.size() > static_cast<std::size_t>(first)) to.labels.push_back(label);
       };
       const Sheet& sheet = sheets_[face];
-      add(
-          pair.slave, cells_, -1, [](const Vec3& x) { return x; }, face + 1);
+      add(pair.slave, cells_, -1, same, face + 1);
       add(
           pair.master, 1, 1, [&](const Vec3& x) { return sheet.at(x, t); }, face + 11);
     }
@@ -126,7 +125,7 @@ Real covered(const Surfaces& s) {
   Real all = 0;
   for (const Pair& pair : s.pairs) {
     const Side slave(d, pair.slave, s.nodes.X), master(d, pair.master, s.nodes.X);
-    const Cover of = cover(slave, master, s.nodes.X, s.options.maxgap);
+    const Cover of = cover(s.nodes, pair, slave, master, s.options.maxgap);
     for (Index f = 0; f < slave.facets(); ++f) all += of.fraction[f] * slave.planes[f].measure;
   }
   return all;
@@ -171,8 +170,7 @@ TEST(Ownership, SparedNodesLeaveNoFacetWithoutANode) {
     // the cells of a sheet, or its rows of cells, are patches, and their nodes have random owners
     const int n = 4;
     Surfaces s(3);
-    s.pairs[0].slave = s.sheet(
-        n, -1, [](const Vec3& x) { return x; }, 1);
+    s.pairs[0].slave = s.sheet(n, -1, same, 1);
     const Side slave(3, s.pairs[0].slave, s.nodes.X);
     Ranked ranked;
     std::vector<std::vector<Index>>& rank = ranked.rank;
@@ -253,8 +251,7 @@ TEST(Ownership, LawsOverSheetsWithStepsAndEndsDependOnNoRing) {
       const auto place = [&](const Vec3& x) {
         return Vec3(at + Vec3(wide * x[0], deep * x[1], tx * x[0] + ty * x[1]));
       };
-      for (const Facet& f : s.sheet(1 + static_cast<int>(random() % 3), 1, place, 1).facets)
-        master.facets.push_back(f);
+      append(master, s.sheet(1 + static_cast<int>(random() % 3), 1, place, 1));
     }
     try {
       const Mortar mortar = s.mortar();

@@ -93,10 +93,8 @@ Scene overlapping(int d, bool quadratic, std::array<int, 3> below, std::array<in
 TEST(MortarPartlyCovered, FacetsAreCountedWhateverTheirCoveredShare) {
   for (Real reach : {0.3, 0.5, 0.7, 0.999, 1.0}) {
     Surfaces s(2);
-    s.pairs[0].slave = s.sheet(
-        1, -1, [](const Vec3& x) { return x; }, 2);
-    s.pairs[0].master = s.sheet(
-        2, 1, [=](const Vec3& x) { return Vec3(reach * x); }, 1);
+    s.pairs[0].slave = s.sheet(1, -1, same, 2);
+    s.pairs[0].master = s.sheet(2, 1, lifted(2, 0, 0, reach), 1);
     EXPECT_EQ(s.mortar().statistics().partly_covered, reach < 1) << reach;
   }
 }
@@ -185,8 +183,7 @@ TEST(MortarPartlyCovered, LawsOfNodesBeyondTheMasterAreOfWhereItEnds) {
       for (Real share : {0.004, 0.03, 0.06, 0.5, 0.97}) {  // of the facets there
         const Real end = 0.5 + share * h;
         Surfaces s(d, quadratic);
-        s.pairs[0].slave = s.sheet(
-            4, -1, [=](const Vec3& x) { return Vec3(x + 0.01 * Vec3::Unit(d - 1)); }, 2);
+        s.pairs[0].slave = s.sheet(4, -1, lifted(d, 0.01), 2);
         const Index first = static_cast<Index>(s.nodes.X.size());
         s.pairs[0].master = s.sheet(
             5, 1,
@@ -220,8 +217,7 @@ TEST(MortarPartlyCovered, LawsBesideTheEndOfTheMasterHaveTheNormalThere) {
     Surfaces s(2);
     s.pairs[0].slave = s.sheet(
         4, -1, [](const Vec3& x) { return Vec3(x[0], 0.1 + 0.2 * std::pow(x[0], 3), 0); }, 2);
-    s.pairs[0].master = s.sheet(
-        1, 1, [=](const Vec3& x) { return Vec3(-0.1 + (end + 0.1) * x[0], 0, 0); }, 1);
+    s.pairs[0].master = s.sheet(1, 1, lifted(2, 0, -0.1, end), 1);
     return s.mortar();
   };
   const Mortar whole = scene(1.1), part = scene(0.65);
@@ -238,15 +234,10 @@ TEST(MortarPartlyCovered, HeldFacetsBeyondAHoleOfTheMasterArePassedOnOnce) {
   // nodes of the first stand in for it, several for one facet
   for (int d : {2, 3}) {
     Surfaces s(d);
-    const auto third = [](Real from) {
-      return [from](const Vec3& x) { return Vec3(from + x[0] / 3, x[1], 0); };
-    };
-    s.pairs[0].slave = s.sheet(
-        3, -1, [](const Vec3& x) { return x; }, 2);
+    s.pairs[0].slave = s.sheet(3, -1, same, 2);
     const Index first = static_cast<Index>(s.nodes.X.size());
-    s.pairs[0].master = s.sheet(2, 1, third(0), 1);
-    for (const Facet& f : s.sheet(2, 1, third(2. / 3), 1).facets)
-      s.pairs[0].master.facets.push_back(f);
+    s.pairs[0].master = s.sheet(2, 1, lifted(d, 0, 0, 1. / 3), 1);
+    append(s.pairs[0].master, s.sheet(2, 1, lifted(d, 0, 2. / 3), 1));
     for (Index i = 0; i < static_cast<Index>(s.nodes.X.size()); ++i)
       s.nodes.held.push_back(i < first && s.nodes.X[i][0] > 0.6 ? 7 : 0);
     const Mortar mortar = s.mortar();

@@ -86,8 +86,7 @@ TEST(MortarSearch, TheNearestOfSeveralSurfacesIsThePartner) {
     Surfaces s(d);
     s.pairs[0].master = s.sheet(5, 1, lifted(d, 0), 1);
     const Index near = static_cast<Index>(s.nodes.X.size());
-    for (const Facet& f : s.sheet(4, 1, lifted(d, 0.3, 0, 0.5), 1).facets)
-      s.pairs[0].master.facets.push_back(f);
+    append(s.pairs[0].master, s.sheet(4, 1, lifted(d, 0.3, 0, 0.5), 1));
     const Index away = static_cast<Index>(s.nodes.X.size());
     for (const Facet& f : s.sheet(3, -1, lifted(d, 0.4), 1).facets)  // faces the other way
       s.pairs[0].master.facets.push_back(f);
@@ -119,8 +118,7 @@ TEST(MortarSearch, BesideAStepEachNodeHasTheGapOfOneSurface) {
          std::vector<std::pair<Real, Real>>{{0.05, 0}, {0.5, 0}, {0.06, -0.03}}) {
       Surfaces s(d, false);
       s.pairs[0].master = s.sheet(5, 1, lifted(d, 0, 0, 0.53), 1);
-      for (const Facet& f : s.sheet(4, 1, lifted(d, -drop, 0.53), 1).facets)
-        s.pairs[0].master.facets.push_back(f);
+      append(s.pairs[0].master, s.sheet(4, 1, lifted(d, -drop, 0.53), 1));
       s.pairs[0].slave = s.sheet(6, -1, lifted(d, height), 2);
       const Mortar mortar = s.mortar();
       EXPECT_GT(mortar.statistics().partly_covered, 0);
@@ -171,15 +169,9 @@ TEST(MortarSearch, WhereTwoSurfacesOverlapByAHairTheNearerHidesTheOther) {
   for (int d : {2, 3})
     for (Real hair : {0.004, 1e-4, 1e-7}) {  // of a facet of length 1
       Surfaces s(d, false);
-      const auto part = [d](Real from, Real to, Real z) {
-        return [=](const Vec3& x) {
-          return Vec3(Vec3(from + (to - from) * x[0], x[1], 0) + z * Vec3::Unit(d - 1));
-        };
-      };
-      s.pairs[0].master = s.sheet(1, 1, part(0, 0.5 + hair, 0), 1);
-      for (const Facet& f : s.sheet(1, 1, part(0.5, 1, -0.001), 1).facets)
-        s.pairs[0].master.facets.push_back(f);
-      s.pairs[0].slave = s.sheet(1, -1, part(0, 1, 0.1), 2);
+      s.pairs[0].master = s.sheet(1, 1, lifted(d, 0, 0, 0.5 + hair), 1);
+      append(s.pairs[0].master, s.sheet(1, 1, lifted(d, -0.001, 0.5), 1));
+      s.pairs[0].slave = s.sheet(1, -1, lifted(d, 0.1), 2);
       const Mortar mortar = s.mortar();
       Real covered = 0;
       for (const SlaveNode& node : mortar.nodes()) covered += node.weight;
@@ -190,13 +182,9 @@ TEST(MortarSearch, WhereTwoSurfacesOverlapByAHairTheNearerHidesTheOther) {
 TEST(MortarSearch, SurfacesSideBySideWithoutAStepAreFacedBoth) {
   for (int d : {2, 3}) {
     Surfaces s(d, false);
-    const auto part = [](Real from, Real to) {
-      return [=](const Vec3& x) { return Vec3(from + (to - from) * x[0], x[1], x[2]); };
-    };
-    s.pairs[0].master = s.sheet(5, 1, part(0, 0.53), 1);
-    for (const Facet& f : s.sheet(4, 1, part(0.53, 1), 1).facets)
-      s.pairs[0].master.facets.push_back(f);
-    s.pairs[0].slave = s.sheet(6, -1, part(0, 1), 2);
+    s.pairs[0].master = s.sheet(5, 1, lifted(d, 0, 0, 0.53), 1);
+    append(s.pairs[0].master, s.sheet(4, 1, lifted(d, 0, 0.53), 1));
+    s.pairs[0].slave = s.sheet(6, -1, same, 2);
     const Mortar mortar = s.mortar();
     EXPECT_EQ(mortar.statistics().partly_covered, 0);
     for (const SlaveNode& node : mortar.nodes()) EXPECT_LT(std::abs(node.gap), 1e-13);

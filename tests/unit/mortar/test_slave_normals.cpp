@@ -57,37 +57,41 @@ TEST(MortarNormals, OnCirclesAndCylindersTheyAreExactWhateverTheFacetsAndAtRims)
     }
 }
 
-/// Places off the cylinder by up to a thousandth of its radius.
-auto near_cylinder() {
-  return [random = std::mt19937(5)](const Vec3& x) mutable {
-    Vec3 p = on_cylinder(x);
+/// Places off the cylinder by up to a thousandth of its radius, aside by `shift`, or of an oval.
+Map near_cylinder(std::mt19937& random, Real shift = 0, Real height = 1) {
+  return [=, &random](const Vec3& x) {
+    const Vec3 p = on_cylinder(x);
     const Real r = 1 + std::uniform_real_distribution<Real>(-1e-3, 1e-3)(random);
-    p[0] *= r, p[2] *= r;
-    return p;
+    return Vec3(r * p[0] + shift, p[1], height * r * p[2]);
   };
+}
+
+/// How normals resist rigid motions, of the nodes from `first` on, before `last`: sorted.
+Vector resistances(const Surfaces& s, Index first = 0,
+                   Index last = std::numeric_limits<Index>::max()) {
+  const Mortar mortar = s.mortar();
+  Eigen::MatrixXd work = Eigen::MatrixXd::Zero(mortar.nodes().size(), 6);
+  for (std::size_t k = 0; k < mortar.nodes().size(); ++k) {
+    const auto& [i, pair, label, n, weight, gap, distance] = mortar.nodes()[k];
+    if (i >= first && i < last)
+      work.row(Index(k)) << n.transpose(), s.nodes.X[i].cross(n).transpose();
+  }
+  return Eigen::JacobiSVD<Eigen::MatrixXd>(work).singularValues();
 }
 
 TEST(MortarNormals, ABodyThatMayTurnAsFarAsItsMeshTellsTurnsWithoutGap) {
   // no normal resists the rotation, though vertices do not tell it
-  auto rough = near_cylinder();
-  const Surfaces s = uneven_pair(3, false, rough);
-  const Mortar mortar = s.mortar();
-  Eigen::MatrixXd work(mortar.nodes().size(), 6);  // of the normals in rigid motions
-  for (std::size_t k = 0; k < mortar.nodes().size(); ++k) {
-    const SlaveNode& node = mortar.nodes()[k];
-    work.row(Index(k)) << node.normal.transpose(),
-        s.nodes.X[node.node].cross(node.normal).transpose();
-  }
-  const Vector sizes = Eigen::JacobiSVD<Eigen::MatrixXd>(work).singularValues();
+  std::mt19937 random(5);
+  const Vector sizes = resistances(uneven_pair(3, false, near_cylinder(random)));
   EXPECT_LT(sizes[4], 1e-12);  // along the axis, and around it
   EXPECT_GT(sizes[3], 0.05);
 }
 
 TEST(MortarNormals, ABodyThatSupportsLeaveToTurnTurnsAboutTheirAxis) {
   // the axis that rough vertices tell is tilted, and the supports resist what that adds
-  auto rough = near_cylinder();
   for (bool slave_turns : {true, false}) {
-    Surfaces s = uneven_pair(3, false, rough);
+    std::mt19937 random(5);
+    Surfaces s = uneven_pair(3, false, near_cylinder(random));
     const auto wedge = [&] {
       Real most = 0;
       const Mortar mortar = s.mortar();
@@ -111,21 +115,13 @@ TEST(MortarNormals, ABodyThatSupportsLeaveToTurnTurnsAboutTheirAxis) {
 TEST(MortarNormals, EachBodyHasMotionsOfItsOwn) {
   // two cylinders side by side, rough, with other axes: together they leave one motion alone
   std::mt19937 random(5);
-  std::uniform_real_distribution<Real> by(-1e-3, 1e-3);
   Surfaces s(3);
-  const auto rough = [&](Real shift) -> Map {
-    return [&, shift](const Vec3& x) {
-      Vec3 p = on_cylinder(x);
-      const Real r = 1 + by(random);
-      return Vec3(r * p[0] + shift, p[1], r * p[2]);
-    };
-  };
-  s.pairs[0].slave = s.sheet(7, 1, rough(0), 2);
+  s.pairs[0].slave = s.sheet(7, 1, near_cylinder(random), 2);
   const Index second = static_cast<Index>(s.nodes.X.size());
-  for (const Facet& f : s.sheet(7, 1, rough(3), 2).facets) s.pairs[0].slave.facets.push_back(f);
+  append(s.pairs[0].slave, s.sheet(7, 1, near_cylinder(random, 3), 2));
   const Index slaves = static_cast<Index>(s.nodes.X.size());
-  s.pairs[0].master = s.sheet(9, -1, rough(0), 1);
-  for (const Facet& f : s.sheet(9, -1, rough(3), 1).facets) s.pairs[0].master.facets.push_back(f);
+  s.pairs[0].master = s.sheet(9, -1, near_cylinder(random), 1);
+  append(s.pairs[0].master, s.sheet(9, -1, near_cylinder(random, 3), 1));
   for (bool apart : {true, false}) {
     if (apart)
       s.options.bodies = [=] {
@@ -135,14 +131,7 @@ TEST(MortarNormals, EachBodyHasMotionsOfItsOwn) {
       };
     else
       s.options.bodies = nullptr;
-    const Mortar mortar = s.mortar();
-    Eigen::MatrixXd work(64, 6);
-    for (Index k = 0; k < 64; ++k) {
-      const SlaveNode& node = mortar.nodes()[k];
-      ASSERT_LT(node.node, second);
-      work.row(k) << node.normal.transpose(), s.nodes.X[node.node].cross(node.normal).transpose();
-    }
-    const Vector sizes = Eigen::JacobiSVD<Eigen::MatrixXd>(work).singularValues();
+    const Vector sizes = resistances(s, 0, second);
     EXPECT_EQ(sizes[4] < 1e-12, apart) << sizes.transpose();
   }
 }
@@ -150,41 +139,25 @@ TEST(MortarNormals, EachBodyHasMotionsOfItsOwn) {
 TEST(MortarNormals, WhatOneBodyOrPairResistsIsLeftToOthers) {
   // a rough cylinder beside an oval, which resists the rotation
   std::mt19937 random(5);
-  std::uniform_real_distribution<Real> by(-1e-3, 1e-3);
-  const auto rough = [&](Real shift, Real height) -> Map {
-    return [&, shift, height](const Vec3& x) {
-      const Vec3 p = on_cylinder(x);
-      const Real r = 1 + by(random);
-      return Vec3(r * p[0] + shift, p[1], height * r * p[2]);
-    };
-  };
   for (bool two_pairs : {false, true}) {
     Surfaces s(3);
     s.pairs.resize(two_pairs ? 2 : 1);
-    s.pairs[0].slave = s.sheet(7, 1, rough(0, 0.5), 2);
+    s.pairs[0].slave = s.sheet(7, 1, near_cylinder(random, 0, 0.5), 2);
     const Index cylinder = static_cast<Index>(s.nodes.X.size());
-    const Surface slave = s.sheet(7, 1, rough(3, 1), 2);
-    s.pairs[0].master = s.sheet(9, -1, rough(0, 0.5), 1);
-    const Surface master = s.sheet(9, -1, rough(3, 1), 1);
+    const Surface slave = s.sheet(7, 1, near_cylinder(random, 3), 2);
+    s.pairs[0].master = s.sheet(9, -1, near_cylinder(random, 0, 0.5), 1);
+    const Surface master = s.sheet(9, -1, near_cylinder(random, 3), 1);
     if (two_pairs) s.pairs[1] = {slave, master};
     if (!two_pairs) {
-      for (const Facet& f : slave.facets) s.pairs[0].slave.facets.push_back(f);
-      for (const Facet& f : master.facets) s.pairs[0].master.facets.push_back(f);
+      append(s.pairs[0].slave, slave);
+      append(s.pairs[0].master, master);
       s.options.bodies = [=, all = s.nodes.X.size()] {
         std::vector<Index> body(all, 1);
         std::fill_n(body.begin(), cylinder, 0);
         return body;
       };
     }
-    const Mortar mortar = s.mortar();
-    Eigen::MatrixXd work = Eigen::MatrixXd::Zero(mortar.nodes().size(), 6);
-    for (std::size_t k = 0; k < mortar.nodes().size(); ++k) {
-      const SlaveNode& node = mortar.nodes()[k];
-      if (node.node >= cylinder)
-        work.row(Index(k)) << node.normal.transpose(),
-            s.nodes.X[node.node].cross(node.normal).transpose();
-    }
-    const Vector sizes = Eigen::JacobiSVD<Eigen::MatrixXd>(work).singularValues();
+    const Vector sizes = resistances(s, cylinder);
     EXPECT_LT(sizes[4], 1e-12) << two_pairs;
     EXPECT_GT(sizes[3], 0.05) << two_pairs;
   }
@@ -209,7 +182,7 @@ TEST(MortarNormals, WhereSurfacesOfOnePatchMeetAreTheMeanByMeasure) {
 
 TEST(MortarNormals, OfFlatFacesTheyAreTheFacetsToTheLastBit) {
   for (int d : {2, 3}) {
-    const Surfaces s = uneven_pair(d, false, [](const Vec3& x) { return x; });
+    const Surfaces s = uneven_pair(d, false, same);
     const Mortar mortar = s.mortar();
     for (const SlaveNode& node : mortar.nodes()) EXPECT_EQ(node.normal, Vec3(Vec3::Unit(d - 1)));
   }

@@ -1,15 +1,15 @@
 #include <gtest/gtest.h>
 
+#include "../refusal.h"
 #include "core/assembly/mortar/topology.h"
 #include "surfaces.h"
 
 using namespace frictioncg;
+using namespace frictioncg::test;
 using namespace frictioncg::mortar;
 using namespace frictioncg::mortar::test;
 
 namespace {
-
-Vec3 same(const Vec3& x) { return x; }
 
 /// Slave (label 2) at height z above a master (label 1).
 Surfaces above(int d, Real z, bool quadratic = false) {
@@ -20,16 +20,7 @@ Surfaces above(int d, Real z, bool quadratic = false) {
 }
 
 std::string refusal(const Surfaces& s) {
-  try {
-    s.mortar();
-  } catch (const IllegalInput& e) {
-    return e.what();
-  }
-  return "";
-}
-
-bool names(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
+  return frictioncg::test::refusal([&] { s.mortar(); });
 }
 
 }  // namespace
@@ -120,8 +111,7 @@ TEST(MortarRefuses, ASlaveThatIsHeldBeforeItsMasterAndEndsInANodeOfAnotherPair) 
   left.resize(2);
   for (Facet& f : right) f.label = 4;
   s.pairs[1].slave.labels = {4};
-  s.pairs[1].master = s.sheet(
-      2, 1, [](const Vec3& x) { return Vec3(0.8 + x[0] / 5, 0, 0); }, 3);
+  s.pairs[1].master = s.sheet(2, 1, lifted(2, 0, 0.8), 3);
   EXPECT_EQ(refusal(s), "");
   s.nodes.held.assign(s.nodes.X.size(), 0);
   for (int v : {0, 1}) s.nodes.held[right[1].node[v]] = 2;
@@ -168,10 +158,8 @@ TEST(MortarRefuses, GivenNormalsWithoutDirectionOrIntoTheSlaveWhereSomethingFace
 TEST(MortarTraps, TheFarSideOfAPlateIsNoOverlap) {
   // the whole boundary of a thick plate is master: its bottom faces what looks up above it
   Surfaces s = above(2, 0.1);
-  for (const Facet& f : s.sheet(5, -1, lifted(2, -2), 1).facets)
-    s.pairs[0].master.facets.push_back(f);
-  for (const Facet& f : s.sheet(5, 1, lifted(2, 1), 3).facets)
-    s.pairs[0].slave.facets.push_back(f);  // the top of the body above
+  append(s.pairs[0].master, s.sheet(5, -1, lifted(2, -2), 1));
+  append(s.pairs[0].slave, s.sheet(5, 1, lifted(2, 1), 3));  // the top of the body above
   s.pairs[0].slave.labels = {2, 3};
   const Mortar mortar = s.mortar();
   for (const SlaveNode& node : mortar.nodes()) EXPECT_NEAR(node.gap, 0.1, 1e-15);
@@ -246,15 +234,9 @@ TEST(MortarTraps, AFaceMayBeSlaveOnOnePartAndMasterOnAnother) {
   // meet its nodes keep their law if their pair is the first
   const auto expect = [](int d, bool meet, bool plate_first) {
     Surfaces s(d);
-    const auto stretched = [](const Vec3& x) { return Vec3(2 * x[0], x[1], 0); };
-    const auto on = [d](Real from, Real to) {
-      return [=](const Vec3& x) {
-        return Vec3(Vec3(from + (to - from) * x[0], x[1], 0) + 0.1 * Vec3::Unit(d - 1));
-      };
-    };
-    const Surface plate = s.sheet(6, 1, stretched, 1);
-    s.pairs = {{plate, s.sheet(4, -1, on(0, meet ? 1 : 0.6), 2)},
-               {s.sheet(5, -1, on(meet ? 1 : 1.4, 2), 3), plate}};
+    const Surface plate = s.sheet(6, 1, lifted(d, 0, 0, 2), 1);
+    s.pairs = {{plate, s.sheet(4, -1, lifted(d, 0.1, 0, meet ? 1 : 0.6), 2)},
+               {s.sheet(5, -1, lifted(d, 0.1, meet ? 1 : 1.4, 2), 3), plate}};
     if (!plate_first) std::swap(s.pairs[0], s.pairs[1]);
     const Index of_plate = plate_first ? 0 : 1, of_other = 1 - of_plate;
     const Mortar mortar = s.mortar();

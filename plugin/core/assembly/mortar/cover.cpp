@@ -42,17 +42,17 @@ Real moved_since(const Earlier& earlier, const std::vector<Vec3>& X) {
 
 class Covering {
  public:
-  Covering(const Side& slave, const Side& master, const std::vector<Vec3>& X, Real maxgap,
-           const OwnSurface* own, const std::optional<Earlier>& earlier)
+  Covering(const Nodes& nodes, const Pair& given, const Side& slave, const Side& master,
+           Real maxgap, const std::optional<Earlier>& earlier)
       : slave_(slave),
         master_(master),
-        X_(X),
+        X_(nodes.X),
         maxgap_(maxgap),
         d_(slave.d),
-        own_(own),
+        own_(slave, nodes, touches_itself(given)),
         earlier_(earlier),
-        moved_(earlier ? moved_since(*earlier, X) : 0),
-        tree_(d_, master.surface.facets, master.planes, X) {}
+        moved_(earlier ? moved_since(*earlier, X_) : 0),
+        tree_(d_, master.surface.facets, master.planes, X_) {}
 
   Cover run() {
     Cover result;
@@ -104,8 +104,7 @@ class Covering {
       if (std::abs(deciding_distance(f, m, c.projection.distance)(middle)) > maxgap) continue;
       const Real deepest = std::max(base.size, master_.planes[m].size);
       if (earlier_ && c.distance < -deepest && !before(f, m)) continue;  // it has come past its end
-      if (own_ && own_->excludes(slave_, f, master_.facet(m), middle, c.distance, deepest))
-        continue;
+      if (own_.excludes(slave_, f, master_.facet(m), middle, c.distance, deepest)) continue;
       c.left = infinity, c.right = -infinity;
       for (const Vec2& xi : c.part)
         c.left = std::min(c.left, xi[0]), c.right = std::max(c.right, xi[0]);
@@ -199,7 +198,7 @@ class Covering {
       if (!p.inverts) continue;
       const Real distance = p.distance(xi);
       const bool away = master_.planes[m].normal.dot(base.normal) >= facing;
-      if (!away && !(own_ && own_->is_through_body(slave_, f, master_.facet(m), xi))) continue;
+      if (!away && !own_.is_through_body(slave_, f, master_.facet(m), xi)) continue;
       if (p.at(xi).head(d_).minCoeff() >= inside_facet && distance < 0 && distance > -depth)
         return true;
     }
@@ -219,7 +218,7 @@ class Covering {
   const std::vector<Vec3>& X_;
   Real maxgap_;
   int d_;
-  const OwnSurface* own_;
+  const OwnSurface own_;
   const std::optional<Earlier>& earlier_;
   const Real moved_;
   FacetTree tree_;
@@ -231,9 +230,9 @@ class Covering {
 
 }  // namespace
 
-Cover cover(const Side& slave, const Side& master, const std::vector<Vec3>& X, Real maxgap,
-            const OwnSurface* own, const std::optional<Earlier>& earlier) {
-  return Covering(slave, master, X, maxgap, own, earlier).run();
+Cover cover(const Nodes& nodes, const Pair& given, const Side& slave, const Side& master,
+            Real maxgap, const std::optional<Earlier>& earlier) {
+  return Covering(nodes, given, slave, master, maxgap, earlier).run();
 }
 
 }  // namespace frictioncg::mortar

@@ -28,18 +28,16 @@ struct Sides {
   std::vector<Cover> covers = {};
 };
 
-struct OwnSurface;  // self_contact.h
-
 /// The same sides where it was decided what faces what.
 struct Earlier {
   const Side &slave, &master;
   const std::vector<Vec3>& X;
 };
 
-/// earlier: none where it is decided here. What maxgap leaves out there is left out, so
-/// that the cells of X move on with X. own: of a surface that touches itself, or null. Throws
-/// IllegalInput where the bodies overlap by more than a facet.
-Cover cover(const Side& slave, const Side& master, const std::vector<Vec3>& X, Real maxgap,
-            const OwnSurface* own = nullptr, const std::optional<Earlier>& earlier = {});
+/// What the sides of a pair, as it was given, have before each other at the nodes. earlier: none
+/// where it is decided here. What maxgap leaves out there is left out, so that the cells move on
+/// with the nodes. Throws IllegalInput where the bodies overlap by more than a facet.
+Cover cover(const Nodes& nodes, const Pair& given, const Side& slave, const Side& master,
+            Real maxgap, const std::optional<Earlier>& earlier = {});
 
 }  // namespace frictioncg::mortar

@@ -122,50 +122,35 @@ struct Group {
   }
 };
 
-/// A side with its smooth normals.
-class Curves {
- public:
-  Curves(const Side& side, const std::vector<Vec3>& X) : side_(side), X_(X), smooth_(side, X) {}
-  std::vector<FacetShape> shapes() const {
-    std::vector<FacetShape> all;
-    for (Index f = 0; f < side_.facets(); ++f) all.push_back({flat(f), concave(f)});
-    return all;
-  }
-  FanNormal at(Index f, const Vec3& lambda) const {
-    FanNormal here;
-    for (int v = 0; v < side_.d; ++v) {
-      here.normal += lambda[v] * smooth_.at(f, v).normal;
-      here.turn = std::max(here.turn, smooth_.at(f, v).turn);
-    }
-    here.normal.normalize();
-    return here;
-  }
-  PointNormal vertex(Index f, int v, Real weight) const {
-    const FanNormal& n = smooth_.at(f, v);
-    return {X_[side_.facet(f).node[v]], n.normal, weight, n.turn};
-  }
-
- private:
-  bool flat(Index f) const {
-    for (int v = 0; v < side_.d; ++v)
-      if (!same_direction(smooth_.at(f, v).normal, side_.planes[f].normal)) return false;
-    return true;
-  }
-  /// Of a bore: normals come together.
-  bool concave(Index f) const {
-    if (flat(f)) return false;
-    const Plane& plane = side_.planes[f];
+/// The normals of a bore come together.
+std::vector<FacetShape> shapes_of(const Side& side, const std::vector<Vec3>& X,
+                                  const SmoothSide& smooth) {
+  std::vector<FacetShape> shapes;
+  for (Index f = 0; f < side.facets(); ++f) {
+    const Facet& facet = side.facet(f);
+    const Vec3& n = side.planes[f].normal;
+    bool flat = true;
     Real spread = 0;
-    for (int v = 0; v < side_.d; ++v)
-      spread += (smooth_.at(f, v).normal - plane.normal)
-                    .dot(X_[side_.facet(f).node[v]] - X_[side_.facet(f).node[(v + 1) % side_.d]]);
-    return spread < 0;
+    for (int v = 0; v < side.d; ++v) {
+      const Vec3& at_vertex = smooth.at(f, v).normal;
+      flat = flat && same_direction(at_vertex, n);
+      spread += (at_vertex - n).dot(X[facet.node[v]] - X[facet.node[(v + 1) % side.d]]);
+    }
+    shapes.push_back({flat, !flat && spread < 0});
   }
+  return shapes;
+}
 
-  const Side& side_;
-  const std::vector<Vec3>& X_;
-  const SmoothSide smooth_;
-};
+/// Between the vertices of a facet.
+FanNormal normal_at(const SmoothSide& smooth, int d, Index f, const Vec3& lambda) {
+  FanNormal here;
+  for (int v = 0; v < d; ++v) {
+    here.normal += lambda[v] * smooth.at(f, v).normal;
+    here.turn = std::max(here.turn, smooth.at(f, v).turn);
+  }
+  here.normal.normalize();
+  return here;
+}
 
 /// Whether facets of a side lean against those beside them.
 bool is_curved(const Side& side) {
@@ -183,15 +168,15 @@ std::map<std::pair<Index, Index>, Group> facing_nodes(const Sides& of, std::size
                                                       PairShapes& shapes) {
   const Side &slave = of.slaves[p], &master = of.masters[p];
   const std::vector<Vec3>& X = of.nodes.X;
-  const Curves own(slave, X), theirs(master, X);
-  if (shapes.slave.empty()) shapes = {own.shapes(), theirs.shapes()};
+  const SmoothSide own(slave, X), theirs(master, X);
+  if (shapes.slave.empty()) shapes = {shapes_of(slave, X, own), shapes_of(master, X, theirs)};
   std::map<std::pair<Index, Index>, Group> groups;
   for (Index f = 0; f < slave.facets(); ++f) {
     const auto [own_is_flat, bore] = shapes.slave[f];
     for (const Cell& cell : of.covers[p].cells[f]) {
       const Facet& before = master.facet(cell.master);
       const Vec3 lambda = project(slave.d, slave.planes[f], before, X).at(centroid(cell.part));
-      const FanNormal n = theirs.at(cell.master, lambda);
+      const FanNormal n = normal_at(theirs, slave.d, cell.master, lambda);
       const auto [flat, their_bore] = shapes.master[cell.master];
       const bool differs = own_is_flat != flat || (bore && !their_bore);
       const Real measure = extent(cell.part) * slave.planes[f].measure;
@@ -202,7 +187,7 @@ std::map<std::pair<Index, Index>, Group> facing_nodes(const Sides& of, std::size
         Facing& here = group.nodes[i];
         here.own.x = X[i];
         here.own.normal = normal[i];
-        here.own.turn = std::max(here.own.turn, own_is_flat ? 0 : own.vertex(f, v, 0).turn);
+        here.own.turn = std::max(here.own.turn, own_is_flat ? 0 : own.at(f, v).turn);
         here.own.weight += measure;
         here.other_turn = std::max(here.other_turn, differs && !flat ? n.turn : 0);
         here.other_first = here.other_first || (differs && (flat || bore));
@@ -210,8 +195,8 @@ std::map<std::pair<Index, Index>, Group> facing_nodes(const Sides& of, std::size
           here.theirs += measure * n.normal;
         else
           here.same += measure;
-        group.other.push_back(differs ? theirs.vertex(cell.master, v, measure)
-                                      : own.vertex(f, v, measure));
+        const FanNormal& other = differs ? theirs.at(cell.master, v) : own.at(f, v);
+        group.other.push_back({X[differs ? before.node[v] : i], other.normal, measure, other.turn});
       }
     }
   }
@@ -306,32 +291,15 @@ bool master_counts(const Freedom& freedom, const Group& group, Index slave, Inde
                      : is_softer(stiffness, of_other, of_own);
 }
 
-/// The motions of A that the slave's normals let slip, they let slip to rounding.
-void keep_slaves(int d, const Freedom& freedom, const Group& group, const DenseMatrix& of_own,
-                 std::vector<Vec3>& normal) {
-  std::vector<PointNormal> points = group.own();
-  make_tangential(d, freedom.generators, of_own, points, to_free_motions);
-  std::size_t k = 0;
-  for (const auto& [i, here] : group.nodes) normal[i] = points[k++].normal;
-}
-
-/// motions: that they let slip, and those of them that A leaves free.
-void take_masters(int d, const Freedom& freedom, const Group& group, const DenseMatrix& motions,
-                  const DenseMatrix& free, std::vector<Vec3>& normal,
-                  std::vector<char>& of_master) {
+/// Nodes with the master's normals.
+std::vector<PointNormal> with_masters(const Group& group) {
   std::vector<PointNormal> taken;
   for (const auto& [i, here] : group.nodes) {
     const Vec3 theirs = here.of_master();
     const bool far = here.other_turn > 0 && !(theirs.dot(here.own.normal) > steep);
     taken.push_back({here.own.x, far ? here.own.normal : theirs, here.own.weight, here.other_turn});
   }
-  make_tangential(d, freedom.generators, motions, taken, to_masters);
-  make_tangential(d, freedom.generators, free, taken, to_masters);
-  std::size_t k = 0;
-  for (const auto& [i, here] : group.nodes) {
-    normal[i] = taken[k++].normal;
-    of_master[i] = 1;
-  }
+  return taken;
 }
 
 }  // namespace
@@ -372,11 +340,17 @@ CommonNormals choose_common_normals(const Sides& of, const Options& options, con
         return motions;
       };
       const DenseMatrix free = slip(relative, choice.free);
+      std::vector<PointNormal> points = choice.master ? with_masters(group) : group.own();
       if (choice.master)
-        take_masters(d, *freedom, group, slip(motions_of(*freedom), choice.motions), free, normal,
-                     common.of_master);
-      else
-        keep_slaves(d, *freedom, group, free, normal);
+        make_tangential(d, freedom->generators, slip(motions_of(*freedom), choice.motions), points,
+                        to_masters);
+      make_tangential(d, freedom->generators, free, points,
+                      choice.master ? to_masters : to_free_motions);
+      std::size_t k = 0;
+      for (const auto& [i, here] : group.nodes) {
+        normal[i] = points[k++].normal;
+        common.of_master[i] |= choice.master;
+      }
     }
   }
   return common;
@@ -490,7 +464,7 @@ void take_masters_at_ends(const Sides& of, const Owns& owns, std::vector<Vec3>& 
   for (std::size_t p = 0; p < of.slaves.size(); ++p) {
     const Side &slave = of.slaves[p], &master = of.masters[p];
     if (lies_flat(slave, master, of.covers[p])) continue;
-    std::optional<Curves> own, theirs;
+    std::optional<SmoothSide> own, theirs;
     for (const auto& [i, end] : ends_of_faces(of, p, owns)) {
       const Vec3 n = normal[i];
       if (!end.cell || of_master[i] || end.outward.empty()) continue;
@@ -498,7 +472,7 @@ void take_masters_at_ends(const Sides& of, const Owns& owns, std::vector<Vec3>& 
       if (!theirs) theirs.emplace(master, X);
       const auto m_at = [&, plane = slave.planes[end.facet]](const Cell& cell, const Vec2& xi) {
         const Projection chi = project(slave.d, plane, master.facet(cell.master), X);
-        return Vec3(-theirs->at(cell.master, chi.at(xi)).normal);
+        return Vec3(-normal_at(*theirs, slave.d, cell.master, chi.at(xi)).normal);
       };
       const auto lean = [&n, &outward = end.outward](const Vec3& m) {
         return nearest_in_cone(m - m.dot(n) * n, outward);
@@ -506,7 +480,7 @@ void take_masters_at_ends(const Sides& of, const Owns& owns, std::vector<Vec3>& 
       const Vec3 m = m_at(*end.cell, reference_vertex(end.vertex)), t = lean(m);
       if (t.norm() <= leans) continue;
       if (!own) own.emplace(slave, X);
-      const Real turn = own->vertex(end.facet, end.vertex, 0).turn;
+      const Real turn = own->at(end.facet, end.vertex).turn;
       const Real from = std::max(leans, of_turn * turn), whole = leans_whole / leans * from;
       const auto lean_at = [&](const Cell& cell, const Vec2& xi) { return lean(m_at(cell, xi)); };
       const Real share = std::clamp<Real>((t.norm() - from) / (whole - from), 0, 1) *

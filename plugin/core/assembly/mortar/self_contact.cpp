@@ -128,11 +128,11 @@ void spread(const Side& side, std::vector<Index> decided, std::vector<char>& is_
 /// Which facets are slaves; none where nothing faces itself.
 std::vector<char> slaves_of(const Nodes& nodes, const Pair& pair, Real maxgap) {
   const Side side(nodes.dimension, pair.slave, nodes.X);
-  const OwnSurface own(side, nodes.X, nodes.reference, true);
+  const OwnSurface own(side, nodes, true);
   const Eigen::Matrix3d axes = own_axes(side, own);
   std::vector<char> is_slave(side.facets(), 0);
   std::vector<Index> decided;
-  const Cover faced = cover(side, side, nodes.X, maxgap, &own);
+  const Cover faced = cover(nodes, pair, side, side, maxgap);
   for (const auto& [root, encounter] : encounters(side, faced, nodes.X)) {
     const Vec3 a = eigenpairs(encounter.directions).vectors.col(2);
     const Half one(encounter, side, own, a), other(encounter, side, own, -a);
@@ -143,15 +143,14 @@ std::vector<char> slaves_of(const Nodes& nodes, const Pair& pair, Real maxgap) {
   return decided.empty() ? std::vector<char>() : is_slave;
 }
 
-/// Whether the facets of slave and master are the same.
+}  // namespace
+
 bool touches_itself(const Pair& pair) {
   const std::vector<Facet>&slave = pair.slave.facets, &master = pair.master.facets;
   const auto same = [](const Facet& a, const Facet& b) { return a.node == b.node; };
   return !slave.empty() &&
          std::equal(slave.begin(), slave.end(), master.begin(), master.end(), same);
 }
-
-}  // namespace
 
 bool OwnSurface::is_through_body(const Side& side, Index f, const Facet& m, const Vec2& xi) const {
   // before a deformation what is behind may lie so many facets aside
@@ -170,12 +169,6 @@ bool OwnSurface::excludes(const Side& side, Index f, const Facet& m, const Vec2&
       if (std::count(m.node.begin(), m.node.begin() + side.d, own.node[v]) > 0) return true;
   if (distance >= 0) return false;
   return (touches_itself && -distance > deepest) || is_through_body(side, f, m, xi);
-}
-
-Cover cover(const Nodes& nodes, const Pair& given, const Side& slave, const Side& master,
-            Real maxgap, const std::optional<Earlier>& earlier) {
-  const OwnSurface own(slave, nodes.X, nodes.reference, touches_itself(given));
-  return cover(slave, master, nodes.X, maxgap, &own, earlier);
 }
 
 void find_slaves(const Nodes& nodes, const std::vector<Pair>& pairs, Real maxgap,

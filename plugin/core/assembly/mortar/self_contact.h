@@ -11,11 +11,11 @@ struct OwnSurface {
   const std::vector<Vec3>& X;
   bool touches_itself;
 
-  /// The side is at Y; reference: nodes without deformation, or empty, which is Y.
-  OwnSurface(const Side& side, const std::vector<Vec3>& Y, const std::vector<Vec3>& reference,
-             bool itself)
-      : planes(reference.empty() ? side.planes : planes_at(side.d, side.surface, Y, reference)),
-        X(reference.empty() ? Y : reference),
+  /// The side is at the nodes.
+  OwnSurface(const Side& side, const Nodes& nodes, bool itself)
+      : planes(nodes.reference.empty() ? side.planes
+                                       : planes_at(side.d, side.surface, nodes.X, nodes.reference)),
+        X(nodes.reference.empty() ? nodes.X : nodes.reference),
         touches_itself(itself) {}
 
   /// Whether facet m of the master lies behind f, below xi, as the other face of the same body: by
@@ -29,6 +29,9 @@ struct OwnSurface {
   bool excludes(const Side& side, Index f, const Facet& m, const Vec2& xi, Real distance,
                 Real deepest) const;
 };
+
+/// Whether the facets of slave and master are the same.
+bool touches_itself(const Pair& pair);
 
 /// Which facets are slaves, per pair; empty of one that does not touch or face itself.
 using SlaveFacets = std::vector<std::vector<char>>;
@@ -48,9 +51,5 @@ void find_slaves(const Nodes& nodes, const std::vector<Pair>& pairs, Real maxgap
 /// The pairs, where each facet of those that touch themselves is slave or master. None is the
 /// latter where they do not face themselves, which bodies that move may do.
 std::vector<Pair> parted(std::vector<Pair> pairs, const SlaveFacets& slaves, bool moves);
-
-/// What the sides of a pair, as it was given, have before each other at the nodes.
-Cover cover(const Nodes& nodes, const Pair& given, const Side& slave, const Side& master,
-            Real maxgap, const std::optional<Earlier>& earlier = {});
 
 }  // namespace frictioncg::mortar

@@ -60,11 +60,6 @@ Side::Side(int dimension, const Surface& surface_, const std::vector<Vec3>& X,
   find_joints(reference.empty() ? planes : planes_at(d, surface, X, reference));
 }
 
-Side::Side(const Side& side, const std::vector<Vec3>& X, const std::vector<Vec3>& Y)
-    : d(side.d), surface(side.surface), planes(planes_at(side.d, side.surface, X, Y)) {
-  find_joints(planes);
-}
-
 void Side::find_joints(const std::vector<Plane>& at) {
   std::vector<std::pair<std::array<Index, 2>, Index>> ridges;  // and a facet of each
   for (Index f = 0; f < facets(); ++f)

@@ -32,8 +32,6 @@ struct Side {
   /// what is smooth; empty: X.
   Side(int dimension, const Surface& surface_, const std::vector<Vec3>& X,
        const std::vector<Vec3>& reference = {});
-  /// The same surface with its nodes at Y in place of X: outside stays outside.
-  Side(const Side& side, const std::vector<Vec3>& X, const std::vector<Vec3>& Y);
   int d;
   bool is_moved = false;  ///< from the reference
   const Surface& surface;
