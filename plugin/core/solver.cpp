@@ -134,17 +134,17 @@ Solution Solver::solve(const Increment& increment, const Settings& settings, con
 /// as a face, if that keeps it: of two that the laws allow, its descent from the start ends at the
 /// one that a path leads to, where Newton's steps pass by it.
 Solution Solver::or_as_held_before(Solution s, const Request& request) {
-  const Settings& settings = request.settings;
-  const bool chooses = settings.newton && request.problem.increment.law != Law::frictionless;
-  if (!chooses || s.layer == Layer::gcx || s.undetermined.cols() == 0) return s;
-  if (!(s.certificate.residual <= settings.tol) || !lets_go(floating_(), request.problem, s))
+  const auto& [problem, settings, x0, observer] = request;
+  if (!settings.newton || s.layer == Layer::gcx || problem.increment.law == Law::frictionless)
     return s;
+  if (s.undetermined.cols() == 0 || !(s.certificate.residual <= settings.tol)) return s;
+  if (!lets_go(problem, s)) return s;
   const Request rest = what_remains(without_factor(request), s);
   if (rest.settings.nbiter <= 0) return s;
   Solution held = after(s, by_gradients(rest, floating_));
-  const bool holds =
-      held.certificate.residual <= settings.tol && held.undetermined.cols() < s.undetermined.cols();
-  return holds ? held : s;
+  if (!(held.certificate.residual <= settings.tol)) return s;
+  const Branches now = branches_of(problem, held.x, held.certificate);
+  return left_free(s.undetermined, problem, now).cols() < s.undetermined.cols() ? held : s;
 }
 
 /// The route of the plan; where it is not open, or does not arrive, another one.

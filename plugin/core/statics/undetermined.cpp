@@ -81,7 +81,7 @@ Branches branches_of(const ContactProblem& problem, const Vector& x,
   return branches;
 }
 
-bool lets_go(const DenseMatrix& W, const ContactProblem& problem, const Solution& s) {
+bool lets_go(const ContactProblem& problem, const Solution& s) {
   Branches at_start = all_stick(problem.increment);
   const Vector rest = Vector::Zero(problem.dofs());
   const Real none = no_force(certify(problem, rest));
@@ -89,7 +89,7 @@ bool lets_go(const DenseMatrix& W, const ContactProblem& problem, const Solution
     if (problem.closing(i, rest) >
         none * std::sqrt(problem.system->weight[problem.system->first[i]]))
       at_start[i].closed = at_start[i].stick = false;
-  return left_free(W, problem, at_start).cols() < s.undetermined.cols();
+  return left_free(s.undetermined, problem, at_start).cols() < s.undetermined.cols();
 }
 
 bool touches_without_force(const ContactProblem& problem, const Vector& x,

@@ -21,7 +21,7 @@ bool touches_without_force(const ContactProblem& problem, const Vector& x,
 
 /// Whether an answer leaves free what nodes that touched at the start of the increment would hold
 /// by stick. Under one load contact may let go of a body and hold it, as a taper that locks itself.
-bool lets_go(const DenseMatrix& W, const ContactProblem& problem, const Solution& s);
+bool lets_go(const ContactProblem& problem, const Solution& s);
 
 /// Takes the undetermined motions of s out of s.x, as far as the laws allow it within tol: gaps
 /// stay open or close, and slip goes on. x is then the least that differs from it by them, in the
