@@ -135,18 +135,24 @@ class StandAgainst {
   Vector sums_;
 };
 
-/// What the pressures on a body hold of its turn and do not hold where it has come, as a round body
-/// that has rolled on to its next vertex stands on an edge of the mesh: the lesser of their moment
-/// about the axis, and of what the turn changes that by. It is told over all that contact can hold.
+/// What the pressures on a round body hold of its turn and do not hold where it has come, as it
+/// stands on an edge of the mesh when it has rolled on to the next vertex: the lesser of their
+/// moment about the axis, and of what the turn changes that by. It is told over all that contact
+/// can hold.
 class StandOnEdge {
  public:
   /// At x, of the obstacle or the other body on this one; limit: of friction.
   void add(const RigidMotion& turn, const Vec3& x, const Vec3& pressure, Real limit);
-  void sum(const System& system) { system.sum(sums_, 3); }
+  void sum(const System& system) { system.sum(sums_.data(), Index(sums_.size())); }
+  /// 0 for bodies that are not round, whose pressures do not all pass near the axis: they stand on
+  /// the faces that they have.
   Real share() const;
 
  private:
-  Real sums_[3] = {0, 0, 0};  ///< moment, its change, the moments that each node can hold
+  /// Their sum, what the turn changes it by, the sum of their sizes, and of those that friction and
+  /// that pressures could have across the arm.
+  using Moments = Eigen::Matrix<Real, 5, 1>;
+  Moments sums_ = Moments::Zero();
 };
 
 /// How contact holds a body against its turn: also where it has come, or the turn is small; where

@@ -108,6 +108,8 @@ TEST(StandOnEdge, IsTheLesserOfWhatPressuresHoldAndOfWhatTheTurnTakesFromThat) {
     EXPECT_EQ(stands_on_edge(0.05, facet, 0, mu), 0);  // it rolls freely
   }
   EXPECT_NEAR(stands_on_edge(0.02, facet, 0.4, 0), 0.02 * round / held, 1e-12);
+  EXPECT_EQ(stands_on_edge(0.05, 0.8, 0.5, 0.1), 0);  // on a face: it is no round body
+  EXPECT_GT(stands_on_edge(0.05, 0.4, 0.5, 0.1), 0);
   EXPECT_EQ(StandOnEdge().share(), 0);
 }
 
