@@ -162,6 +162,20 @@ TEST(Minimize, ConvergedMeansThatTheBoundOnTheResidualHolds) {
       }
 }
 
+TEST(Minimize, AsInThePapersTablesItStopsWhereAStepIsSmallBesideX) {
+  const Given c(2, false, 6);
+  Settings settings;
+  settings.method = Method::gc3;
+  settings.stop_on_step = 1e-3;
+  const Minimized a = minimize(c.p, settings, c.g, Vector::Zero(c.p.dofs()), c.eps(), 0);
+  EXPECT_EQ(a.outcome.status, Status::converged);
+  for (std::size_t k = 1; k < a.steps.size(); ++k) {
+    const Vector &x = a.steps[k].x, dx = x - a.steps[k - 1].x;
+    const bool is_last = k + 1 == a.steps.size(), released = a.steps[k].label == StepLabel::release;
+    EXPECT_EQ(dx.norm() <= 1e-3 * x.norm(), is_last || released) << k;
+  }
+}
+
 TEST(Minimize, TensionOnAFaceThatIsOtherwiseSolvedIsNotConverged) {
   // held everywhere, the bilateral answer has tensile nodes and no residual on its free dofs
   for (Method m : conjugate)
