@@ -54,7 +54,6 @@ TEST(InteriorPoint, ItsAnswerIsNewtonsWhereBothArrive) {
       OnContact condensed(block(o));
       const CondensedProblem p = condensed.problem();
       SemismoothNewton newton(p);
-      newton.start_from_stick();
       ASSERT_EQ(newton.solve(40), SemismoothNewton::Outcome::converged);
       const Attempt a = by_interior_point(p, 100);
       ASSERT_TRUE(a.solved) << d << " " << mu;
