@@ -66,6 +66,13 @@ struct Scene {
   Posed system(const std::vector<Index>& mesh_node = {}) const;
 };
 
+/// Which mesh node each dof belongs to.
+inline std::vector<Index> mesh_nodes(const Scene& s) {
+  std::vector<Index> node(s.n);
+  for (Index i = 0; i < s.n; ++i) node[i] = i / s.d;
+  return node;
+}
+
 /// The rigid motions of nodes at X (nodes x 3), whose components are numbered node by node.
 Eigen::MatrixXd rigid_motions_of(const Eigen::MatrixXd& X, int d);
 

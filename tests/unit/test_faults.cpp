@@ -171,9 +171,7 @@ TEST_F(Faults, AThousandCallsLeakNothing) {
 
 /// Of all that a call allocates, the copies of A and of the scene that it was made from apart.
 TEST_F(Faults, MultigridTakesLessThanTwelveTimesTheStorageOfTheMatrix) {
-  SparseOptions o;
-  o.cells = {14, 14, 14};
-  const SparseScene scene = sparse_block(o);
+  const SparseScene scene = sparse_block(cube_of(14));
   const Posed posed = scene.system(scene.node_of_dof);
   const Matrix& A = posed.problem().system->entries();
   const double storage = 12.0 * double(A.nonZeros());

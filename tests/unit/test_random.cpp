@@ -4,7 +4,6 @@
 // RANDOM_VERBOSE names those that were not solved, and the layers that solved the others.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <iostream>
 #include <map>
 
@@ -17,28 +16,16 @@ using namespace frictioncg::test;
 
 namespace {
 
-unsigned from_environment(const char* name, unsigned otherwise) {
-  const char* value = std::getenv(name);
-  return value ? static_cast<unsigned>(std::strtoul(value, nullptr, 10)) : otherwise;
-}
-
 struct Result {
   Status status;
   Layer layer;
   Real worst = 0;  ///< of the laws, by the verifier, where converged
 };
 
-/// Multigrid needs to know the mesh nodes.
-std::vector<Index> nodes_for(const Settings& settings, const Scene& s) {
-  if (settings.method != Method::multigrid) return {};
-  std::vector<Index> node(s.n);
-  for (Index p = 0; p < s.n; ++p) node[p] = p / s.d;
-  return node;
-}
-
 Result judge(const Recipe& recipe, const Settings& settings) {
   const Scene s = make_scene(recipe);
-  const Posed system = s.system(nodes_for(settings, s));
+  const bool needs_nodes = settings.method == Method::multigrid;
+  const Posed system = s.system(needs_nodes ? mesh_nodes(s) : std::vector<Index>());
   const Solution a = solve(system.problem(), settings);
   Result r{a.status, a.layer};
   if (a.status == Status::converged)

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "../gradient/block3d.h"
+#include "../gradient/recorder.h"
 #include "../verifier.h"
 #include "core/multigrid/multigrid_solver.h"
 #include "core/solver.h"
@@ -11,13 +12,6 @@ using namespace frictioncg;
 using namespace frictioncg::test;
 
 namespace {
-
-SparseOptions cube_of(int cells, int d = 3) {
-  SparseOptions o;
-  o.d = d;
-  o.cells = {cells, cells, cells};
-  return o;
-}
 
 struct Answer {
   Solution solution;
@@ -309,9 +303,7 @@ TEST(Multigrid, FrictionFollowsTheSlipOfNodesThatHardlySlide) {
   // the certificate is of second order there: slip times angle
   for (unsigned seed : {25u, 313u, 350u}) {
     const Scene scene = make_scene(random_block3d(seed));
-    std::vector<Index> node(scene.n);
-    for (Index p = 0; p < scene.n; ++p) node[p] = p / 3;
-    const Posed posed = scene.system(node);
+    const Posed posed = scene.system(mesh_nodes(scene));
     Settings settings;
     settings.method = Method::multigrid;
     const Solution a = solve(posed.problem(), settings);
@@ -359,16 +351,12 @@ TEST(Multigrid, TakesTheLeastOfWhatNothingDetermines) {
 }
 
 TEST(Multigrid, TellsTheObserverOfEachIterationAndTheLevels) {
-  struct Count : Observer {
-    Index calls = 0;
-    void iterate(Index, StepLabel, const Vector&) override { ++calls; }
-  };
   const SceneInBlocks s(cube_of(8));
   Settings settings;
   settings.method = Method::multigrid;
-  Count count;
-  const Solution a = Solver(s.system).solve(s.posed.problem().increment, settings, {}, &count);
-  EXPECT_EQ(count.calls, a.iterations);
+  Recorder heard;
+  const Solution a = Solver(s.system).solve(s.posed.problem().increment, settings, {}, &heard);
+  EXPECT_EQ(Index(heard.steps.size()), a.iterations);
   EXPECT_EQ(a.steps.total(), a.iterations);
   EXPECT_EQ(a.levels.count, s.hierarchy->levels());
   EXPECT_EQ(a.levels.complexity, s.hierarchy->operator_complexity());
