@@ -183,23 +183,6 @@ TEST(Solver, ReportedResidualIsTheCertificateOfTheReturnedField) {
   EXPECT_EQ(a.certificate.residual, certify(system.problem(), a.x).residual);
 }
 
-TEST(Solver, RotatingTheSceneRotatesTheSolution) {
-  BlockOptions o;
-  o.cells = 6;
-  const Answer a = run(block(o), tight());
-  for (Real angle : {0.1, 0.7, 1.5707963267948966, 3.0}) {
-    o.angle = angle;
-    const Answer b = run(block(o), tight());
-    EXPECT_EQ(b.solution.status, Status::converged);
-    const Real scale = a.u.cwiseAbs().maxCoeff();
-    for (Index k = 0; k < a.u.size(); k += 2) {
-      EXPECT_NEAR(b.u[k], std::cos(angle) * a.u[k] - std::sin(angle) * a.u[k + 1], 1e-6 * scale);
-      EXPECT_NEAR(b.u[k + 1], std::sin(angle) * a.u[k] + std::cos(angle) * a.u[k + 1],
-                  1e-6 * scale);
-    }
-  }
-}
-
 TEST(Solver, ChangingUnitsChangesNothingElse) {
   BlockOptions o;
   for (const Settings& settings : {Settings(), gc3()}) {
@@ -268,14 +251,6 @@ TEST(Solver, LoadBeyondTheLimitHasNoEquilibrium) {
     for (const Settings& settings : {Settings(), gc3()})
       EXPECT_EQ(run(block(o), settings).solution.status, Status::no_equilibrium) << int(law);
   }
-}
-
-TEST(Solver, AnIndefiniteMatrixIsNamed) {
-  Scene s = block(BlockOptions());
-  for (std::size_t k = 0; k < s.a.size(); ++k)
-    if (s.i[k] != s.j[k]) s.a[k] *= 1.5;
-  for (const Settings& settings : {Settings(), gc3()})
-    EXPECT_EQ(run(s, settings).solution.status, Status::not_positive_definite);
 }
 
 TEST(Solver, AnAnswerHasNoNegativeEnergyOnOpenNodes) {
@@ -377,16 +352,6 @@ TEST(Solver, AnIndefiniteMatrixLeavesNoMotionUndetermined) {
       });
   EXPECT_EQ(a.status, Status::not_positive_definite);
   EXPECT_EQ(a.undetermined.cols(), 0);
-}
-
-TEST(Solver, TooFewIterationsAreReportedAsSuch) {
-  Settings settings;
-  settings.nbiter = 3;
-  for (Method m : {Method::gc3, Method::sorp}) {
-    settings.method = m;
-    const Answer a = run(block(BlockOptions()), settings);
-    EXPECT_EQ(a.solution.status, Status::max_iterations);
-  }
 }
 
 TEST(Solver, StartingFromTheSolutionCostsNoIteration) {
@@ -525,26 +490,29 @@ TEST(Solver, BilateralContactNeverOpensAndRubsUnderTensionToo) {
     }
 }
 
-TEST(Solver, TheDefaultTurnsWithTheSceneStepByStep) {
-  for (int d : {2, 3}) {
-    BlockOptions o;
-    o.d = d;
-    o.cells = d == 2 ? 8 : 4;
-    o.shear = 2.3;
-    if (d == 3) o.axis << 1, -2, 0.5;
-    const Answer a = run(block(o), Settings());
-    const Real scale = a.u.cwiseAbs().maxCoeff();
-    for (Real angle : {0.1, 0.7, 1.5707963267948966, 3.0}) {
-      o.angle = angle;
-      const Answer b = run(block(o), Settings());
-      EXPECT_EQ(b.solution.iterations, a.solution.iterations) << d << " " << angle;
-      const Eigen::Matrix3d R = Eigen::AngleAxisd(angle, o.axis.normalized()).toRotationMatrix();
-      for (Index k = 0; k < a.u.size(); k += d) {
-        const Vector turned = R.topLeftCorner(d, d) * a.u.segment(k, d);
-        EXPECT_LT((b.u.segment(k, d) - turned).norm(), 1e-9 * scale);
+TEST(Solver, AnswersTurnWithTheSceneAndTheDefaultDoesStepByStep) {
+  for (const Settings& settings : {Settings(), tight()})
+    for (int d : {2, 3}) {
+      const bool exact = settings.method == Method::automatic;
+      BlockOptions o;
+      o.d = d;
+      o.cells = d == 2 ? 8 : 4;
+      o.shear = 2.3;
+      if (d == 3) o.axis << 1, -2, 0.5;
+      const Answer a = run(block(o), settings);
+      const Real scale = a.u.cwiseAbs().maxCoeff();
+      for (Real angle : {0.1, 0.7, 1.5707963267948966, 3.0}) {
+        o.angle = angle;
+        const Answer b = run(block(o), settings);
+        EXPECT_EQ(b.solution.status, Status::converged) << d << " " << angle;
+        EXPECT_TRUE(!exact || b.solution.iterations == a.solution.iterations) << d << " " << angle;
+        const Eigen::Matrix3d R = Eigen::AngleAxisd(angle, o.axis.normalized()).toRotationMatrix();
+        for (Index k = 0; k < a.u.size(); k += d) {
+          const Vector turned = R.topLeftCorner(d, d) * a.u.segment(k, d);
+          EXPECT_LT((b.u.segment(k, d) - turned).norm(), (exact ? 1e-9 : 1e-6) * scale);
+        }
       }
     }
-  }
 }
 
 TEST(Solver, ABlockBroughtFromFarObeysTheLawsByEveryMethodOrSaysWhatRoundingAllows) {
@@ -745,11 +713,12 @@ TEST(Solver, WithoutCandidatesForRigidMotionsThePlanKnowsNoCostOfMultigrid) {
   o.d = 3;
   o.cells = 2;
   Scene s = block(o);
-  std::vector<Index> node(s.n);
-  for (Index p = 0; p < s.n; ++p) node[p] = p / 3;
-  EXPECT_TRUE(std::isfinite(make_plan(s.system(node).problem(), Settings()).costs.multigrid));
+  const auto multigrid = [&] {
+    return make_plan(s.system(mesh_nodes(s)).problem(), Settings()).costs.multigrid;
+  };
+  EXPECT_TRUE(std::isfinite(multigrid()));
   s.modes.resize(0, 0);
-  EXPECT_TRUE(std::isinf(make_plan(s.system(node).problem(), Settings()).costs.multigrid));
+  EXPECT_TRUE(std::isinf(multigrid()));
 }
 
 TEST(Solver, TheObserverHearsOfTheCondensedAnswerOnceAndOfIterationsOneByOne) {
