@@ -64,7 +64,7 @@ Solution CondensedSolver::solve(const Request& request, const PathOnA& path) {
   }
   if (s.status == Status::converged && !run.positive) look_for_negative_energy(run);
   if (s.status != Status::no_equilibrium) settle(run);
-  if (!std::exchange(factor_reported_, true)) s.times += elimination_.times();
+  s.times += elimination_.take_times();
   return std::move(run.s);
 }
 

@@ -59,8 +59,7 @@ Solution MultigridSolver::solve(const ContactProblem& problem, const Settings& s
   s.route = Route::multigrid;
   s.layer = system_->largest(problem.nodes()) == 0 ? Layer::linear : Layer::multigrid;
   s.levels = {hierarchy_->levels(), hierarchy_->operator_complexity(), hierarchy_->bytes()};
-  s.times.factor = setup_;
-  setup_ = 0;
+  s.times.factor = std::exchange(setup_, 0);
   double start = cpu_seconds();
   const bool many = motions_.cols() > few_motions;
   if (many || !shown_unheld(problem, s)) {
