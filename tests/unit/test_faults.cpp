@@ -98,8 +98,7 @@ class Faults : public testing::Test {
 namespace {
 
 Vector field(const Scene& s, Method method) {
-  Settings settings;
-  settings.method = method;
+  Settings settings{method};
   settings.tol = 1e-6;
   const Posed system = s.system();
   return system.to_global(solve(system.problem(), settings).x);
@@ -175,8 +174,7 @@ TEST_F(Faults, MultigridTakesLessThanTwelveTimesTheStorageOfTheMatrix) {
   const Posed posed = scene.system(scene.node_of_dof);
   const Matrix& A = posed.problem().system->entries();
   const double storage = 12.0 * double(A.nonZeros());
-  Settings settings;
-  settings.method = Method::multigrid;
+  Settings settings{Method::multigrid};
   const long before = bytes;
   peak = bytes;
   EXPECT_EQ(solve(posed.problem(), settings).layer, Layer::multigrid);

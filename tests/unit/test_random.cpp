@@ -91,8 +91,7 @@ TEST(RandomScenes, CohesionAndCapsAreSolvedAndObeyed) {
                                      {Method::gc3, "bounds, GC3"},
                                      {Method::gcx, "bounds, GCX"},
                                      {Method::sorp, "bounds, SORP"}}) {
-    Settings settings;
-    settings.method = method;
+    Settings settings{method};
     if (method != Method::multigrid) settings.tol = 1e-7;
     run_scenes(name, count / 10, seed, settings, method == Method::sorp ? 300000 : 0, with_bounds);
   }
@@ -103,8 +102,7 @@ TEST(RandomScenes, TheIterativeMethodsSolveWhatHasAnAnswerAndObeyTheLaws) {
                  seed = from_environment("RANDOM_SEED", 1);
   for (const auto& [method, name] :
        {std::pair{Method::gc3, "GC3"}, {Method::gcx, "GCX"}, {Method::sorp, "SORP"}}) {
-    Settings settings;
-    settings.method = method;
+    Settings settings{method};
     settings.tol = 1e-7;
     // SORP, too, arrives at nu = 0.4999, in time
     run_scenes(name, count, seed, settings, method == Method::sorp ? 300000 : 0);
@@ -117,8 +115,7 @@ TEST(RandomScenes, TheIterativeMethodsSolveWhatHasAnAnswerAndObeyTheLaws) {
 TEST(RandomScenes, MultigridSolvesWhatTheDefaultSolvesNearlyAlwaysWithoutItsHelp) {
   const unsigned count = from_environment("RANDOM_SCENES", 1000) / 4,
                  seed = from_environment("RANDOM_SEED", 1);
-  Settings settings;
-  settings.method = Method::multigrid;
+  Settings settings{Method::multigrid};
   run_scenes("multigrid", count, seed, settings);
   unsigned of_default = 0, alone = 0;
   for (unsigned k = 0; k < count; ++k) {

@@ -12,8 +12,7 @@ using namespace frictioncg::test;
 namespace {
 
 Solution solved(Solver& solver, const Posed& posed, Method method) {
-  Settings settings;
-  settings.method = method;
+  Settings settings{method};
   settings.tol = 1e-10;
   return solver.solve(posed.problem().increment, settings);
 }

@@ -111,8 +111,7 @@ TEST(Condensed, AgreesWithTheConjugateGradientOnAToTheRegularizationsBound) {
     const ContactProblem p = posed(o);
     const Solution a = solve(p, Settings());
     for (Real eps : {1e-4, 1e-6, 1e-8}) {
-      Settings settings;
-      settings.method = Method::gc3;
+      Settings settings{Method::gc3};
       settings.tol = 1e-10;
       settings.regeps = eps * a.x.lpNorm<Eigen::Infinity>();
       const Vector e = solve(p, settings).x - a.x;

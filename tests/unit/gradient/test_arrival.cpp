@@ -23,8 +23,7 @@ Vector solve_by_all(const ContactProblem& problem, Tallies& tallies) {
   if (exact.status != Status::converged) return exact.x;
   Real of_gc3 = infinity;
   for (Method method : {Method::gc3, Method::gc1, Method::gc2, Method::gcx, Method::sorp}) {
-    Settings settings;
-    settings.method = method;
+    Settings settings{method};
     settings.nbiter = 5000;
     const Solution s = solve(problem, settings);
     const bool arrived = s.status == Status::converged;

@@ -12,8 +12,7 @@ using namespace frictioncg::test;
 namespace {
 
 Solution by(Method method, Precon precon, const Posed& posed) {
-  Settings settings;
-  settings.method = method;
+  Settings settings{method};
   settings.precon = precon;
   return solve(posed.problem(), settings);
 }
