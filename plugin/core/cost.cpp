@@ -45,8 +45,6 @@ Costs estimate_costs(const System& system) {
   return costs;
 }
 
-double seconds_of_factor(const System& system) { return estimate_costs(system).condensed; }
-
 double seconds_of_hierarchy(const System& system) {
   return of_levels * double(system.entries().nonZeros());
 }

@@ -25,9 +25,7 @@ inline double worth_of_factor(const System& system, const Costs& costs) {
   return system.dimension == 2 && std::isinf(costs.sparse) ? 4 : 1;
 }
 
-/// About the seconds of what nothing interrupts: ordering, factorization and condensation, and the
-/// set-up of a hierarchy.
-double seconds_of_factor(const System& system);
+/// About the seconds of its set-up, which nothing interrupts.
 double seconds_of_hierarchy(const System& system);
 
 }  // namespace frictioncg

@@ -2,10 +2,12 @@
 
 #include "answer.h"
 #include "condensed/condensed.h"
-#include "gradient_route.h"
+#include "gradient/fixed_point.h"
 #include "model/validate.h"
 #include "multigrid/multigrid_solver.h"
 #include "sparse/sparse_solver.h"
+#include "statics/equilibrium.h"
+#include "statics/rigid_motions.h"
 #include "statics/undetermined.h"
 
 namespace frictioncg {
@@ -53,20 +55,6 @@ Status replace_if_better(Solution& s, Solution t) {
 Request without_factor(Request request) {
   request.settings.method = request.settings.newton ? Method::gcx : Method::gc3;
   return request;
-}
-
-/// Where the condensed route ends at rounding, no method comes nearer, but the load may still be
-/// shown to have no answer. Where it fails short of it, stick as a face on A itself: it needs no
-/// factor, which a nearly singular A spoils. It takes what the condensed route has left of the
-/// bound on the iterations.
-void try_without_factor(const Request& request, FloatingMotions& floating, Solution& s) {
-  const bool has_negative_energy = s.status == Status::not_positive_definite;  // where laws hold
-  if (decided(s) || (has_negative_energy && s.certificate.residual <= request.settings.tol)) return;
-  if (is_rounding(s.certificate)) return decide_on_equilibrium(request.problem, floating, s);
-  const Request rest = what_remains(without_factor(request), s);
-  if (rest.settings.nbiter <= 0) return;
-  const Status last = replace_if_better(s, by_gradients(rest, floating));
-  if (!decided(s) && last == Status::not_positive_definite) s.status = last;
 }
 
 /// Method auto, unless a regularized answer is asked for: multigrid where a factor does not fit.
@@ -141,7 +129,7 @@ Solution Solver::or_as_held_before(Solution s, const Request& request) {
   if (!lets_go(problem, s)) return s;
   const Request rest = what_remains(without_factor(request), s);
   if (rest.settings.nbiter <= 0) return s;
-  Solution held = after(s, by_gradients(rest, floating_));
+  Solution held = after(s, by_gradients(rest));
   if (!(held.certificate.residual <= settings.tol)) return s;
   const Branches now = branches_of(problem, held.x, held.certificate);
   return left_free(s.undetermined, problem, now).cols() < s.undetermined.cols() ? held : s;
@@ -153,7 +141,7 @@ Solution Solver::by_route(const Request& request) {
   const Plan plan = make_plan(request.problem, settings);
   costs_ = plan.costs;
   multigrid_failed_ = false;
-  if (plan.route == Route::iterative) return by_gradients(request, floating_);
+  if (plan.route == Route::iterative) return by_gradients(request);
   const bool may_choose = may_replace_a_factor(settings);
   if (plan.route == Route::condensed) {
     if (may_choose && !condense(request) && !indefinite_) return by_multigrid(request);
@@ -171,7 +159,7 @@ Solution Solver::by_route(const Request& request) {
 /// The condensed route where its factor fits; where it does not arrive, or does not fit, the same
 /// laws on A.
 Solution Solver::by_condensation(const Request& request) {
-  if (!condense(request)) return by_gradients(without_factor(request), floating_);
+  if (!condense(request)) return by_gradients(without_factor(request));
   // where a sparse factor of A is cheaper than a dense one of S, and fits
   const auto path = [&](Index max_steps) -> std::optional<Solution> {
     const double dense = std::pow(double(system_->contact_dofs()), 3) / 3;
@@ -180,9 +168,60 @@ Solution Solver::by_condensation(const Request& request) {
     return sparse_->follow_path(request, max_steps);
   };
   Solution s = condensed_->solve(request, path);
-  if (request.settings.newton) try_without_factor(request, floating_, s);
+  if (request.settings.newton) try_without_factor(request, s);
   if (request.observer) request.observer->iterate(s.iterations, StepLabel::newton, s.x);
   return s;
+}
+
+/// Where the condensed route ends at rounding, no method comes nearer, but the load may still be
+/// shown to have no answer. Where it fails short of it, stick as a face on A itself: it needs no
+/// factor, which a nearly singular A spoils. It takes what the condensed route has left of the
+/// bound on the iterations.
+void Solver::try_without_factor(const Request& request, Solution& s) {
+  const bool has_negative_energy = s.status == Status::not_positive_definite;  // where laws hold
+  if (decided(s) || (has_negative_energy && s.certificate.residual <= request.settings.tol)) return;
+  if (is_rounding(s.certificate)) return decide_on_equilibrium(request.problem, s);
+  const Request rest = what_remains(without_factor(request), s);
+  if (rest.settings.nbiter <= 0) return;
+  const Status last = replace_if_better(s, by_gradients(rest));
+  if (!decided(s) && last == Status::not_positive_definite) s.status = last;
+}
+
+/// The paper's methods: the fixed point on the sliding limit, and at each limit the method of the
+/// settings.
+Solution Solver::by_gradients(const Request& request) {
+  const auto& [problem, settings, x0, observer] = request;
+  const auto tresca = make_tresca_solver(problem, settings, observer);
+  Solution s = fixed_point(problem, settings, *tresca, x0);
+  s.layer = settings.method == Method::sorp  ? Layer::sorp
+            : settings.method == Method::gcx ? Layer::gcx
+                                             : Layer::gc;
+  decide_on_equilibrium(problem, s);
+  // The rigid motions that neither A nor the laws determine are named, and taken out of the answer;
+  // where the system knows no candidates for them they are not looked for.
+  if (s.certificate.residual > settings.tol) return s;
+  s.undetermined = left_free(floating_(), problem, branches_of(problem, s.x, s.certificate));
+  leave_least(problem, settings.tol, s);
+  return s;
+}
+
+/// J without a bound at the present sliding limit says nothing about Coulomb's law, and a stall
+/// nothing about the load. Rigid motions do: no_equilibrium where one of them is a proof, and
+/// nowhere else.
+void Solver::decide_on_equilibrium(const ContactProblem& problem, Solution& s) {
+  const bool open = s.status == Status::stagnated || s.status == Status::fixed_point_diverged ||
+                    s.status == Status::max_iterations;
+  if (!open) return;
+  // The motions of A: from the candidates of the system, or, where none of them floats, by
+  // conjugate gradients; not after a call that was to be short, nor where the laws hold but for
+  // rounding.
+  const DenseMatrix& known = floating_();
+  const bool enough =
+      known.cols() > 0 || s.status == Status::max_iterations || is_rounding(s.certificate);
+  const auto motion = unheld_motion(
+      enough ? known : rigid_motions(*problem.system, default_iterations(problem)), problem);
+  s.unheld_motion = motion.value_or(Vector());
+  if (motion) s.status = Status::no_equilibrium;
 }
 
 /// Multigrid; where it does not arrive short of rounding, or has no coordinates to build on, the
@@ -263,7 +302,8 @@ Allowance Solver::allowance(const Settings& settings) const {
 bool Solver::condense(const Request& request) {
   const Settings& settings = request.settings;
   if (settings.memory >= memory_needed_ && !factored_ && !indefinite_) {
-    if (request.observer) request.observer->begin(Work::factorization, seconds_of_factor(*system_));
+    if (request.observer)
+      request.observer->begin(Work::factorization, estimate_costs(*system_).condensed);
     if (!condensed_) condensed_ = std::make_unique<CondensedSolver>(system_);
     const Elimination::Outcome outcome = condensed_->factor(settings.memory);
     memory_needed_ = condensed_->elimination().memory_needed();

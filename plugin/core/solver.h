@@ -47,6 +47,9 @@ class Solver {
   Solution or_as_held_before(Solution s, const Request& request);
   Solution by_route(const Request& request);
   Solution by_condensation(const Request& request);
+  void try_without_factor(const Request& request, Solution& s);
+  Solution by_gradients(const Request& request);
+  void decide_on_equilibrium(const ContactProblem& problem, Solution& s);
   Solution by_multigrid(const Request& request);
   Solution by_sparse_factors(const Request& request);
   Way after_multigrid() const;

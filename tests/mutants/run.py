@@ -29,7 +29,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
-LONG = ":".join(["RandomScenes.*", "*200RandomScenes*", "Hierarchy.*", "Faults.*", "*LargeFriction*", "*LargeSlip*", "Arrival*",
+LONG = ":".join(["RandomScenes.*", "*200RandomScenes*", "Hierarchy.*", "Faults.*", "*LargeFriction*", "Arrival*",
                  "Held.*", "MortarSearch.Steps*", "MortarPatch.*", "MortarContact.*", "MortarPartlyCovered.Uniform*",
                  "MortarGap.*", "Multigrid*"])
 SHARED = "frictionCG-mpi.so"

@@ -28,11 +28,4 @@ inline Scene brought_from_far(BlockOptions o, Real D) {
   return driven_block(o, displacement, D);
 }
 
-/// Which mesh node each dof of a block belongs to.
-inline std::vector<Index> mesh_nodes(const Scene& s) {
-  std::vector<Index> node(s.n);
-  for (Index i = 0; i < s.n; ++i) node[i] = i / s.d;
-  return node;
-}
-
 }  // namespace frictioncg::test

@@ -1,5 +1,6 @@
 #pragma once
 // Random discrete scenes, degenerate ones included, each made from a recipe that can be shrunk.
+#include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <ostream>
@@ -7,6 +8,12 @@
 #include "scene.h"
 
 namespace frictioncg::test {
+
+/// A number that the environment may choose.
+inline unsigned from_environment(const char* name, unsigned otherwise) {
+  const char* value = std::getenv(name);
+  return value ? static_cast<unsigned>(std::strtoul(value, nullptr, 10)) : otherwise;
+}
 
 /// What a random scene is made from. The same recipe makes the same scene.
 struct Recipe {

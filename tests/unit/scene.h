@@ -67,6 +67,13 @@ struct Scene {
   Real& entry(Index row, Index column);  ///< one that is stored
 };
 
+/// Which mesh node each dof belongs to.
+inline std::vector<Index> mesh_nodes(const Scene& s) {
+  std::vector<Index> node(s.n);
+  for (Index i = 0; i < s.n; ++i) node[i] = i / s.d;
+  return node;
+}
+
 /// The rigid motions of nodes at X (nodes x 3), whose components are numbered node by node.
 Eigen::MatrixXd rigid_motions_of(const Eigen::MatrixXd& X, int d);
 

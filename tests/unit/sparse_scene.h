@@ -29,6 +29,14 @@ struct SparseOptions {
   unsigned seed = 1;
 };
 
+/// As many cells along each edge.
+inline SparseOptions cube_of(int cells, int d = 3) {
+  SparseOptions o;
+  o.d = d;
+  o.cells = {cells, cells, cells};
+  return o;
+}
+
 struct SparseScene : Scene {
   Eigen::MatrixXd position;        // mesh nodes x d
   std::vector<Index> node_of_dof;  // of the script's dofs: d * node + component

@@ -98,8 +98,7 @@ class Faults : public testing::Test {
 namespace {
 
 Vector field(const Scene& s, Method method) {
-  Settings settings;
-  settings.method = method;
+  Settings settings{method};
   settings.tol = 1e-6;
   const Posed system = s.system();
   return system.to_global(solve(system.problem(), settings).x);
@@ -171,14 +170,11 @@ TEST_F(Faults, AThousandCallsLeakNothing) {
 
 /// Of all that a call allocates, the copies of A and of the scene that it was made from apart.
 TEST_F(Faults, MultigridTakesLessThanTwelveTimesTheStorageOfTheMatrix) {
-  SparseOptions o;
-  o.cells = {14, 14, 14};
-  const SparseScene scene = sparse_block(o);
+  const SparseScene scene = sparse_block(cube_of(14));
   const Posed posed = scene.system(scene.node_of_dof);
   const Matrix& A = posed.problem().system->entries();
   const double storage = 12.0 * double(A.nonZeros());
-  Settings settings;
-  settings.method = Method::multigrid;
+  Settings settings{Method::multigrid};
   const long before = bytes;
   peak = bytes;
   EXPECT_EQ(solve(posed.problem(), settings).layer, Layer::multigrid);

@@ -4,7 +4,6 @@
 // RANDOM_VERBOSE names those that were not solved, and the layers that solved the others.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <iostream>
 #include <map>
 
@@ -17,28 +16,16 @@ using namespace frictioncg::test;
 
 namespace {
 
-unsigned from_environment(const char* name, unsigned otherwise) {
-  const char* value = std::getenv(name);
-  return value ? static_cast<unsigned>(std::strtoul(value, nullptr, 10)) : otherwise;
-}
-
 struct Result {
   Status status;
   Layer layer;
   Real worst = 0;  ///< of the laws, by the verifier, where converged
 };
 
-/// Multigrid needs to know the mesh nodes.
-std::vector<Index> nodes_for(const Settings& settings, const Scene& s) {
-  if (settings.method != Method::multigrid) return {};
-  std::vector<Index> node(s.n);
-  for (Index p = 0; p < s.n; ++p) node[p] = p / s.d;
-  return node;
-}
-
 Result judge(const Recipe& recipe, const Settings& settings) {
   const Scene s = make_scene(recipe);
-  const Posed system = s.system(nodes_for(settings, s));
+  const bool needs_nodes = settings.method == Method::multigrid;
+  const Posed system = s.system(needs_nodes ? mesh_nodes(s) : std::vector<Index>());
   const Solution a = solve(system.problem(), settings);
   Result r{a.status, a.layer};
   if (a.status == Status::converged)
@@ -104,8 +91,7 @@ TEST(RandomScenes, CohesionAndCapsAreSolvedAndObeyed) {
                                      {Method::gc3, "bounds, GC3"},
                                      {Method::gcx, "bounds, GCX"},
                                      {Method::sorp, "bounds, SORP"}}) {
-    Settings settings;
-    settings.method = method;
+    Settings settings{method};
     if (method != Method::multigrid) settings.tol = 1e-7;
     run_scenes(name, count / 10, seed, settings, method == Method::sorp ? 300000 : 0, with_bounds);
   }
@@ -116,8 +102,7 @@ TEST(RandomScenes, TheIterativeMethodsSolveWhatHasAnAnswerAndObeyTheLaws) {
                  seed = from_environment("RANDOM_SEED", 1);
   for (const auto& [method, name] :
        {std::pair{Method::gc3, "GC3"}, {Method::gcx, "GCX"}, {Method::sorp, "SORP"}}) {
-    Settings settings;
-    settings.method = method;
+    Settings settings{method};
     settings.tol = 1e-7;
     // SORP, too, arrives at nu = 0.4999, in time
     run_scenes(name, count, seed, settings, method == Method::sorp ? 300000 : 0);
@@ -130,8 +115,7 @@ TEST(RandomScenes, TheIterativeMethodsSolveWhatHasAnAnswerAndObeyTheLaws) {
 TEST(RandomScenes, MultigridSolvesWhatTheDefaultSolvesNearlyAlwaysWithoutItsHelp) {
   const unsigned count = from_environment("RANDOM_SCENES", 1000) / 4,
                  seed = from_environment("RANDOM_SEED", 1);
-  Settings settings;
-  settings.method = Method::multigrid;
+  Settings settings{Method::multigrid};
   run_scenes("multigrid", count, seed, settings);
   unsigned of_default = 0, alone = 0;
   for (unsigned k = 0; k < count; ++k) {

@@ -11,16 +11,8 @@ using namespace frictioncg::test;
 
 namespace {
 
-SparseOptions options(int d, int cells) {
-  SparseOptions o;
-  o.d = d;
-  o.cells = {cells, cells, cells};
-  return o;
-}
-
 Solution solved(Solver& solver, const Posed& posed, Method method) {
-  Settings settings;
-  settings.method = method;
+  Settings settings{method};
   settings.tol = 1e-10;
   return solver.solve(posed.problem().increment, settings);
 }
@@ -47,7 +39,7 @@ Real difference(const Matrix& A, const Matrix& B) { return Matrix(A - B).norm() 
 TEST(Renewal, HasTheAnswerOfAFirstCallByEveryRoute) {
   for (int d : {2, 3})
     for (Method method : {Method::condensed, Method::multigrid, Method::gcx}) {
-      SparseOptions o = options(d, d == 2 ? 12 : 6);
+      SparseOptions o = cube_of(d == 2 ? 12 : 6, d);
       SparseScene scene = sparse_block(o);
       Posed posed = scene.system(scene.node_of_dof);
       Solver solver(posed.problem().system);
@@ -68,7 +60,7 @@ TEST(Renewal, HasTheAnswerOfAFirstCallByEveryRoute) {
 }
 
 TEST(Renewal, OtherContactNodesAreAnotherScene) {
-  const SparseScene one = sparse_block(options(2, 8)), other = sparse_block(options(2, 6));
+  const SparseScene one = sparse_block(cube_of(8, 2)), other = sparse_block(cube_of(6, 2));
   const Posed posed = one.system(one.node_of_dof), next = other.system(other.node_of_dof);
   EXPECT_FALSE(same_dofs(*posed.problem().system, *next.problem().system));
   for (Method method : {Method::automatic, Method::multigrid}) {
@@ -88,7 +80,7 @@ TEST(Renewal, OtherContactNodesAreAnotherScene) {
 }
 
 TEST(Renewal, TheFactorTakesNewValuesOverTheLayoutOfTheSamePattern) {
-  SparseOptions o = options(2, 20);
+  SparseOptions o = cube_of(20, 2);
   const SparseScene one = sparse_block(o);
   o.nu = 0.45;
   const SparseScene other = sparse_block(o);
@@ -96,14 +88,14 @@ TEST(Renewal, TheFactorTakesNewValuesOverTheLayoutOfTheSamePattern) {
   ASSERT_TRUE(same_pattern(*posed.problem().system, *next.problem().system));
   Elimination kept, fresh;
   kept.factor(*posed.problem().system, 1e9);
-  EXPECT_EQ(kept.factor(*next.problem().system, 1e9, true), Elimination::Outcome::done);
+  EXPECT_EQ(kept.factor(*next.problem().system, 1e9), Elimination::Outcome::done);
   fresh.factor(*next.problem().system, 1e9);
   EXPECT_EQ((kept.S() - fresh.S()).norm(), 0);
-  EXPECT_LT(kept.times().order, fresh.times().order);
+  EXPECT_LT(kept.take_times().order, fresh.take_times().order);
 }
 
 TEST(Renewal, AnotherPatternOnTheSameDofsIsLaidOutAnew) {
-  const SparseScene scene = sparse_block(options(2, 8));
+  const SparseScene scene = sparse_block(cube_of(8, 2));
   SparseScene sprung = scene;  // by springs from end to end, outside of any factor's pattern
   std::vector<Real> diagonal(scene.n, 0);
   for (std::size_t e = 0; e < scene.a.size(); ++e)
@@ -122,7 +114,7 @@ TEST(Renewal, AnotherPatternOnTheSameDofsIsLaidOutAnew) {
   ASSERT_FALSE(same_pattern(*without.problem().system, *with.problem().system));
   Solver solver(without.problem().system), first(with.problem().system);
   solved(solver, without, Method::condensed);
-  solver.renew(with.problem().system);
+  for (int k = 0; k < 2; ++k) solver.renew(with.problem().system);  // what was laid out is older
   const Solution a = solved(solver, with, Method::condensed),
                  b = solved(first, with, Method::condensed);
   EXPECT_EQ(a.status, Status::converged);
@@ -131,7 +123,7 @@ TEST(Renewal, AnotherPatternOnTheSameDofsIsLaidOutAnew) {
 }
 
 TEST(Renewal, AMatrixThatHadNoFactorIsFollowedByOneThatHas) {
-  const SparseScene scene = sparse_block(options(2, 8));
+  const SparseScene scene = sparse_block(cube_of(8, 2));
   SparseScene bad = scene;
   const auto [k, mirror] = coupling(scene);
   bad.a[k] = bad.a[mirror] = 1e4 * scene.a[k];
@@ -147,7 +139,7 @@ TEST(Renewal, AMatrixThatHadNoFactorIsFollowedByOneThatHas) {
 }
 
 TEST(Renewal, WhatOneMatrixLeavesFreeAnotherMayHold) {
-  SparseOptions o = options(2, 6);
+  SparseOptions o = cube_of(6, 2);
   o.clamp_side = false;
   o.shear = 0;
   o.mu = 0;
@@ -167,7 +159,7 @@ TEST(Renewal, WhatOneMatrixLeavesFreeAnotherMayHold) {
 
 TEST(Renewal, AMatrixIsFilledOverThePatternThatHoldsIt) {
   for (int d : {2, 3}) {
-    SparseOptions o = options(d, 4);
+    SparseOptions o = cube_of(4, d);
     o.tilt = 0.2;  // frames that are turned
     SparseScene scene = sparse_block(o);
     const auto first = posed_after(scene, nullptr);
@@ -182,7 +174,7 @@ TEST(Renewal, AMatrixIsFilledOverThePatternThatHoldsIt) {
 }
 
 TEST(Renewal, EntriesOutsideThePatternMakeAnotherWhichThenStays) {
-  SparseScene scene = sparse_block(options(2, 6));
+  SparseScene scene = sparse_block(cube_of(6, 2));
   const std::vector<Real> whole = scene.a;
   const auto [k, mirror] = coupling(scene);
   scene.a[k] = scene.a[mirror] = 0;
@@ -200,7 +192,7 @@ TEST(Renewal, EntriesOutsideThePatternMakeAnotherWhichThenStays) {
 }
 
 TEST(Renewal, TripletsInAnotherOrderGiveTheSameMatrix) {
-  SparseScene scene = sparse_block(options(2, 6));
+  SparseScene scene = sparse_block(cube_of(6, 2));
   const auto first = posed_after(scene, nullptr);
   std::reverse(scene.i.begin(), scene.i.end());
   std::reverse(scene.j.begin(), scene.j.end());

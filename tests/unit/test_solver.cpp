@@ -31,15 +31,13 @@ Answer run(const Scene& s, const Settings& settings) {
 }
 
 Settings tight() {
-  Settings s;
-  s.method = Method::gc3;
+  Settings s{Method::gc3};
   s.tol = 1e-9;
   return s;
 }
 
 Settings gc3() {
-  Settings s;
-  s.method = Method::gc3;
+  Settings s{Method::gc3};
   s.tol = 1e-6;
   return s;
 }
@@ -183,23 +181,6 @@ TEST(Solver, ReportedResidualIsTheCertificateOfTheReturnedField) {
   EXPECT_EQ(a.certificate.residual, certify(system.problem(), a.x).residual);
 }
 
-TEST(Solver, RotatingTheSceneRotatesTheSolution) {
-  BlockOptions o;
-  o.cells = 6;
-  const Answer a = run(block(o), tight());
-  for (Real angle : {0.1, 0.7, 1.5707963267948966, 3.0}) {
-    o.angle = angle;
-    const Answer b = run(block(o), tight());
-    EXPECT_EQ(b.solution.status, Status::converged);
-    const Real scale = a.u.cwiseAbs().maxCoeff();
-    for (Index k = 0; k < a.u.size(); k += 2) {
-      EXPECT_NEAR(b.u[k], std::cos(angle) * a.u[k] - std::sin(angle) * a.u[k + 1], 1e-6 * scale);
-      EXPECT_NEAR(b.u[k + 1], std::sin(angle) * a.u[k] + std::cos(angle) * a.u[k + 1],
-                  1e-6 * scale);
-    }
-  }
-}
-
 TEST(Solver, ChangingUnitsChangesNothingElse) {
   BlockOptions o;
   for (const Settings& settings : {Settings(), gc3()}) {
@@ -270,14 +251,6 @@ TEST(Solver, LoadBeyondTheLimitHasNoEquilibrium) {
   }
 }
 
-TEST(Solver, AnIndefiniteMatrixIsNamed) {
-  Scene s = block(BlockOptions());
-  for (std::size_t k = 0; k < s.a.size(); ++k)
-    if (s.i[k] != s.j[k]) s.a[k] *= 1.5;
-  for (const Settings& settings : {Settings(), gc3()})
-    EXPECT_EQ(run(s, settings).solution.status, Status::not_positive_definite);
-}
-
 TEST(Solver, AnAnswerHasNoNegativeEnergyOnOpenNodes) {
   // two nodes whose normals are coupled by more than they are stiff: contact has to hold one
   for (Law law : {Law::frictionless, Law::coulomb})
@@ -310,8 +283,7 @@ TEST(Solver, AnAnswerHasNoNegativeEnergyOnOpenNodes) {
       };
       const Posed held = with(0), loose = with(10);
       Solver solver(held.problem().system);
-      Settings settings;
-      settings.method = method;
+      Settings settings{method};
       for (bool is_held : {true, false, true, false}) {
         const Increment& now = (is_held ? held : loose).problem().increment;
         const Solution a = solver.solve(now, settings, Vector::Zero(4));  // it is held there
@@ -341,20 +313,30 @@ TEST(Solver, TheDirectionThatNamesAnIndefiniteMatrixIsOne) {
   }
 }
 
+namespace {
+
+/// The answer to a route that ends at rest, by such a direction.
+Solution accused_by(const Vector& negative, const ContactProblem& problem) {
+  const Index n = problem.dofs();
+  return answer(
+      problem, Settings(), [&] { return DenseMatrix(n, 0); },
+      [&] {
+        Solution s;
+        s.x = Vector::Zero(n);
+        s.certificate = certify(problem, s.x);
+        s.status = Status::not_positive_definite;
+        s.negative = negative;
+        s.undetermined = DenseMatrix::Ones(n, 1);
+        return s;
+      });
+}
+
+}  // namespace
+
 TEST(Solver, ADirectionThatCostsEnergyAccusesNoMatrix) {
   const Posed posed = block(BlockOptions()).system();
-  const auto none = [&] { return Eigen::MatrixXd(posed.problem().dofs(), 0); };
-  for (const Vector& p : {Vector(), Vector(Vector::Ones(posed.problem().dofs()))}) {
-    const Solution a = answer(posed.problem(), Settings(), none, [&] {
-      Solution s;
-      s.x = Vector::Zero(posed.problem().dofs());
-      s.certificate = certify(posed.problem(), s.x);
-      s.status = Status::not_positive_definite;
-      s.negative = p;
-      return s;
-    });
-    EXPECT_EQ(a.status, Status::stagnated);
-  }
+  for (const Vector& p : {Vector(), Vector(Vector::Ones(posed.problem().dofs()))})
+    EXPECT_EQ(accused_by(p, posed.problem()).status, Status::stagnated);
 }
 
 TEST(Solver, AnIndefiniteMatrixLeavesNoMotionUndetermined) {
@@ -362,31 +344,10 @@ TEST(Solver, AnIndefiniteMatrixLeavesNoMotionUndetermined) {
   for (std::size_t k = 0; k < scene.a.size(); ++k)
     if (scene.i[k] != scene.j[k]) scene.a[k] *= 1.5;
   const Posed posed = scene.system();
-  const Index n = posed.problem().dofs();
   const Vector negative = solve(posed.problem(), Settings()).negative;
-  const Solution a = answer(
-      posed.problem(), Settings(), [&] { return DenseMatrix(n, 0); },
-      [&] {
-        Solution s;
-        s.x = Vector::Zero(n);
-        s.certificate = certify(posed.problem(), s.x);
-        s.status = Status::not_positive_definite;
-        s.negative = negative;
-        s.undetermined = DenseMatrix::Ones(n, 1);
-        return s;
-      });
+  const Solution a = accused_by(negative, posed.problem());
   EXPECT_EQ(a.status, Status::not_positive_definite);
   EXPECT_EQ(a.undetermined.cols(), 0);
-}
-
-TEST(Solver, TooFewIterationsAreReportedAsSuch) {
-  Settings settings;
-  settings.nbiter = 3;
-  for (Method m : {Method::gc3, Method::sorp}) {
-    settings.method = m;
-    const Answer a = run(block(BlockOptions()), settings);
-    EXPECT_EQ(a.solution.status, Status::max_iterations);
-  }
 }
 
 TEST(Solver, StartingFromTheSolutionCostsNoIteration) {
@@ -467,8 +428,7 @@ TEST(Solver, StickAsAFaceNeedsNoRegularization) {
       o.cells = d == 2 ? 10 : 4;
       o.clamp_side = clamp;
       o.shear = clamp ? 6 : 2.5;
-      Settings settings;
-      settings.method = Method::gcx;
+      Settings settings{Method::gcx};
       settings.tol = 1e-10;
       const Scene s = block(o);
       const Answer a = run(s, settings);
@@ -497,8 +457,7 @@ TEST(Solver, BilateralContactNeverOpensAndRubsUnderTensionToo) {
       p.increment.bilateral = true;
       Vector reference;
       for (Method m : {Method::condensed, Method::gc3, Method::gcx, Method::sorp}) {
-        Settings settings;
-        settings.method = m;
+        Settings settings{m};
         if (m != Method::condensed) settings.tol = 1e-7;
         const Solution a = solve(p, settings);
         EXPECT_EQ(a.status, Status::converged) << int(m) << d << int(law);
@@ -523,26 +482,29 @@ TEST(Solver, BilateralContactNeverOpensAndRubsUnderTensionToo) {
     }
 }
 
-TEST(Solver, TheDefaultTurnsWithTheSceneStepByStep) {
-  for (int d : {2, 3}) {
-    BlockOptions o;
-    o.d = d;
-    o.cells = d == 2 ? 8 : 4;
-    o.shear = 2.3;
-    if (d == 3) o.axis << 1, -2, 0.5;
-    const Answer a = run(block(o), Settings());
-    const Real scale = a.u.cwiseAbs().maxCoeff();
-    for (Real angle : {0.1, 0.7, 1.5707963267948966, 3.0}) {
-      o.angle = angle;
-      const Answer b = run(block(o), Settings());
-      EXPECT_EQ(b.solution.iterations, a.solution.iterations) << d << " " << angle;
-      const Eigen::Matrix3d R = Eigen::AngleAxisd(angle, o.axis.normalized()).toRotationMatrix();
-      for (Index k = 0; k < a.u.size(); k += d) {
-        const Vector turned = R.topLeftCorner(d, d) * a.u.segment(k, d);
-        EXPECT_LT((b.u.segment(k, d) - turned).norm(), 1e-9 * scale);
+TEST(Solver, AnswersTurnWithTheSceneAndTheDefaultDoesStepByStep) {
+  for (const Settings& settings : {Settings(), tight()})
+    for (int d : {2, 3}) {
+      const bool exact = settings.method == Method::automatic;
+      BlockOptions o;
+      o.d = d;
+      o.cells = d == 2 ? 8 : 4;
+      o.shear = 2.3;
+      if (d == 3) o.axis << 1, -2, 0.5;
+      const Answer a = run(block(o), settings);
+      const Real scale = a.u.cwiseAbs().maxCoeff();
+      for (Real angle : {0.1, 0.7, 1.5707963267948966, 3.0}) {
+        o.angle = angle;
+        const Answer b = run(block(o), settings);
+        EXPECT_EQ(b.solution.status, Status::converged) << d << " " << angle;
+        EXPECT_TRUE(!exact || b.solution.iterations == a.solution.iterations) << d << " " << angle;
+        const Eigen::Matrix3d R = Eigen::AngleAxisd(angle, o.axis.normalized()).toRotationMatrix();
+        for (Index k = 0; k < a.u.size(); k += d) {
+          const Vector turned = R.topLeftCorner(d, d) * a.u.segment(k, d);
+          EXPECT_LT((b.u.segment(k, d) - turned).norm(), (exact ? 1e-9 : 1e-6) * scale);
+        }
       }
     }
-  }
 }
 
 TEST(Solver, ABlockBroughtFromFarObeysTheLawsByEveryMethodOrSaysWhatRoundingAllows) {
@@ -552,8 +514,7 @@ TEST(Solver, ABlockBroughtFromFarObeysTheLawsByEveryMethodOrSaysWhatRoundingAllo
   for (Real D : {0.0, 10.0, 1000.0, 1e6, 1e9})
     for (Method m :
          {Method::automatic, Method::gc1, Method::gc2, Method::gc3, Method::gcx, Method::sorp}) {
-      Settings settings;
-      settings.method = m;
+      Settings settings{m};
       const Answer a = run(brought_from_far(o, D), settings);
       const Certificate& c = a.solution.certificate;
       // rounding leaves about 2e-11 D
@@ -581,8 +542,7 @@ TEST(Solver, WithoutALoadOrAPenetrationTheBodyStaysWhereverTheStart) {
   const Vector x0 = Vector::Random(p.dofs());
   for (Real gap : {0.0, 1.0})
     for (Method m : {Method::automatic, Method::gc3}) {
-      Settings settings;
-      settings.method = m;
+      Settings settings{m};
       p.increment.gap.setConstant(gap);
       const Solution a = solve(p, settings, x0);
       EXPECT_EQ(a.status, Status::converged);
@@ -656,8 +616,7 @@ TEST(Solver, WhereTheCondensedRouteDoesNotArriveAItselfAnswers) {
     const Solution a = solve(system.problem(), Settings());
     if (a.layer != Layer::gcx) continue;
     ++answers;
-    Settings settings;
-    settings.method = Method::gcx;
+    Settings settings{Method::gcx};
     const Solution alone = solve(system.problem(), settings);
     EXPECT_EQ(alone.layer, Layer::gcx);
     EXPECT_EQ(a.status, Status::converged) << seed;
@@ -673,8 +632,7 @@ TEST(Solver, TheBoundOnTheIterationsHoldsForAllLayersTogether) {
     const Posed system = make_scene(random_recipe(seed)).system();
     for (Method m : {Method::automatic, Method::gc3, Method::gcx, Method::sorp})
       for (Index bound : {1, 3, 10, 30, 100, 300}) {
-        Settings settings;
-        settings.method = m;
+        Settings settings{m};
         settings.nbiter = bound;
         const Solution a = solve(system.problem(), settings);
         EXPECT_LE(a.iterations, bound) << seed << " " << int(m);
@@ -684,8 +642,7 @@ TEST(Solver, TheBoundOnTheIterationsHoldsForAllLayersTogether) {
 }
 
 TEST(Solver, ACallThatWasToBeShortLooksForNoMotions) {
-  Settings settings;
-  settings.method = Method::gcx;
+  Settings settings{Method::gcx};
   BlockOptions o;
   o.law = Law::frictionless;
   o.shear = 0;
@@ -715,8 +672,7 @@ TEST(Solver, ThePlanLeavesOutWhatTheSceneDoesNotNeed) {
     BlockOptions o;
     o.law = law;
     const Posed system = block(o).system();
-    Settings settings;
-    settings.method = method;
+    Settings settings{method};
     settings.newton = newton;
     return make_plan(system.problem(), settings);
   };
@@ -743,11 +699,12 @@ TEST(Solver, WithoutCandidatesForRigidMotionsThePlanKnowsNoCostOfMultigrid) {
   o.d = 3;
   o.cells = 2;
   Scene s = block(o);
-  std::vector<Index> node(s.n);
-  for (Index p = 0; p < s.n; ++p) node[p] = p / 3;
-  EXPECT_TRUE(std::isfinite(make_plan(s.system(node).problem(), Settings()).costs.multigrid));
+  const auto multigrid = [&] {
+    return make_plan(s.system(mesh_nodes(s)).problem(), Settings()).costs.multigrid;
+  };
+  EXPECT_TRUE(std::isfinite(multigrid()));
   s.modes.resize(0, 0);
-  EXPECT_TRUE(std::isinf(make_plan(s.system(node).problem(), Settings()).costs.multigrid));
+  EXPECT_TRUE(std::isinf(multigrid()));
 }
 
 TEST(Solver, TheObserverHearsOfTheCondensedAnswerOnceAndOfIterationsOneByOne) {
@@ -766,8 +723,7 @@ TEST(Solver, TheObserverHearsOfTheCondensedAnswerOnceAndOfIterationsOneByOne) {
   EXPECT_EQ(direct.calls, 1);
   EXPECT_EQ(direct.last, a.iterations);
   EXPECT_EQ(direct.x, a.x);
-  Settings settings;
-  settings.method = Method::gcx;
+  Settings settings{Method::gcx};
   const Solution b = solve(system.problem(), settings, {}, &iterative);
   EXPECT_EQ(iterative.calls, b.iterations);
 }
@@ -808,8 +764,7 @@ TEST(Solver, ACallHasOneThreadOfTheBlasAndLeavesTheirNumberAsItWas) {
   const int before = openblas_get_num_threads();
   openblas_set_num_threads(2);
   for (const Method method : {Method::condensed, Method::gcx}) {
-    Settings settings;
-    settings.method = method;
+    Settings settings{method};
     Watch watch;
     const Posed posed = block(BlockOptions()).system();
     EXPECT_EQ(solve(posed.problem(), settings, {}, &watch).status, Status::converged);

@@ -34,10 +34,11 @@ struct CondensedSolver::Run {
   const Settings& settings;
   Observer* const observer;
   const PathOnA& path;
-  const Index bound;  ///< on all iterations
-  Vector x, r;        ///< n, F - Ax; the next pass solves for what r leaves
-  Vector x_C;         ///< contact_dofs, of x
-  Solution s;         ///< the best so far
+  const Index bound;                                  ///< on all iterations
+  Vector x = Vector::Zero(problem.dofs());            ///< n
+  Vector r = problem.increment.F;                     ///< n, F - Ax: the next pass solves for it
+  Vector x_C = Vector::Zero(problem.contact_dofs());  ///< of x
+  Solution s = {};                                    ///< the best so far
   Real best = infinity;
   bool undetermined = false;  ///< s.x is the least of several
   bool positive = false;      ///< A is known to have no negative energy at s.x
@@ -49,15 +50,7 @@ struct CondensedSolver::Run {
 
 Solution CondensedSolver::solve(const Request& request, const PathOnA& path) {
   const auto& [problem, settings, x0, observer] = request;
-  Run run{problem,
-          settings,
-          observer,
-          path,
-          request.bound(),
-          Vector::Zero(problem.dofs()),
-          problem.increment.F,
-          Vector::Zero(problem.contact_dofs()),
-          {}};
+  Run run{problem, settings, observer, path, request.bound()};
   const Threads threads(elimination_.threads_pay());
   Solution& s = run.s;
   s.route = Route::condensed;
@@ -71,7 +64,7 @@ Solution CondensedSolver::solve(const Request& request, const PathOnA& path) {
   }
   if (s.status == Status::converged && !run.positive) look_for_negative_energy(run);
   if (s.status != Status::no_equilibrium) settle(run);
-  if (!std::exchange(factor_reported_, true)) s.times += elimination_.times();
+  s.times += elimination_.take_times();
   return std::move(run.s);
 }
 

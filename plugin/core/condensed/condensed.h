@@ -17,13 +17,12 @@ class CondensedSolver {
 
   Elimination::Outcome factor(double memory_bound) {
     positive_on_.clear();
-    factor_reported_ = false;
-    return elimination_.factor(*system_, memory_bound, std::exchange(same_pattern_, false));
+    return elimination_.factor(*system_, memory_bound);
   }
   /// Another matrix on the same dofs, to be factored; same_pattern: over the layout of the last.
   void renew(SystemPtr system, bool same_pattern) {
     system_ = std::move(system);
-    same_pattern_ = same_pattern;
+    if (!same_pattern) elimination_.forget_layout();
   }
 
   /// settings.newton: semismooth Newton on the unregularized laws, and where it does not arrive an
@@ -52,9 +51,7 @@ class CondensedSolver {
   bool may_be_idle(const Branches& branches) const;
 
   SystemPtr system_;
-  bool same_pattern_ = false;  ///< as the matrix that was factored last
   Elimination elimination_;
-  bool factor_reported_ = false;   ///< a solution has told what it took
   Branches last_;                  ///< of the last answer: where an increment starts
   std::vector<char> positive_on_;  ///< contact_dofs: where S is known to be positive definite
 };

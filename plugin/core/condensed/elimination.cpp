@@ -38,8 +38,8 @@ Supernodes supernodes_of(const cholmod_factor& L) {
 
 }  // namespace
 
-Elimination::Outcome Elimination::factor(const System& system, double memory_bound, bool again) {
-  const bool laid_out = again && L_;
+Elimination::Outcome Elimination::factor(const System& system, double memory_bound) {
+  const bool laid_out = std::exchange(laid_out_, false);
   if (!laid_out) release();
   times_ = {};
   n_ = system.dofs();
@@ -64,6 +64,7 @@ Elimination::Outcome Elimination::factor(const System& system, double memory_bou
   start = cpu_seconds();
   form_S(system.D.tail(system.contact_dofs()));
   times_.condense = cpu_seconds() - start;
+  laid_out_ = true;
   return Outcome::done;
 }
 

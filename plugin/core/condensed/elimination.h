@@ -27,9 +27,10 @@ class Elimination : private SparseFactor {
   /// of the time on 4000 contact dofs, 0.9 to 1 on 2000.
   bool threads_pay() const { return SparseFactor::threads_pay() || n_ - interior_ > 3000; }
 
-  /// memory_bound [bytes] is for the factor and the dense matrices on the contact dofs. again: the
-  /// system has the pattern of the last one, whose ordering and layout stay.
-  Outcome factor(const System& system, double memory_bound, bool again = false);
+  /// memory_bound [bytes] is for the factor and the dense matrices on the contact dofs. A system
+  /// after another has its pattern, whose ordering and layout stay, or they are forgotten before.
+  Outcome factor(const System& system, double memory_bound);
+  void forget_layout() { laid_out_ = false; }
   /// What factor needs at least, as far as it is known before anything is factored [bytes].
   double memory_needed() const { return memory_needed_; }
   const DenseMatrix& S() const { return S_; }  ///< contact_dofs square, symmetric
@@ -40,7 +41,8 @@ class Elimination : private SparseFactor {
   Vector extend(const Vector& w_C) { return back_substitute(Vector::Zero(n_), w_C); }
   /// n x k: rigid motions of A that vanish on the contact dofs.
   const DenseMatrix& floating() const { return floating_; }
-  const Times& times() const { return times_; }  ///< of order, factor and condense
+  /// Of order, factor and condense, once.
+  Times take_times() { return std::exchange(times_, {}); }
 
  private:
   bool analyze(const System& system, UpperTriangle& A);
@@ -53,6 +55,7 @@ class Elimination : private SparseFactor {
   void for_each_trailing(Visit visit) const;
   Vector back_substitute(Vector y, const Vector& x_C);
 
+  bool laid_out_ = false;  ///< a system has been factored
   Index n_ = 0, interior_ = 0;
   std::vector<Index> roots_;    ///< interior dofs that shall be children of the first contact dof
   std::vector<Index> springs_;  ///< dofs of the interior that stand in for supports

@@ -2,14 +2,6 @@
 
 namespace frictioncg {
 
-void PathLaws::multiply(const System& system, const Vector& y, Vector& My) const {
-  const Index offset = system.dofs() - static_cast<Index>(y.size());
-  for (Index i = 0; i < system.nodes(); ++i) {
-    const Index N = system.first[i] - offset, size = system.tangents(i) + 1;
-    My.segment(N, size) += blocks[i] * y.segment(N, size);
-  }
-}
-
 DensePathMatrix::DensePathMatrix(const CondensedProblem& problem) : laws_(problem.laws) {
   const Vector inverse = problem.D.cwiseSqrt().cwiseInverse();
   K_ = inverse.asDiagonal() * problem.S * inverse.asDiagonal();

@@ -12,9 +12,6 @@ using NodeBlock = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3>;
 struct PathLaws {
   std::vector<NodeBlock> blocks;  ///< m
   bool symmetric = true;          ///< all of them are diagonal
-
-  /// My += laws y; y: of the last dofs, or of all.
-  void multiply(const System& system, const Vector& y, Vector& My) const;
 };
 
 /// The matrix K of a central path, and M = K + laws. The contact dofs are its last rows.

@@ -25,7 +25,7 @@ constexpr Index settling = 4;  ///< steps before that, in which they may grow al
 SemismoothNewton::SemismoothNewton(const CondensedProblem& problem)
     : problem_(problem),
       c_(problem.laws.nodes()),
-      branch_(problem.laws.nodes()),
+      branch_(all_stick(problem.laws.increment)),
       x_(Vector::Zero(problem.f.size())) {
   const Real share = wave_share(*problem.laws.system);
   for (Index i = 0; i < problem.laws.nodes(); ++i) {
@@ -36,12 +36,13 @@ SemismoothNewton::SemismoothNewton(const CondensedProblem& problem)
   }
 }
 
-void SemismoothNewton::start_from_stick() {
-  from_stick_ = true;
-  branch_ = all_stick(problem_.laws.increment);
+void SemismoothNewton::start_from(const Branches& branches) {
+  branch_ = branches;
+  from_stick_ = false;
 }
 
 void SemismoothNewton::start_from(const Vector& x) {
+  from_stick_ = false;
   x_ = x;
   r_ = problem_.residual(x);
   choose_branches();
@@ -250,8 +251,6 @@ bool newton_from(const Vector& x, const CondensedProblem& problem, Index max_ste
     newton.start_from(x);
   else if (!given.empty())
     newton.start_from(given);
-  else
-    newton.start_from_stick();
   const Index bound = std::min(newton_steps, max_steps - a.steps);
   const bool solved = newton.solve(bound) == SemismoothNewton::Outcome::converged;
   a.steps += newton.steps();

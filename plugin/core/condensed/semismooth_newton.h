@@ -21,11 +21,11 @@ class SemismoothNewton {
  public:
   enum class Outcome { converged, cycled, stalled, singular, exhausted, ran_away };
 
+  /// Starts from stick, unless it is told otherwise: every node closed, x_T = 0.
   explicit SemismoothNewton(const CondensedProblem& problem);
 
-  void start_from_stick();           ///< every node closed, x_T = 0
   void start_from(const Vector& x);  ///< the branches that x is on
-  void start_from(const Branches& branches) { branch_ = branches; }
+  void start_from(const Branches& branches);
 
   /// At most max_steps steps; converged where the laws hold to rounding. ran_away: from stick, and
   /// the forces that violate the laws grow.
@@ -61,7 +61,7 @@ class SemismoothNewton {
   std::vector<Index> normal_;  ///< of the unknowns, the normal dof that factor_ refers to
   Index steps_ = 0;
   Real residual_ = 0;
-  bool undetermined_ = false, positive_ = false, from_stick_ = false;
+  bool undetermined_ = false, positive_ = false, from_stick_ = true;
 };
 
 /// How an attempt at the laws on the contact dofs ended.

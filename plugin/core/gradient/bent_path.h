@@ -9,24 +9,11 @@ namespace frictioncg {
 ///
 /// Only the contact dofs see the bends, so that all pieces together cost their rows; the interior
 /// moves by the same v throughout, once.
-class BentPath {
- public:
-  explicit BentPath(const ContactProblem& problem);
-
-  /// it.x has just moved by rho v, line.a and line.vAv are those of v before that step, and
-  /// it.faces holds the nodes that reached their gap in it. Moves the contact dofs further, and the
-  /// interior through P. Returns the length that rho gains; 0 where J does not fall beyond.
-  Real follow(Iterate& it, Preconditioner& P, LineSearch& search, const Vector& v, Real rho,
-              Line line);
-
- private:
-  void drop_held(const Iterate& it, Line& line);
-  void move_interior(Iterate& it, Preconditioner& P, const Vector& v, Real length);
-
-  const System& system_;
-  Vector w_;        ///< n, the bent direction
-  Vector start_C_;  ///< contact_dofs(), x_C where the path begins
-  Vector end_C_;    ///< contact_dofs(), and where it ends
-};
+///
+/// it.x has just moved by rho v, line.a and line.vAv are those of v before that step, and it.faces
+/// holds the nodes that reached their gap in it. Moves the contact dofs further, and the interior
+/// through P. Returns the length that rho gains; 0 where J does not fall beyond.
+Real follow_bent_path(Iterate& it, Preconditioner& P, LineSearch& search, const Vector& v, Real rho,
+                      Line line);
 
 }  // namespace frictioncg

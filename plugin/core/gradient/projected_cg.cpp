@@ -51,11 +51,8 @@ class ProjectedCG final : public TrescaSolver {
         rule_(settings, *problem.system),
         P_(make_preconditioner(*problem.system, settings.precon, relaxation(settings, rule_))),
         line_search_(*problem.system, settings.step, settings.stop_on_step == 0),
-        stopping_(settings),
         it_(problem),
-        path_(problem),
-        v_(Vector::Zero(problem.dofs())),
-        residual_(problem.dofs()) {}
+        v_(Vector::Zero(problem.dofs())) {}
 
   Outcome minimize(Vector& x, const Vector& g, Real eps, Tangents tangents, Real bound) override {
     Outcome outcome;
@@ -109,14 +106,16 @@ class ProjectedCG final : public TrescaSolver {
 
   Events begin(const Vector& g, Tangents tangents, Real bound) {
     rule_.start();
-    stopping_.start(bound);
-    least_ = stopping_.by_step() ? 0 : unreleased * bound / std::sqrt(Real(problem_.nodes()));
+    eps_0_ = by_step() ? settings_.stop_on_step : bound;
+    norm_ = {};
+    least_ = by_step() ? 0 : unreleased * bound / std::sqrt(Real(problem_.nodes()));
     it_.g = g;
     it_.faces.start(it_.x, g, tangents, rule_.stick_is_a_face());
-    problem_.system->multiply(it_.x, residual_);
-    residual_ = problem_.increment.F - residual_;
-    it_.rows.start(residual_);
-    P_->start(residual_);
+    Vector r;
+    problem_.system->multiply(it_.x, r);
+    r = problem_.increment.F - r;
+    it_.rows.start(r);
+    P_->start(r);
     v_.setZero();
     Events events;
     if (rule_.at_once()) events.released = rule_.release(it_, least_);
@@ -161,7 +160,7 @@ class ProjectedCG final : public TrescaSolver {
     it_.rows.advance(rho, v_);
     if (rho >= rho_gap) events.contact_hit = it_.faces.close_gaps(it_.x, v_, rho);
     if (events.contact_hit && rule_.stick_is_a_face()) {
-      const Real gained = path_.follow(it_, *P_, line_search_, v_, rho, line);
+      const Real gained = follow_bent_path(it_, *P_, line_search_, v_, rho, line);
       events.expanded = gained > 0;
       rho += gained;
     }
@@ -179,13 +178,12 @@ class ProjectedCG final : public TrescaSolver {
   /// The stopping test, and the release of what the faces violate: again where a release has left
   /// nothing to do on the free dofs.
   void stop_or_release(Events& events, Real rho) {
-    const Real eps_0 = stopping_.eps_0();
     for (Index k = 0; k <= problem_.nodes(); ++k) {
-      const Real violation = stopping_.by_step() ? 0 : it_.faces.violation(it_.rows.r(), it_.g);
-      const Real eps_1 = rule_.threshold(eps_0, violation);
-      const Real left = stopping_.left(*P_, std::max(eps_0, eps_1), rho, v_, it_.x);
-      events.stop = left <= eps_0 && std::hypot(left, violation) <= eps_0;
-      if (left > eps_1 || (events.stop && !stopping_.by_step())) return;
+      const Real violation = by_step() ? 0 : it_.faces.violation(it_.rows.r(), it_.g);
+      const Real eps_1 = rule_.threshold(eps_0_, violation);
+      const Real left = left_after(rho, std::max(eps_0_, eps_1));
+      events.stop = left <= eps_0_ && std::hypot(left, violation) <= eps_0_;
+      if (left > eps_1 || (events.stop && !by_step())) return;
       if (!rule_.release(it_, least_)) return;
       it_.rows.settle(*P_);
       update_friction();
@@ -194,6 +192,16 @@ class ProjectedCG final : public TrescaSolver {
       events.stop = false;
       if (P_->r_z() > 0) return;
     }
+  }
+
+  /// To repeat the paper's tables |dx|/|x| is what is left.
+  bool by_step() const { return settings_.stop_on_step > 0; }
+
+  /// What is left to do after the step dx = rho v, against eps_0: the norm of the residual on the
+  /// free dofs, by <r, P r>; or infinity where it is surely above `wanted`.
+  Real left_after(Real rho, Real wanted) {
+    if (by_step()) return rho > 0 ? rho * v_.norm() / it_.x.norm() : infinity;
+    return norm_(std::sqrt(std::max(P_->r_z(), 0.0)), wanted, [&] { return P_->free_norm(); });
   }
 
   /// r on the contact dofs, J'' and the mask. True where J has another quadratic form from here on,
@@ -212,11 +220,10 @@ class ProjectedCG final : public TrescaSolver {
   ReleaseRule rule_;
   const std::unique_ptr<Preconditioner> P_;
   LineSearch line_search_;
-  StoppingTest stopping_;
+  RareMeasure norm_;  ///< of the residual on the free dofs
+  Real eps_0_ = 0;    ///< what may be left
   Iterate it_;
-  BentPath path_;
   Vector v_;              ///< n, the direction
-  Vector residual_;       ///< n, of the start
   Real r_z_ = 0;          ///< <r, P r> of the last direction
   Real least_ = 0;        ///< violations of a face up to here are left to the tolerance
   Index iterations_ = 0;  ///< over all minimizations

@@ -98,10 +98,10 @@ inline void add_block_product(float factor, const float* a, const float* b, floa
   add_rows<R, K, C>(factor, a, K, 1, b, c);
 }
 
-/// c += factor a' b, with a K x R and b K x C
+/// c += a' b, with a K x R and b K x C
 template <int R, int K, int C>
-inline void add_transposed_block_product(float factor, const float* a, const float* b, float* c) {
-  add_rows<R, K, C>(factor, a, 1, R, b, c);
+inline void add_transposed_block_product(const float* a, const float* b, float* c) {
+  add_rows<R, K, C>(1, a, 1, R, b, c);
 }
 
 /// A symmetric matrix by its strictly lower blocks, row by row, and its diagonal blocks. Half of

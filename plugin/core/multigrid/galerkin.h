@@ -228,12 +228,12 @@ class GalerkinProduct {
         if (of < first || of >= end) continue;
         const float* t = row.product.data() + c * B * K;
         if (I > J) {
-          add_transposed_block_product<K, B, K>(1, p, t, coarse.at(coarse.find(I, J)));
+          add_transposed_block_product<K, B, K>(p, t, coarse.at(coarse.find(I, J)));
         } else if (I < J) {
-          add_transposed_block_product<K, B, K>(1, t, p, coarse.at(coarse.find(J, I)));
+          add_transposed_block_product<K, B, K>(t, p, coarse.at(coarse.find(J, I)));
         } else {
-          add_transposed_block_product<K, B, K>(1, p, t, coarse.diagonal_at(I));
-          add_transposed_block_product<K, B, K>(1, t, p, coarse.diagonal_at(I));
+          add_transposed_block_product<K, B, K>(p, t, coarse.diagonal_at(I));
+          add_transposed_block_product<K, B, K>(t, p, coarse.diagonal_at(I));
         }
       }
     }

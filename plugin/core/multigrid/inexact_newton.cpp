@@ -54,7 +54,8 @@ constexpr Index least_cycles = 8;
 }  // namespace
 
 InexactNewton::InexactNewton(const ContactProblem& problem, Hierarchy& hierarchy,
-                             Observer* observer, Real affordable, Real most_violation)
+                             Observer* observer, Real affordable, Real most_violation,
+                             Solution& answer)
     : problem_(problem),
       system_(*problem.system),
       hierarchy_(hierarchy),
@@ -63,6 +64,7 @@ InexactNewton::InexactNewton(const ContactProblem& problem, Hierarchy& hierarchy
       most_violation_(most_violation),
       faces_(problem),
       inner_(system_),
+      answer_(answer),
       proximal_(first_spring, least_spring),
       springs_(Vector::Zero(system_.contact_dofs())) {}
 
@@ -72,25 +74,28 @@ Status InexactNewton::solve(Real tol, Index max_iterations, const Vector& x0, co
   goal_ = tol * driving;
   load_ = std::max(driving, closing_norm(system_, problem_.increment));
   max_iterations_ = max_iterations;
-  x_ = x0.size() > 0 ? x0 : Vector(Vector::Zero(system_.dofs()));
-  rest_ = x_;
+  answer_.x = x0.size() > 0 ? x0 : Vector(Vector::Zero(system_.dofs()));
+  rest_ = answer_.x;
   b_ = x0.size() > 0 ? b0 : problem_.increment.F;
   b_C_ = b_.tail(springs_.size());
   if (!start.empty())
     faces_.start_from(start);
   else if (x0.size() > 0)
-    faces_.start_from(x_, b_C_);
+    faces_.start_from(answer_.x, b_C_);
   else
     faces_.start_from(reached(problem_));
-  while (iterations_ < max_iterations_) {
+  while (answer_.iterations < max_iterations_) {
     move_onto_faces();
     const bool solved = solve_faces();
-    if (inner_.indefinite()) return Status::not_positive_definite;
+    if (inner_.indefinite()) {
+      answer_.negative = inner_.last();
+      return Status::not_positive_definite;
+    }
     if (gave_up_) return ended(Status::stagnated);
-    const Real violation = faces_.violation(x_, b_C_);
+    const Real violation = faces_.violation(answer_.x, b_C_);
     if (std::hypot(inner_.norm(), violation) <= std::max(goal_, spring_share * spring_force())) {
       const bool held = spring_force() > goal_;
-      Certificate certificate = certify(problem_, x_);
+      Certificate certificate = certify(problem_, answer_.x);
       b_ = certificate.r;
       const bool goes_on = release_springs();
       if (accept(std::move(certificate), tol, held)) return Status::converged;
@@ -100,7 +105,7 @@ Status InexactNewton::solve(Real tol, Index max_iterations, const Vector& x0, co
       continue;
     }
     faces_.lag(!solved);
-    faces_.choose(x_, b_C_);
+    faces_.choose(answer_.x, b_C_);
   }
   return ended(Status::max_iterations);
 }
@@ -110,9 +115,9 @@ Status InexactNewton::solve(Real tol, Index max_iterations, const Vector& x0, co
 bool InexactNewton::accept(Certificate certificate, Real tol, bool held) {
   const Real goal = tol * certificate.scale;
   if (certificate.residual <= tol) {
-    certificate_ = std::move(certificate);
-    if (faces_.misdirection(x_, b_C_) <= goal) return true;
-    accepted_ = x_;
+    answer_.certificate = std::move(certificate);
+    if (faces_.misdirection(answer_.x, b_C_) <= goal) return true;
+    accepted_ = answer_.x;
   }
   // the scale is known now; where it was already, and did not do, rounding is near
   goal_ = goal_ <= goal && !held ? sharper * goal_ : goal;
@@ -122,15 +127,15 @@ bool InexactNewton::accept(Certificate certificate, Real tol, bool held) {
 /// What was accepted once counts, whatever came after it.
 Status InexactNewton::ended(Status otherwise) {
   if (accepted_.size() == 0) return otherwise;
-  x_ = accepted_;
+  answer_.x = accepted_;
   return Status::converged;
 }
 
 /// x onto the faces, and b with it.
 void InexactNewton::move_onto_faces() {
-  const Vector before = x_.tail(springs_.size());
-  faces_.place(x_);
-  const Vector moved = x_.tail(springs_.size()) - before;
+  const Vector before = answer_.x.tail(springs_.size());
+  faces_.place(answer_.x);
+  const Vector moved = answer_.x.tail(springs_.size()) - before;
   b_.tail(springs_.size()) = b_C_ - springs_.cwiseProduct(moved);
   system_.move_contact(moved, b_);
   b_C_ = b_.tail(springs_.size());
@@ -140,21 +145,21 @@ void InexactNewton::move_onto_faces() {
 /// residual does not fall.
 bool InexactNewton::solve_faces() {
   s_ = b_;
-  faces_.residual(x_, b_C_, s_.tail(springs_.size()));
+  faces_.residual(answer_.x, b_C_, s_.tail(springs_.size()));
   inner_.start(s_);
   const Real from = inner_.norm();
-  const Index begin = iterations_;
+  const Index begin = answer_.iterations;
   Real mark = from;
   Index since = 0;
   bool falls = mark > share * goal_;
   if (falls) hierarchy_.truncate(faces_.fixed(), faces_.stiffness(), springs_);
-  while (falls && iterations_ < max_iterations_) {
-    falls = inner_.step(hierarchy_, faces_, springs_, x_, b_C_);
-    const StepLabel label = iterations_ == begin ? StepLabel::newton : StepLabel::conjugate;
-    ++iterations_;
-    steps_.add(label);
-    if (observer_) observer_->iterate(iterations_, label, x_);
-    const Real violation = faces_.violation(x_, b_C_);
+  while (falls && answer_.iterations < max_iterations_) {
+    falls = inner_.step(hierarchy_, faces_, springs_, answer_.x, b_C_);
+    const StepLabel label = answer_.iterations == begin ? StepLabel::newton : StepLabel::conjugate;
+    ++answer_.iterations;
+    answer_.steps.add(label);
+    if (observer_) observer_->iterate(answer_.iterations, label, answer_.x);
+    const Real violation = faces_.violation(answer_.x, b_C_);
     const Real aim = std::max(Gamma * violation, share * goal_);
     if (inner_.norm() <= aim) break;
     ++since;
@@ -162,7 +167,7 @@ bool InexactNewton::solve_faces() {
       mark = inner_.norm();
       since = 0;
     }
-    gave_up_ = costs_too_much(from, iterations_ - begin);
+    gave_up_ = costs_too_much(from, answer_.iterations - begin);
     falls = falls && since < patience && !gave_up_;
   }
   b_ = inner_.residual();
@@ -175,13 +180,13 @@ bool InexactNewton::costs_too_much(Real from, Index cycles) const {
   if (!std::isfinite(affordable_) || cycles < least_cycles) return false;
   const Real rate = std::log(from / inner_.norm()) / cycles;
   const Real left = std::log(inner_.norm() / (share * goal_));
-  return !(iterations_ * rate + left <= affordable_ * rate);
+  return !(answer_.iterations * rate + left <= affordable_ * rate);
 }
 
 /// What the springs do to equilibrium, in norm_D.
 Real InexactNewton::spring_force() const {
   const auto D = system_.weight.tail(springs_.size()).array();
-  const auto stretch = (x_ - rest_).tail(springs_.size()).array();
+  const auto stretch = (answer_.x - rest_).tail(springs_.size()).array();
   return std::sqrt(system_.sum((springs_.array() * stretch).square().cwiseQuotient(D).sum()));
 }
 
@@ -189,7 +194,7 @@ Real InexactNewton::spring_force() const {
 /// on.
 void InexactNewton::attach_springs() {
   if (sprung_) springs_ = proximal_.eps() * system_.D.tail(springs_.size());
-  rest_ = x_;
+  rest_ = answer_.x;
   faces_at_rest_ = faces_.all();
   b_C_ = b_.tail(springs_.size());
   first_violation_ = least_violation_ = infinity;
@@ -214,15 +219,15 @@ bool InexactNewton::retreat(bool solved) {
   if (retreats_++ > most_retreats || (std::isfinite(affordable_) && !solved)) return false;
   faces_.lag(false);
   if (!sprung_) {
-    x_.setZero();
+    answer_.x.setZero();
     faces_.start_from(all_stick(problem_.increment));
     sprung_ = true;
   } else {
-    x_ = rest_;
+    answer_.x = rest_;
     faces_.start_from(faces_at_rest_);
     proximal_.missed();
   }
-  system_.multiply(x_, b_);
+  system_.multiply(answer_.x, b_);
   b_ = problem_.increment.F - b_;
   attach_springs();
   return true;

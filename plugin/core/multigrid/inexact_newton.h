@@ -1,9 +1,8 @@
 #pragma once
-#include "model/certificate.h"
 #include "model/proximal_springs.h"
 #include "multigrid/conjugate_residuals.h"
 #include "multigrid/faces.h"
-#include "settings.h"
+#include "solution.h"
 
 namespace frictioncg {
 
@@ -15,8 +14,10 @@ class InexactNewton {
   /// affordable: the cycles that another method of the caller costs, or infinity. Ends, stagnated,
   /// where the rate of a linear system promises more, where the forces of the first one violate the
   /// laws by more than most_violation times the load, or where faces leave a motion free.
+  /// answer: gets x, what it took, and, where it has converged, the certificate; of the steps
+  /// newton is the first cycle after an update of the faces, conjugate are the others.
   InexactNewton(const ContactProblem& problem, Hierarchy& hierarchy, Observer* observer,
-                Real affordable, Real most_violation);
+                Real affordable, Real most_violation, Solution& answer);
 
   /// From x0 (n), where b0 = F - A x0 (n) is known, or where it is empty from 0; on the given
   /// branches, or where these are empty on those of x0, or where that is, too, on those that
@@ -26,14 +27,7 @@ class InexactNewton {
   Status solve(Real tol, Index max_iterations, const Vector& x0, const Vector& b0,
                const Branches& start = {});
 
-  const Vector& x() const { return x_; }
-  const Certificate& certificate() const { return certificate_; }  ///< of x, where it has converged
-  /// not_positive_definite: n, the direction.
-  Vector negative() const { return inner_.indefinite() ? inner_.last() : Vector(); }
   const Branches& faces() const { return faces_.all(); }
-  Index iterations() const { return iterations_; }  ///< cycles
-  /// newton: the first cycle after an update of the faces; conjugate: the others.
-  const StepCounts& steps() const { return steps_; }
 
  private:
   void move_onto_faces();
@@ -55,12 +49,13 @@ class InexactNewton {
   const Real most_violation_;  ///< over the load
   Faces faces_;
   ConjugateResiduals inner_;
-  Vector x_, b_;             ///< n; b = F - Ax, and the springs' force
-  Vector b_C_, s_;           ///< contact dofs of b; n, residual of the linear system
-  Vector accepted_;          ///< n, the last x that the certificate lets pass; or empty
-  Certificate certificate_;  ///< of the last x that passes
-  Real goal_ = 0;            ///< of residual and violation [norm_D]
-  Real load_ = 0;            ///< norm_D of the load, or of what gaps press with, if more
+  Solution& answer_;
+  Vector b_;         ///< n, F - Ax, and the springs' force
+  Vector b_C_, s_;   ///< contact dofs of b; n, residual of the linear system
+  Vector accepted_;  ///< n, the last x that the certificate lets pass; or empty
+  Real goal_ = 0;    ///< of residual and violation [norm_D]
+  Real load_ = 0;    ///< norm_D of the load, or of what gaps press with, if more
+  Index max_iterations_ = 0;
   bool gave_up_ = false;
   /// Violations (norm_D) since the springs were set: after the first update, the least one, and the
   /// updates since then.
@@ -73,9 +68,6 @@ class InexactNewton {
   Branches faces_at_rest_;
   bool sprung_ = false, judged_ = false;
   int retreats_ = 0, soft_releases_ = 0;
-
-  StepCounts steps_;
-  Index iterations_ = 0, max_iterations_ = 0;
 };
 
 }  // namespace frictioncg

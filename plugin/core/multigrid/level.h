@@ -74,15 +74,12 @@ struct Level {
   /// Builds P by smoothed aggregation; returns the grid of the next level. Thin layers of elements
   /// are not aggregated across.
   Grid<K> coarsen(const Modes<K>& modes, const Eigen::MatrixXd& place, Coarsening how) {
-    // so many power steps tell the spectral radius, from below, to some percent: the damping stays
-    // stable with that
-    constexpr int power_steps = 8;
     // the Jacobi step that smooths P, over the spectral radius: the usual choice
     constexpr float damping = 4.0f / 3;
     const BlockGraph graph = make_graph(A);
     const Aggregates aggregates = aggregate(graph, coupling_strength(A), how);
     const Tentative<B, K> tentative = make_tentative<B, K>(aggregates, modes);
-    const float omega = damping / spectral_radius(A, power_steps);
+    const float omega = damping / spectral_radius(A);
     P = smooth<B, K>(A, graph, aggregates, tentative.value, omega);
     Eigen::MatrixXd middle = Eigen::MatrixXd::Zero(aggregates.count, place.cols());
     Vector members = Vector::Zero(aggregates.count);

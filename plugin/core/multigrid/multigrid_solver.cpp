@@ -59,8 +59,7 @@ Solution MultigridSolver::solve(const ContactProblem& problem, const Settings& s
   s.route = Route::multigrid;
   s.layer = system_->largest(problem.nodes()) == 0 ? Layer::linear : Layer::multigrid;
   s.levels = {hierarchy_->levels(), hierarchy_->operator_complexity(), hierarchy_->bytes()};
-  s.times.factor = setup_;
-  setup_ = 0;
+  s.times.factor = std::exchange(setup_, 0);
   double start = cpu_seconds();
   const bool many = motions_.cols() > few_motions;
   if (many || !shown_unheld(problem, s)) {
@@ -92,7 +91,7 @@ void MultigridSolver::iterate(const ContactProblem& problem, const Settings& set
                               const Vector& x0, Observer* observer, const Allowance& allowance,
                               Solution& s) {
   const Real affordable = allowance.cost * usual_iterations;
-  InexactNewton newton(problem, *hierarchy_, observer, affordable, allowance.violation);
+  InexactNewton newton(problem, *hierarchy_, observer, affordable, allowance.violation, s);
   const Index most = static_cast<Index>(std::min<Real>(affordable, most_iterations));
   const Index bound = std::min(settings.nbiter > 0 ? settings.nbiter : most, most);
   const Vector going_on = past_.next(*system_, problem.increment);
@@ -103,12 +102,10 @@ void MultigridSolver::iterate(const ContactProblem& problem, const Settings& set
   else if (!(past_.has_direction() && start.goes_on))
     faces = last_;
   with_threads([&] { s.status = newton.solve(settings.tol, bound, start.x, start.b, faces); });
-  s.x = newton.x();
-  s.negative = newton.negative();
-  s.iterations = newton.iterations();
-  s.steps = newton.steps();
-  s.certificate = s.status == Status::converged ? newton.certificate() : certify(problem, s.x);
-  if (s.status != Status::converged) return;
+  if (s.status != Status::converged) {
+    s.certificate = certify(problem, s.x);
+    return;
+  }
   last_ = newton.faces();
   past_.add(problem.increment, s.x);
 }

@@ -10,6 +10,7 @@ namespace {
 constexpr Real dependent_mode = 1e-7;
 /// A pivot of which less than this share is left is rounding.
 constexpr float lost = 1e-5f;
+constexpr int power_steps = 8;  ///< of spectral_radius
 
 /// Modified Gram-Schmidt, twice, on the columns of Q; R of Q R. Dependent columns become 0.
 template <int K>
@@ -61,7 +62,7 @@ Tentative<B, K> make_tentative(const Aggregates& aggregates, const Modes<K>& mod
 
 /// y = -A x, and x := D^{-1} y; returns -<y, x_new> / <y, x_old>, a Rayleigh quotient.
 template <int B>
-float spectral_radius(const SymmetricBlocks<B>& A, int steps) {
+float spectral_radius(const SymmetricBlocks<B>& A) {
   const std::vector<float> zero(std::size_t(A.rows()) * stride<B>, 0);
   std::vector<float> x = zero, y = zero;
   unsigned random = 12345;
@@ -71,7 +72,7 @@ float spectral_radius(const SymmetricBlocks<B>& A, int steps) {
       x[i + k] = static_cast<float>(random >> 8) / (1 << 24) - 0.5f;
     }
   Real lambda = 1;
-  for (int step = 0; step < steps; ++step) {
+  for (int step = 0; step < power_steps; ++step) {
     subtract_product(A, zero.data(), x.data(), y.data());
     Real y_x = 0, y_z = 0;
     for (Index i = 0; i < A.rows(); ++i) {
@@ -128,7 +129,7 @@ Prolongation<B, K> smooth(const SymmetricBlocks<B>& A, const BlockGraph& graph,
       if (j < i)
         add_block_product<B, B, K>(1, a, tentative_at(j), sum_at(j));
       else
-        add_transposed_block_product<B, B, K>(1, a, tentative_at(j), sum_at(j));
+        add_transposed_block_product<B, B, K>(a, tentative_at(j), sum_at(j));
     }
     const std::size_t begin = P.col.size();
     P.col.insert(P.col.end(), columns.begin(), columns.end());
@@ -176,8 +177,8 @@ void invert_diagonal(SymmetricBlocks<B>& A, Index row) {
                                            const Aggregates&, const std::vector<float>&, float);
 FRICTIONCG_PROLONGATIONS(FRICTIONCG_INSTANTIATE)
 #undef FRICTIONCG_INSTANTIATE
-#define FRICTIONCG_INSTANTIATE(B)                                 \
-  template float spectral_radius(const SymmetricBlocks<B>&, int); \
+#define FRICTIONCG_INSTANTIATE(B)                            \
+  template float spectral_radius(const SymmetricBlocks<B>&); \
   template void invert_diagonal(SymmetricBlocks<B>&, Index);
 FRICTIONCG_BLOCKS(FRICTIONCG_INSTANTIATE)
 #undef FRICTIONCG_INSTANTIATE

@@ -20,9 +20,10 @@ struct Tentative {
 template <int B, int K>
 Tentative<B, K> make_tentative(const Aggregates& aggregates, const Modes<K>& modes);
 
-/// Largest eigenvalue of D^{-1} A, D the diagonal blocks, by power steps: from below.
+/// Largest eigenvalue of D^{-1} A, D the diagonal blocks, by power steps: from below, to some
+/// percent, with which damping stays stable.
 template <int B>
-float spectral_radius(const SymmetricBlocks<B>& A, int steps);
+float spectral_radius(const SymmetricBlocks<B>& A);
 
 /// P = (I - omega D^{-1} A) P_tentative: one damped Jacobi step.
 template <int B, int K>

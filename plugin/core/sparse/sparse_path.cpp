@@ -42,7 +42,10 @@ Vector SparsePathMatrix::solve(const Vector& b) {
     factor_.apply(unit_.cwiseProduct(r), z);
     z = unit_.cwiseProduct(z);
     Vector Mz = multiply(z);
-    laws_.multiply(system_, z, Mz);
+    for (Index i = 0; i < system_.nodes(); ++i) {
+      const Index N = system_.first[i], size = system_.tangents(i) + 1;
+      Mz.segment(N, size) += laws_.blocks[i] * z.segment(N, size);
+    }
     for (const auto& [before, image] : directions) {
       const Real along = Mz.dot(image);
       z -= along * before;

@@ -20,11 +20,6 @@ using namespace frictioncg::test;
 
 namespace {
 
-unsigned from_environment(const char* name, unsigned otherwise) {
-  const char* value = std::getenv(name);
-  return value ? static_cast<unsigned>(std::strtoul(value, nullptr, 10)) : otherwise;
-}
-
 /// A body, or several, that contact alone holds, if anything does.
 Recipe floating_recipe(unsigned seed) {
   Recipe r = random_recipe(seed);

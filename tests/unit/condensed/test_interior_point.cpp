@@ -54,7 +54,6 @@ TEST(InteriorPoint, ItsAnswerIsNewtonsWhereBothArrive) {
       OnContact condensed(block(o));
       const CondensedProblem p = condensed.problem();
       SemismoothNewton newton(p);
-      newton.start_from_stick();
       ASSERT_EQ(newton.solve(40), SemismoothNewton::Outcome::converged);
       const Attempt a = by_interior_point(p, 100);
       ASSERT_TRUE(a.solved) << d << " " << mu;
@@ -136,9 +135,7 @@ TEST(InteriorPoint, CohesionAndCapsAddFewSteps) {
 
 TEST(InteriorPoint, MultigridGivesWayToItWhereTheFacesOfAStripRunAway) {
   const Scene s = lifted(400, Law::coulomb, 0.2);
-  std::vector<Index> node(s.n);
-  for (Index p = 0; p < s.n; ++p) node[p] = p / 2;
-  const Posed posed = s.system(node);
+  const Posed posed = s.system(mesh_nodes(s));
   ASSERT_EQ(make_plan(posed.problem(), Settings()).route, Route::multigrid);
   const Solution a = solve(posed.problem(), Settings());
   EXPECT_EQ(a.status, Status::converged);

@@ -27,7 +27,6 @@ TEST(Proximal, TheSpringsAreGoneAtTheEnd) {
   OnContact blocks(block(o));
   const CondensedProblem p = blocks.problem();
   SemismoothNewton newton(p);
-  newton.start_from_stick();
   ASSERT_EQ(newton.solve(40), SemismoothNewton::Outcome::converged);
   const Attempt a = by_proximal_points(p, 1000);
   ASSERT_TRUE(a.solved);

@@ -16,7 +16,6 @@ namespace {
 /// From stick; expects x, and no more than `steps`.
 SemismoothNewton expect(const CondensedProblem& p, const Vector& x, Index steps) {
   SemismoothNewton newton(p);
-  newton.start_from_stick();
   EXPECT_EQ(newton.solve(20), Outcome::converged);
   EXPECT_LE(newton.steps(), steps);
   EXPECT_LT((newton.x() - x).norm(), 1e-13 * (1 + x.norm())) << newton.x().transpose();
@@ -70,7 +69,6 @@ TEST(SemismoothNewton, TheGapIsClosedAndAnUnreachableObstacleIsNoContact) {
   const ByHand far = ByHand(2, diag({2, 1}), vec({3, 0.5})).mu(0.3).gap(infinity);
   const CondensedProblem q = far.condensed();
   SemismoothNewton newton(q);
-  newton.start_from_stick();
   EXPECT_FALSE(newton.branches()[0].closed);
   EXPECT_EQ(newton.solve(20), Outcome::converged);
   EXPECT_NEAR(newton.x()[0], 1.5, 1e-15);
@@ -144,7 +142,6 @@ TEST(SemismoothNewton, ALoadThatNothingHoldsEndsInAStallAtOnce) {
   const ByHand hand = ByHand(2, S, vec({1, 0.5, 1, 0.5}));
   const CondensedProblem p = hand.condensed();
   SemismoothNewton newton(p);
-  newton.start_from_stick();
   EXPECT_EQ(newton.solve(40), Outcome::stalled);
   EXPECT_LE(newton.steps(), 4);
 }
@@ -153,7 +150,6 @@ TEST(SemismoothNewton, TheBoundOnItsStepsHolds) {
   const ByHand hand = ByHand(2, diag({2, 1}), vec({3, 2})).mu(0.3);
   const CondensedProblem p = hand.condensed();
   SemismoothNewton newton(p);
-  newton.start_from_stick();
   EXPECT_EQ(newton.solve(1), Outcome::exhausted);
   EXPECT_EQ(newton.steps(), 1);
   EXPECT_EQ(newton.solve(0), Outcome::exhausted);
@@ -166,7 +162,6 @@ TEST(SemismoothNewton, TwoSensesThatRefuteEachOtherAreACycle) {
   const ByHand hand = ByHand(2, S, vec({9.11479, 8.76304})).mu(0.635656).gap(0.000813044);
   const CondensedProblem p = hand.condensed();
   SemismoothNewton newton(p);
-  newton.start_from_stick();
   const Outcome outcome = newton.solve(40);
   EXPECT_TRUE(outcome == Outcome::cycled || outcome == Outcome::stalled) << int(outcome);
   EXPECT_LT(newton.steps(), 10);
@@ -182,7 +177,6 @@ TEST(SemismoothNewton, FromItsAnswerItTakesOneStepAndBlocksTakeFew) {
     OnContact condensed(block(o));
     const CondensedProblem p = condensed.problem();
     SemismoothNewton newton(p);
-    newton.start_from_stick();
     ASSERT_EQ(newton.solve(40), Outcome::converged);
     EXPECT_LE(newton.steps(), 8) << d;
     SemismoothNewton again(p);
@@ -206,7 +200,6 @@ TEST(SemismoothNewton, InThreeDimensionsItArrivesAfterAStepWithoutProgressToo) {
     const CondensedProblem p = condensed.problem();
     EXPECT_EQ(p.laws.system->dimension, 3);
     SemismoothNewton newton(p);
-    newton.start_from_stick();
     ++(newton.solve(200) == Outcome::converged ? arrived : others);
   }
   EXPECT_GE(arrived, 15) << others;
@@ -227,7 +220,6 @@ TEST(SemismoothNewton, ItsResidualIsTheCertificates) {
     const DenseMatrix S = problem.system->entries();
     const CondensedProblem p{S, problem.increment.F, problem.system->weight, problem};
     SemismoothNewton newton(p);
-    newton.start_from_stick();
     newton.solve(1);
     EXPECT_NEAR(newton.residual() / certify(problem, newton.x()).residual, 1, 0.2);
     EXPECT_EQ(newton.solve(40), Outcome::converged);
@@ -250,7 +242,6 @@ TEST(SemismoothNewton, LargeSystemsAreSolvedThroughSinglePrecisionAndIllConditio
     const DenseMatrix S = problem.system->entries();
     const CondensedProblem p{S, problem.increment.F, problem.system->weight, problem};
     SemismoothNewton newton(p);
-    newton.start_from_stick();
     EXPECT_EQ(newton.solve(40), Outcome::converged);
     EXPECT_LE(newton.steps(), 15);
     EXPECT_LT(certify(problem, newton.x()).residual, 1e-9);

@@ -11,17 +11,6 @@ struct Block3d {
   bool driven = false;             ///< the top is moved, in place of pressure and shear
   Eigen::Vector3d drive{0, 0, 0};  ///< displacement of the top [length]
   Real curvature = 0;              ///< gap = curvature (x^2 + y^2), from the block's axis
-
-  friend std::ostream& operator<<(std::ostream& out, const Block3d& b) {
-    out << b.block.cells << "^3 cells, mu " << b.block.mu << ", nu " << b.block.nu;
-    if (b.driven)
-      out << ", driven by " << b.drive.transpose();
-    else
-      out << ", pressure " << b.block.pressure << ", shear " << b.block.shear << ", clamped "
-          << b.block.clamp_side;
-    return out << ", curvature " << b.curvature << ", distortion " << b.block.distortion
-               << ", seed " << b.block.seed;
-  }
 };
 
 inline Block3d random_block3d(unsigned seed) {

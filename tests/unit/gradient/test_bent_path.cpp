@@ -26,14 +26,12 @@ struct Bend {
   Iterate it;
   std::unique_ptr<Preconditioner> P;
   LineSearch search;
-  BentPath path;
 
   explicit Bend(const ContactProblem& problem)
       : p(problem),
         it(p),
         P(make_preconditioner(*p.system, Precon::diagonal, 1)),
-        search(*p.system, Step::exact),
-        path(p) {
+        search(*p.system, Step::exact) {
     it.x = Vector::Zero(p.dofs());
     it.g = p.increment.law == Law::tresca ? p.increment.g : Vector(Vector::Zero(p.nodes()));
     it.faces.start(it.x, it.g, Tangents::sliding, false);
@@ -51,7 +49,7 @@ struct Bend {
     P->advance(rho, v, it.x);
     it.rows.advance(rho, v);
     EXPECT_TRUE(it.faces.close_gaps(it.x, v, rho));
-    return path.follow(it, *P, search, v, rho, line);
+    return follow_bent_path(it, *P, search, v, rho, line);
   }
   /// J' along w at x.
   Real slope(const Vector& w) const {

@@ -3,6 +3,7 @@
 
 #include <functional>
 
+#include "../condensed/by_hand.h"
 #include "../scene.h"
 #include "core/gradient/fixed_point.h"
 #include "core/solver.h"
@@ -16,28 +17,13 @@ namespace {
 /// r_N = F_N - x_T takes any value; the laws hold at slip, x_T = 1 and r_T = r_N = g*.
 ContactProblem nodes_apart(const Vector& g_star) {
   const Index m = static_cast<Index>(g_star.size());
-  const auto s = std::make_shared<AssembledSystem>();
-  s->A.resize(2 * m, 2 * m);
+  DenseMatrix A = DenseMatrix::Zero(2 * m, 2 * m);
+  Vector F(2 * m);
   for (Index i = 0; i < m; ++i) {
-    s->first.push_back(2 * i);
-    for (Index k : {0, 1})
-      for (Index l : {0, 1}) s->A.coeffRef(2 * i + k, 2 * i + l) = k == l ? 2 : 1;
+    A.block<2, 2>(2 * i, 2 * i) << 2, 1, 1, 2;
+    F.segment<2>(2 * i) << g_star[i] + 1, g_star[i] + 2;  // r_N = r_T = g* at x_T = 1
   }
-  s->first.push_back(2 * m);
-  s->A.makeCompressed();
-  s->D = Vector::Constant(2 * m, 2);
-  s->weight = node_weights(*s);
-  ContactProblem p{s, {}};
-  p.increment.law = Law::coulomb;
-  p.increment.mu = Vector::Ones(m);
-  p.increment.gap = Vector::Zero(m);
-  p.increment.F.resize(2 * m);
-  for (Index i = 0; i < m; ++i) {
-    p.increment.F[2 * i] = g_star[i] + 1;      // r_N = g* at x_T = 1
-    p.increment.F[2 * i + 1] = g_star[i] + 2;  // r_T = g* at x_T = 1
-  }
-  p.increment.force_scale = p.increment.load_norm = norm_D(*s, p.increment.F);
-  return p;
+  return ByHand(2, A, F).mu(1).problem;
 }
 
 /// "Minimizes" by moving x_T so that r_N = G(g).
@@ -71,8 +57,7 @@ class Played final : public TrescaSolver {
 };
 
 Settings coulomb() {
-  Settings s;
-  s.method = Method::gcx;
+  Settings s{Method::gcx};
   s.tol = 1e-9;
   return s;
 }
@@ -85,7 +70,7 @@ bool damped(const Played& played, std::size_t k) {
 }  // namespace
 
 TEST(FixedPoint, AccelerationFindsTheLimitsOfALinearMapInAFewPasses) {
-  const Vector g_star = (Vector(3) << 2, 3, 5).finished();
+  const Vector g_star = vec({2, 3, 5});
   const ContactProblem p = nodes_apart(g_star);
   Eigen::Matrix3d M;
   M << -0.95, 0.3, 0, 0, -0.9, 0.2, 0, 0, -0.85;  // 0.95^k takes 400 passes
@@ -100,7 +85,7 @@ TEST(FixedPoint, AccelerationFindsTheLimitsOfALinearMapInAFewPasses) {
 }
 
 TEST(FixedPoint, DampingEngagesWhereAccelerationDoesNotHelp) {
-  const Vector g_star = (Vector(2) << 2, 3).finished();
+  const Vector g_star = vec({2, 3});
   const ContactProblem p = nodes_apart(g_star);
   std::srand(3);
   int calls = 0;  // noise at first, then a map that cycles undamped: slope -1
@@ -118,7 +103,7 @@ TEST(FixedPoint, DampingEngagesWhereAccelerationDoesNotHelp) {
 }
 
 TEST(FixedPoint, WithoutProgressItEndsNamed) {
-  const Vector g_star = (Vector(2) << 2, 3).finished();
+  const Vector g_star = vec({2, 3});
   const ContactProblem p = nodes_apart(g_star);
   std::srand(4);
   Played played(p, [&](const Vector&) { return Vector(g_star + Vector(0.5 * Vector::Random(2))); });
@@ -130,7 +115,7 @@ TEST(FixedPoint, WithoutProgressItEndsNamed) {
 }
 
 TEST(FixedPoint, PassesAreNoMorePreciseThanGIsKnownAndPreciseInTheEnd) {
-  const Vector g_star = (Vector(1) << 2).finished();
+  const Vector g_star = vec({2});
   const ContactProblem p = nodes_apart(g_star);
   Played played(p, [&](const Vector& g) { return Vector(g_star - 0.5 * (g - g_star)); });
   const Settings settings = coulomb();
@@ -139,15 +124,15 @@ TEST(FixedPoint, PassesAreNoMorePreciseThanGIsKnownAndPreciseInTheEnd) {
   EXPECT_GT(played.bounds.front(), 1e-3 * a.certificate.scale);
   for (std::size_t k = 1; k < played.bounds.size(); ++k) {
     EXPECT_LE(played.bounds[k], 2 * played.bounds[k - 1]);  // the scale moves a little
-    const Real mismatch = norm_D(
-        *p.system, (Vector(2) << 0, played.images[k - 1][0] - played.asked[k - 1][0]).finished());
+    const Real mismatch =
+        norm_D(*p.system, vec({0, played.images[k - 1][0] - played.asked[k - 1][0]}));
     EXPECT_GE(played.bounds[k], 0.9 * std::min(played.bounds[0], 1e-3 * mismatch));
   }
 }
 
 TEST(FixedPoint, AnImageBelowThePrecisionOfItsPassDoesNotMisleadTheAcceleration) {
   // the first pass does nothing, as where sticking contact is within the first tolerance
-  const Vector g_star = (Vector(1) << 2).finished();
+  const Vector g_star = vec({2});
   const ContactProblem p = nodes_apart(g_star);
   int calls = 0;
   Played played(
@@ -159,7 +144,7 @@ TEST(FixedPoint, AnImageBelowThePrecisionOfItsPassDoesNotMisleadTheAcceleration)
 }
 
 TEST(FixedPoint, AFailedMinimizationNamesTheEnd) {
-  const ContactProblem p = nodes_apart((Vector(1) << 2).finished());
+  const ContactProblem p = nodes_apart(vec({2}));
   class Failing final : public TrescaSolver {
    public:
     explicit Failing(Status status) : status_(status) {}
@@ -180,29 +165,14 @@ TEST(FixedPoint, AFailedMinimizationNamesTheEnd) {
 
 TEST(FixedPoint, ASeparatedNodeHasNoLimitHoweverLargeMu) {
   // r_N of rounding size times mu was taken for friction: u_T = 0 where -0.3 is true
-  const auto s = std::make_shared<AssembledSystem>();
-  s->A.resize(2, 2);
-  s->A.insert(0, 0) = 2;
-  s->A.insert(0, 1) = 0.3;
-  s->A.insert(1, 0) = 0.3;
-  s->A.insert(1, 1) = 1;
-  s->A.makeCompressed();
-  s->first = {0, 2};
-  s->D = Vector::Constant(2, 2);
-  s->D[1] = 1;
-  s->weight = node_weights(*s);
-  ContactProblem p{s, {}};
-  p.increment.law = Law::coulomb;
-  p.increment.gap = Vector::Zero(1);
-  p.increment.F = (Vector(2) << -1.5, 0.1).finished();
-  p.increment.force_scale = p.increment.load_norm = norm_D(*s, p.increment.F);
-  const Vector free = Eigen::MatrixXd(s->A).lu().solve(p.increment.F);
+  DenseMatrix A(2, 2);
+  A << 2, 0.3, 0.3, 1;
+  const Vector F = vec({-1.5, 0.1}), free = A.lu().solve(F);
   for (Real mu : {1e2, 1e4, 1e6, 1e9})
     for (Method m : {Method::gc1, Method::gc2, Method::gc3, Method::gcx, Method::sorp}) {
-      p.increment.mu = Vector::Constant(1, mu);
-      Settings settings;
-      settings.method = m;
-      for (const Vector& x0 : {Vector(), Vector((Vector(2) << -1, 0.5).finished())}) {
+      const ContactProblem p = ByHand(2, A, F).mu(mu).problem;
+      Settings settings{m};
+      for (const Vector& x0 : {Vector(), vec({-1, 0.5})}) {
         const Solution a = solve(p, settings, x0);
         EXPECT_EQ(a.status, Status::converged) << int(m) << " " << mu;
         EXPECT_LT((a.x - free).norm(), 1e-6 * free.norm()) << int(m) << " " << mu;
@@ -214,8 +184,7 @@ TEST(FixedPoint, ABoundOnTheIterationsHoldsForTheWholeCall) {
   const ContactProblem p = block(BlockOptions()).system().problem();
   for (Method m : {Method::gc1, Method::gc2, Method::gc3, Method::gcx, Method::sorp})
     for (Index bound : {1, 2, 7, 20}) {
-      Settings settings;
-      settings.method = m;
+      Settings settings{m};
       settings.nbiter = bound;
       const Solution a = solve(p, settings);
       EXPECT_LE(a.iterations, bound) << int(m);
@@ -234,8 +203,7 @@ TEST(FixedPoint, Step14ConvergesAtTheDefaultRegepsAndAtALargeOne) {
       o.clamp_side = true;
       o.shear = 8;
       const ContactProblem p = block(o).system().problem();
-      Settings settings;
-      settings.method = Method::gc3;
+      Settings settings{Method::gc3};
       settings.reg = reg;
       settings.tol = 1e-7;
       settings.regeps = 1e-4;
@@ -259,8 +227,7 @@ TEST(FixedPoint, EpsFollowsABodyThatSlidesFartherThanItSeemed) {
   o.shear = -20;
   o.mu = 0.2;
   const ContactProblem p = block(o).system().problem();
-  Settings settings;
-  settings.method = Method::gc3;
+  Settings settings{Method::gc3};
   settings.tol = 1e-5;  // eps of 1e-8 max|x| is enough
   const Solution a = solve(p, settings);
   EXPECT_EQ(a.status, Status::converged);
@@ -276,8 +243,7 @@ TEST(FixedPoint, ATolThatRoundingForbidsEndsNamedAndSoon) {
       o.cells = d == 2 ? 8 : 3;
       o.clamp_side = true;
       const ContactProblem p = block(o).system().problem();
-      Settings settings;
-      settings.method = m;
+      Settings settings{m};
       settings.tol = 1e-17;
       const Solution a = solve(p, settings);
       EXPECT_NE(a.status, Status::converged);

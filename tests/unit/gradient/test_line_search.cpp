@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/gradient/line_search.h"
-#include "../scene.h"
+#include "recorder.h"
 
 using namespace frictioncg;
 using namespace frictioncg::test;
@@ -24,12 +24,7 @@ struct Ray {
     const int start = p.system->first[1] + 1;
     x.segment(start, p.tangents(1)) = -0.5 * v.segment(start, p.tangents(1));  // through the kink
   }
-  Real J(const Phi& phi, Real rho) const {
-    const Vector y = x + rho * v;
-    Real sum = y.dot(0.5 * (p.system->entries() * y) - p.increment.F);
-    for (Index i = 0; i < p.nodes(); ++i) sum += g[i] * phi.value(tangential_norm(*p.system, i, y));
-    return sum;
-  }
+  Real J(const Phi& phi, Real rho) const { return energy(p, g, phi, x + rho * v); }
   Real a() const { return v.dot(p.increment.F - p.system->entries() * x); }
   Real slope(const Phi& phi, Real rho) const {
     const Vector y = x + rho * v;
@@ -42,6 +37,21 @@ struct Ray {
   }
 };
 
+/// The line as search wants it, down the slope.
+struct Descent {
+  Ray line;
+  Real r_v = 0;
+  Curvature vAv;
+  Descent(int d, unsigned seed, const Phi& phi) : line(d, seed) {
+    r_v = -line.slope(phi, 0);
+    if (r_v < 0) line.v = -line.v, r_v = -r_v;
+    vAv = {line.v.dot(line.p.system->entries() * line.v), line.v.squaredNorm()};
+  }
+  Real step(LineSearch& search, const Phi& phi, Real rho_max = 1e300) {
+    return search(phi, line.g, line.x, line.v, {r_v, line.a(), vAv}, rho_max);
+  }
+};
+
 }  // namespace
 
 TEST(LineSearch, ExactStepIsARootOfTheSlopeForEachRegularization) {
@@ -50,31 +60,24 @@ TEST(LineSearch, ExactStepIsARootOfTheSlopeForEachRegularization) {
       for (Regularization kind :
            {Regularization::polynomial, Regularization::square_root, Regularization::log_cosh})
         for (Real eps : {1e-10, 1e-5, 1e-3}) {
-          Ray line(d, seed);
           const Phi phi{kind, eps};
-          Real r_v = -line.slope(phi, 0);
-          if (r_v < 0) line.v = -line.v, r_v = -r_v;
-          const Curvature vAv{line.v.dot(line.p.system->entries() * line.v), line.v.squaredNorm()};
-          LineSearch search(*line.p.system, Step::exact);
-          const Real rho = search(phi, line.g, line.x, line.v, {r_v, line.a(), vAv}, 1e300);
+          Descent c(d, seed, phi);
+          LineSearch search(*c.line.p.system, Step::exact);
+          const Real rho = c.step(search, phi);
           // the slope changes sign at rho, to the rounding of rho
-          EXPECT_LE(line.slope(phi, rho * (1 - 1e-9)), 1e-7 * r_v);
-          EXPECT_GE(line.slope(phi, rho * (1 + 1e-9)), -1e-7 * r_v);
-          EXPECT_LT(line.J(phi, rho), line.J(phi, 0));
+          EXPECT_LE(c.line.slope(phi, rho * (1 - 1e-9)), 1e-7 * c.r_v);
+          EXPECT_GE(c.line.slope(phi, rho * (1 + 1e-9)), -1e-7 * c.r_v);
+          EXPECT_LT(c.line.J(phi, rho), c.line.J(phi, 0));
         }
 }
 
 TEST(LineSearch, NewtonStepIsEquation14) {
-  Ray line(2, 3);
   const Phi phi{Regularization::square_root, 1e-3};
-  Real r_v = -line.slope(phi, 0);
-  if (r_v < 0) line.v = -line.v, r_v = -r_v;
+  Descent c(2, 3, phi);
   const Real h = 1e-6;
-  const Real J2 = (line.slope(phi, h) - line.slope(phi, -h)) / (2 * h);
-  const Curvature vAv{line.v.dot(line.p.system->entries() * line.v), line.v.squaredNorm()};
-  LineSearch newton(*line.p.system, Step::newton);
-  EXPECT_NEAR(newton(phi, line.g, line.x, line.v, {r_v, line.a(), vAv}, 1e300), r_v / J2,
-              1e-6 * r_v / J2);
+  const Real J2 = (c.line.slope(phi, h) - c.line.slope(phi, -h)) / (2 * h);
+  LineSearch newton(*c.line.p.system, Step::newton);
+  EXPECT_NEAR(c.step(newton, phi), c.r_v / J2, 1e-6 * c.r_v / J2);
 }
 
 TEST(LineSearch, StopsAtTheGapAndSeesARigidMotionThatNothingBrakes) {
@@ -93,27 +96,6 @@ TEST(LineSearch, StopsAtTheGapAndSeesARigidMotionThatNothingBrakes) {
   EXPECT_TRUE(std::isfinite(
       search(phi, line.g, line.x, line.v, {0.99 * brake, 0.99 * brake, rigid}, INFINITY)));
 }
-
-// ------------------------------------------------------------------ what one layer alone must see
-
-namespace {
-
-/// The line as search wants it, down the slope.
-struct Descent {
-  Ray line;
-  Real r_v = 0;
-  Curvature vAv;
-  Descent(int d, unsigned seed, const Phi& phi) : line(d, seed) {
-    r_v = -line.slope(phi, 0);
-    if (r_v < 0) line.v = -line.v, r_v = -r_v;
-    vAv = {line.v.dot(line.p.system->entries() * line.v), line.v.squaredNorm()};
-  }
-  Real step(LineSearch& search, const Phi& phi, Real rho_max = 1e300) {
-    return search(phi, line.g, line.x, line.v, {r_v, line.a(), vAv}, rho_max);
-  }
-};
-
-}  // namespace
 
 TEST(LineSearch, FalsePositionComesWithinItsToleranceOfTheExactStepFromEitherSide) {
   for (int d : {2, 3})

@@ -2,6 +2,7 @@
 // behind it.
 #include <gtest/gtest.h>
 
+#include "../condensed/by_hand.h"
 #include "recorder.h"
 
 using namespace frictioncg;
@@ -48,8 +49,7 @@ struct Given {
   }
   Real eps() const { return 1e-8 * length; }
   Minimized by(Method method, const Vector& x0, Real tol = 1e-10) const {
-    Settings settings;
-    settings.method = method;
+    Settings settings{method};
     return minimize(p, settings, g, x0, eps(), tol * scale);
   }
 };
@@ -122,25 +122,12 @@ TEST(Minimize, StartedFromTheExactAnswerItStaysThere) {
 
 TEST(Minimize, AReleaseThatMeetsTheAnswerExactlyIsConverged) {
   // one node on two springs: what tension leaves of the residual is 0 to the last digit
-  const auto s = std::make_shared<AssembledSystem>();
-  s->A.resize(2, 2);
-  s->A.insert(0, 0) = 2;
-  s->A.insert(1, 1) = 1;
-  s->A.makeCompressed();
-  s->first = {0, 2};
-  s->D = s->A.diagonal();
-  s->weight = node_weights(*s);
-  ContactProblem p{s, {}};
-  p.increment.law = Law::tresca;
-  p.increment.gap = Vector::Zero(1);
-  p.increment.g = Vector::Constant(1, 1);
-  p.increment.F = (Vector(2) << -1, 0.5).finished();
-  Settings settings;
-  settings.method = Method::gcx;
+  const ContactProblem p = ByHand(2, diag({2, 1}), vec({-1, 0.5})).given(1).problem;
+  Settings settings{Method::gcx};
   for (Tangents tangents : {Tangents::stuck, Tangents::sliding}) {
     const Minimized a = minimize(p, settings, p.increment.g, Vector::Zero(2), 0, 1e-10, tangents);
     EXPECT_EQ(a.outcome.status, Status::converged);
-    EXPECT_EQ(a.x, (Vector(2) << -0.5, 0).finished());
+    EXPECT_EQ(a.x, vec({-0.5, 0}));
   }
 }
 
@@ -162,6 +149,19 @@ TEST(Minimize, ConvergedMeansThatTheBoundOnTheResidualHolds) {
       }
 }
 
+TEST(Minimize, AsInThePapersTablesItStopsWhereAStepIsSmallBesideX) {
+  const Given c(2, false, 6);
+  Settings settings{Method::gc3};
+  settings.stop_on_step = 1e-3;
+  const Minimized a = minimize(c.p, settings, c.g, Vector::Zero(c.p.dofs()), c.eps(), 0);
+  EXPECT_EQ(a.outcome.status, Status::converged);
+  for (std::size_t k = 1; k < a.steps.size(); ++k) {
+    const Vector &x = a.steps[k].x, dx = x - a.steps[k - 1].x;
+    const bool is_last = k + 1 == a.steps.size(), released = a.steps[k].label == StepLabel::release;
+    EXPECT_EQ(dx.norm() <= 1e-3 * x.norm(), is_last || released) << k;
+  }
+}
+
 TEST(Minimize, TensionOnAFaceThatIsOtherwiseSolvedIsNotConverged) {
   // held everywhere, the bilateral answer has tensile nodes and no residual on its free dofs
   for (Method m : conjugate)
@@ -178,8 +178,7 @@ TEST(Minimize, StuckTangentsStayAtRest) {
   for (Method m : all)
     for (int d : {2, 3}) {
       const Given c(d, false, 8);
-      Settings settings;
-      settings.method = m;
+      Settings settings{m};
       const Minimized a = minimize(c.p, settings, c.g, c.exact, 1, 1e-9 * c.scale, Tangents::stuck);
       EXPECT_EQ(a.outcome.status, Status::converged);
       Vector r = c.p.increment.F - c.p.system->entries() * a.x;
@@ -200,8 +199,7 @@ TEST(Minimize, EveryPreconditionerRegularizationAndStepGivesTheSameAnswer) {
            {Regularization::polynomial, Regularization::square_root, Regularization::log_cosh})
         for (Step step : {Step::exact, Step::newton, Step::false_position}) {
           const Given c(d, false, 9);
-          Settings settings;
-          settings.method = Method::gc3;
+          Settings settings{Method::gc3};
           settings.precon = precon;
           settings.reg = reg;
           settings.step = step;
@@ -224,8 +222,7 @@ TEST(Minimize, StickAsAFaceTakesEveryPreconditioner) {
     for (Precon precon : {Precon::none, Precon::diagonal, Precon::ssor, Precon::hessian_diagonal,
                           Precon::hessian_ssor}) {
       const Given c(d, false, 10);
-      Settings settings;
-      settings.method = Method::gcx;
+      Settings settings{Method::gcx};
       settings.precon = precon;
       const Minimized a =
           minimize(c.p, settings, c.g, Vector::Zero(c.p.dofs()), 0, 1e-10 * c.scale);
@@ -238,8 +235,7 @@ TEST(Minimize, StickAsAFaceTakesEveryPreconditioner) {
 TEST(Minimize, TheBoundOnIterationsIsSharedByAllMinimizationsOfASolver) {
   for (Method m : all) {
     const Given c(2, false, 1);
-    Settings settings;
-    settings.method = m;
+    Settings settings{m};
     settings.nbiter = 5;
     const auto solver = make_tresca_solver(c.p, settings, nullptr);
     Vector x = Vector::Zero(c.p.dofs());
@@ -259,8 +255,7 @@ TEST(Minimize, AnIndefiniteMatrixIsNamedAndALoadThatNothingHoldsProvesNothing) {
     indefinite->A *= 1.5;
     for (Index i = 0; i < c.p.dofs(); ++i) indefinite->A.coeffRef(i, i) = indefinite->D[i];
     const ContactProblem p{indefinite, c.p.increment};
-    Settings settings;
-    settings.method = m;
+    Settings settings{m};
     const Vector x0 = Vector::Zero(p.dofs());
     EXPECT_EQ(minimize(p, settings, c.g, x0, c.eps(), 1e-9 * c.scale).outcome.status,
               Status::not_positive_definite);
@@ -279,8 +274,7 @@ TEST(Minimize, AnIndefiniteMatrixIsNamedAndALoadThatNothingHoldsProvesNothing) {
 
 TEST(Minimize, SweepsThatLeaveTheRangeOfNumbersEndNamed) {
   const Given c(2, false, 1);
-  Settings settings;
-  settings.method = Method::sorp;
+  Settings settings{Method::sorp};
   settings.omega = 2.5;
   const Vector x0 = Vector::Zero(c.p.dofs());
   EXPECT_EQ(minimize(c.p, settings, c.g, x0, 0, 1e-9 * c.scale).outcome.status, Status::stagnated);

@@ -12,15 +12,8 @@ using namespace frictioncg::test;
 
 namespace {
 
-SparseOptions cube(int cells) {
-  SparseOptions o;
-  o.cells = {cells, cells, cells};
-  return o;
-}
-
 Solution by(Method method, Precon precon, const Posed& posed) {
-  Settings settings;
-  settings.method = method;
+  Settings settings{method};
   settings.precon = precon;
   return solve(posed.problem(), settings);
 }
@@ -31,7 +24,7 @@ struct OnAFace {
   const System& system;
   ContactPart part;
   Vector r;
-  explicit OnAFace(int cells) : scene(cube(cells)), system(*scene.system) {
+  explicit OnAFace(int cells) : scene(cube_of(cells)), system(*scene.system) {
     const Index m = system.contact_dofs();
     part.free.assign(m, 1);
     for (Index c : {0, 3, 4, 5}) part.free[c] = 0;
@@ -128,7 +121,7 @@ TEST(MultigridPreconditioner, KeepsResidualsAndProductsWhileXAndFacesChange) {
 }
 
 TEST(MultigridPreconditioner, GivesTheSameAnswerInFarFewerIterationsThanSsor) {
-  const SparseScene scene = sparse_block(cube(20));
+  const SparseScene scene = sparse_block(cube_of(20));
   const Posed posed = scene.system(scene.node_of_dof);
   for (const auto& [method, share] : {std::pair{Method::gcx, 0.25}, {Method::gc3, 0.5}}) {
     const Solution ssor = by(method, Precon::hessian_ssor, posed);
@@ -141,7 +134,7 @@ TEST(MultigridPreconditioner, GivesTheSameAnswerInFarFewerIterationsThanSsor) {
 }
 
 TEST(MultigridPreconditioner, IsRefusedByNameWhereNoHierarchyCanBeMade) {
-  const SparseScene scene = sparse_block(cube(3));
+  const SparseScene scene = sparse_block(cube_of(3));
   const Posed unknown = scene.system();
   EXPECT_TRUE(names(refusal([&] { by(Method::gcx, Precon::multigrid, unknown); }),
                     "precon=\"multigrid\" needs"));

@@ -29,8 +29,7 @@ struct Peeled {
   }
   Minimized by(Method method, Real tol = 1e-8, Real eps = 1e-8,
                Regularization reg = Regularization::polynomial) const {
-    Settings settings;
-    settings.method = method;
+    Settings settings{method};
     settings.reg = reg;
     return minimize(p, settings, p.increment.g, x0, eps, tol * scale);
   }
@@ -116,8 +115,7 @@ TEST(Release, LabelsNameGapsThatCloseAndNodesThatComeToRest) {
   Scene s = block(o);
   for (Index k = 0; k < s.gap.size(); ++k) s.gap[k] = 2e-4 * k * k / 12;
   const ContactProblem p = s.system().problem();
-  Settings settings;
-  settings.method = Method::gcx;
+  Settings settings{Method::gcx};
   std::srand(3);
   const Vector x0 = 0.01 * Vector::Random(p.dofs());  // slides everywhere
   const Minimized a = minimize(p, settings, p.increment.g, x0, 0, 1e-9);
@@ -157,8 +155,7 @@ TEST(Release, GcxGoesOnBeyondTheFirstGapAndClosesManyInOneIteration) {
     Scene s = block(o);
     for (Index k = 0; k < s.gap.size(); ++k) s.gap[k] = 1e-4 * k / Real(s.gap.size());
     const ContactProblem p = s.system().problem();
-    Settings settings;
-    settings.method = Method::gcx;
+    Settings settings{Method::gcx};
     const Vector x0 = Vector::Zero(p.dofs());
     const Minimized a = minimize(p, settings, p.increment.g, x0, 0, 1e-9);
     EXPECT_EQ(a.outcome.status, Status::converged);
@@ -197,8 +194,7 @@ TEST(Release, GcxStepsAlongWhatTheFacesViolateToTheMinimumOfJ) {
     EXPECT_NEAR(it.faces.violation(it.rows.r(), it.g), norm_D(*c.p.system, beta), 1e-12);
     const Vector direction = beta.cwiseQuotient(c.p.system->weight);
     const Real rho = beta.dot(direction) / direction.dot(c.p.system->entries() * direction);
-    Settings settings;
-    settings.method = Method::gcx;
+    Settings settings{Method::gcx};
     ReleaseRule rule(settings, *c.p.system);
     EXPECT_EQ(rule.threshold(1e-9, 0.7), 0.7);
     ASSERT_TRUE(rule.release(it, 0));

@@ -1,9 +1,8 @@
-// Where stick is a face: which nodes come to rest; and the paper's stopping test, by the step.
+// Where stick is a face: which nodes come to rest.
 #include <gtest/gtest.h>
 
 #include "../condensed/by_hand.h"
 #include "core/gradient/release_rule.h"
-#include "core/gradient/stopping.h"
 
 using namespace frictioncg;
 using namespace frictioncg::test;
@@ -40,15 +39,4 @@ TEST(Rest, ANodeThatAStepHasTurnedIsHeldOnlyWhereFrictionCanHoldIt) {
   Sliding weak(0.3);
   EXPECT_FALSE(weak.comes_to_rest(100, 1e-9));
   EXPECT_NEAR(weak.it.x[1], 0.5 - 0.3, 1e-15);  // where friction is at its limit
-}
-
-TEST(Stopping, ByTheStepIsItsLengthOverThatOfX) {
-  const ByHand hand(2, diag({1, 1}), vec({1, 0.5}));
-  const auto P = make_preconditioner(*hand.problem.system, Precon::diagonal, 1);
-  Settings settings;
-  settings.stop_on_step = 1e-3;
-  StoppingTest test(settings);
-  test.start(7);
-  EXPECT_EQ(test.eps_0(), 1e-3);
-  EXPECT_DOUBLE_EQ(test.left(*P, 0, 0.5, vec({3, 4}), vec({30, 40})), 0.05);
 }

@@ -61,9 +61,7 @@ TEST(Aggregation, ARowWithoutNeighboursIsItsOwnAggregate) {
 }
 
 TEST(NodeBlocks, HoldEveryDofOnceAndKnowContactNodes) {
-  SparseOptions o;
-  o.cells = {3, 3, 3};
-  const SceneInBlocks s(o);
+  const SceneInBlocks s(cube_of(3));
   const NodeBlocks& b = s.blocks;
   std::vector<Index> hits(b.slots(), 0);
   for (Index p = 0; p < s.system->dofs(); ++p) {

@@ -31,13 +31,6 @@ Real rate(SceneInBlocks& s, const std::vector<char>& fixed = {}) {
   return std::pow(norm_D(system, r) / first, 1.0 / k);
 }
 
-SparseOptions cube(int cells, int d = 3) {
-  SparseOptions o;
-  o.d = d;
-  o.cells = {cells, cells, cells};
-  return o;
-}
-
 /// Every third contact dof fixed, and some tangents stiffened.
 struct Faces {
   std::vector<char> fixed;
@@ -59,7 +52,7 @@ struct Faces {
 
 TEST(Hierarchy, ReproducesRigidMotionsExactly) {
   for (int d : {2, 3}) {
-    SparseOptions o = cube(d == 3 ? 7 : 24, d);
+    SparseOptions o = cube_of(d == 3 ? 7 : 24, d);
     o.clamp_side = false;
     o.distortion = 0.2;
     o.tilt = 0.4;
@@ -84,18 +77,19 @@ TEST(Hierarchy, ReproducesRigidMotionsExactly) {
 
 TEST(Hierarchy, ConvergesAtOneRateWhateverTheMeshSize) {
   for (int n : {8, 12, 16, 20}) {
-    SceneInBlocks s(cube(n));
+    SceneInBlocks s(cube_of(n));
     EXPECT_LT(rate(s), 0.25) << n;
   }
   for (int n : {16, 32, 64}) {
-    SceneInBlocks s(cube(n, 2));
+    SceneInBlocks s(cube_of(n, 2));
     EXPECT_LT(rate(s), 0.25) << n;
   }
 }
 
 TEST(Hierarchy, KeepsItsRateOnGradedMeshesWithContrastAndNearIncompressible) {
   for (int n : {10, 16}) {
-    SparseOptions graded = cube(n), contrast = cube(n), stiff = cube(n), unstructured = cube(n);
+    SparseOptions graded = cube_of(n), contrast = cube_of(n), stiff = cube_of(n),
+                  unstructured = cube_of(n);
     graded.aspect = 10;
     contrast.contrast = 1e4;
     stiff.nu = 0.45;
@@ -106,7 +100,7 @@ TEST(Hierarchy, KeepsItsRateOnGradedMeshesWithContrastAndNearIncompressible) {
       EXPECT_LT(rate(s), 0.35) << n << " " << o.aspect << " " << o.contrast << " " << o.nu;
     }
   }
-  SparseOptions graded = cube(60, 2);
+  SparseOptions graded = cube_of(60, 2);
   graded.aspect = 10;
   SceneInBlocks s(graded);
   EXPECT_LT(rate(s), 0.35);
@@ -114,7 +108,7 @@ TEST(Hierarchy, KeepsItsRateOnGradedMeshesWithContrastAndNearIncompressible) {
 
 TEST(Hierarchy, KeepsItsRateWithContactDofsCutOut) {
   for (int n : {8, 16}) {
-    SparseOptions o = cube(n);
+    SparseOptions o = cube_of(n);
     o.tilt = 0.2;
     SceneInBlocks s(o);
     const Faces faces(*s.system);
@@ -129,7 +123,7 @@ TEST(Hierarchy, KeepsItsRateWithContactDofsCutOut) {
 
 TEST(Hierarchy, HoldsABodyThatContactAloneHolds) {
   for (int n : {8, 12}) {
-    SparseOptions o = cube(n);
+    SparseOptions o = cube_of(n);
     o.clamp_side = false;
     SceneInBlocks s(o);
     std::vector<char> stick(s.system->contact_dofs(), 1);
@@ -140,7 +134,7 @@ TEST(Hierarchy, HoldsABodyThatContactAloneHolds) {
 
 TEST(Hierarchy, TruncatedEqualsTheGalerkinProductsOfTheTruncatedMatrix) {
   for (int d : {2, 3}) {
-    SparseOptions o = cube(d == 3 ? 8 : 24, d);
+    SparseOptions o = cube_of(d == 3 ? 8 : 24, d);
     HierarchyOptions how;
     how.dense = 0;
     how.coarsest = 40;
@@ -176,7 +170,7 @@ TEST(Hierarchy, TruncatedEqualsTheGalerkinProductsOfTheTruncatedMatrix) {
 }
 
 TEST(Hierarchy, FixedRowsAreZeroOnEveryLevelAndInEveryCorrection) {
-  SparseOptions o = cube(6);
+  SparseOptions o = cube_of(6);
   o.cells = {6, 6, 1};  // thin: some coarse functions live on the contact face alone
   o.push_top = true;
   HierarchyOptions how;
@@ -206,7 +200,7 @@ TEST(Hierarchy, FixedRowsAreZeroOnEveryLevelAndInEveryCorrection) {
 
 TEST(Hierarchy, IsASymmetricPositiveDefinitePreconditioner) {
   for (int d : {2, 3}) {
-    SparseOptions o = cube(d == 3 ? 5 : 12, d);
+    SparseOptions o = cube_of(d == 3 ? 5 : 12, d);
     HierarchyOptions how;
     how.dense = 0;
     how.coarsest = 40;
@@ -231,7 +225,7 @@ TEST(Hierarchy, IsASymmetricPositiveDefinitePreconditioner) {
 }
 
 TEST(Hierarchy, DoesNotDependOnTheUnitOfForce) {
-  SparseScene scene = sparse_block(cube(5));
+  SparseScene scene = sparse_block(cube_of(5));
   SceneInBlocks s(scene);
   Vector z, z_scaled;
   const Vector r = Vector::Random(s.system->dofs());
@@ -246,7 +240,7 @@ TEST(Hierarchy, DoesNotDependOnTheUnitOfForce) {
 }
 
 TEST(Hierarchy, TakesLittleMemoryBesideTheMatrix) {
-  SceneInBlocks s(cube(16));
+  SceneInBlocks s(cube_of(16));
   const double A = double(s.system->entries().nonZeros()) * (sizeof(Real) + sizeof(Index));
   EXPECT_LT(s.hierarchy->bytes(), 1.6 * A);  // a third of it A itself, of which one half is kept
   EXPECT_LT(s.hierarchy->operator_complexity(), 1.5);
@@ -254,7 +248,7 @@ TEST(Hierarchy, TakesLittleMemoryBesideTheMatrix) {
 
 TEST(Hierarchy, MultipliesByHalfOfASymmetricMatrix) {
   for (const int d : {2, 3}) {
-    const SceneInBlocks s(cube(d == 2 ? 20 : 6, d));
+    const SceneInBlocks s(cube_of(d == 2 ? 20 : 6, d));
     Matrix A = s.system->entries();
     const Vector x = Vector::Random(A.rows());
     Vector Ax;
@@ -272,7 +266,7 @@ TEST(Hierarchy, MultipliesByHalfOfASymmetricMatrix) {
 }
 
 TEST(Hierarchy, OfASmallMatrixIsItsInverseOnWhatIsFree) {
-  SparseOptions o = cube(3);
+  SparseOptions o = cube_of(3);
   o.nu = 0.4999;
   SceneInBlocks s(o);
   ASSERT_EQ(s.hierarchy->levels(), 1);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "../gradient/block3d.h"
+#include "../gradient/recorder.h"
 #include "../verifier.h"
 #include "core/multigrid/multigrid_solver.h"
 #include "core/solver.h"
@@ -12,13 +13,6 @@ using namespace frictioncg::test;
 
 namespace {
 
-SparseOptions cube_of(int cells, int d = 3) {
-  SparseOptions o;
-  o.d = d;
-  o.cells = {cells, cells, cells};
-  return o;
-}
-
 struct Answer {
   Solution solution;
   Verdict verdict;
@@ -26,8 +20,7 @@ struct Answer {
 };
 
 Solution by(Method method, const ContactProblem& problem) {
-  Settings settings;
-  settings.method = method;
+  Settings settings{method};
   settings.tol = 1e-9;
   return Solver(problem.system).solve(problem.increment, settings);
 }
@@ -191,8 +184,7 @@ TEST(Multigrid, NamesALoadThatNothingHoldsWithoutIterating) {
 TEST(Multigrid, AFurtherIncrementKeepsTheHierarchyAndStartsFromTheLastFaces) {
   const SceneInBlocks s(cube_of(12));
   Solver solver(s.system);
-  Settings settings;
-  settings.method = Method::multigrid;
+  Settings settings{Method::multigrid};
   Increment increment = s.posed.problem().increment;
   const Solution first = solver.solve(increment, settings);
   EXPECT_GT(first.times.factor, 0);
@@ -209,8 +201,7 @@ TEST(Multigrid, AFurtherIncrementKeepsTheHierarchyAndStartsFromTheLastFaces) {
 TEST(Multigrid, AThirdIncrementStartsWhereTheLastTwoLedTo) {
   const SceneInBlocks s(cube_of(8));
   Solver solver(s.system), cold(s.system);
-  Settings settings;
-  settings.method = Method::multigrid;
+  Settings settings{Method::multigrid};
   Increment increment = s.posed.problem().increment;
   const Vector F = increment.F;
   for (Real load : {1.0, 1.1, 1.3, 1.4}) {
@@ -225,8 +216,7 @@ TEST(Multigrid, AThirdIncrementStartsWhereTheLastTwoLedTo) {
 
 TEST(Multigrid, AStartThatIsFarFromTheLawsCostsNothing) {
   const SceneInBlocks s(cube_of(8));
-  Settings settings;
-  settings.method = Method::multigrid;
+  Settings settings{Method::multigrid};
   Increment increment = s.posed.problem().increment;
   const Vector far = 10 * Vector::Random(s.system->dofs());
   for (bool later : {false, true}) {
@@ -242,8 +232,7 @@ TEST(Multigrid, AStartThatIsFarFromTheLawsCostsNothing) {
 }
 
 TEST(Multigrid, ByNameItHasTheRouteOfTheDefaultBehindIt) {
-  Settings named;
-  named.method = Method::multigrid;
+  Settings named{Method::multigrid};
   const SceneInBlocks s(cube_of(10));
   const Costs costs = make_plan(s.posed.problem(), named).costs;
   EXPECT_EQ(costs.condensed, make_plan(s.posed.problem(), Settings()).costs.condensed);
@@ -253,8 +242,7 @@ TEST(Multigrid, ByNameItHasTheRouteOfTheDefaultBehindIt) {
 TEST(Multigrid, ANodeThatTheNextIncrementLeavesWithoutAnObstacleOpens) {
   const SceneInBlocks s(cube_of(6));
   Solver solver(s.system);
-  Settings settings;
-  settings.method = Method::multigrid;
+  Settings settings{Method::multigrid};
   Increment increment = s.posed.problem().increment;
   const Solution first = solver.solve(increment, settings);
   Index closed = 0;
@@ -269,8 +257,7 @@ TEST(Multigrid, ANodeThatTheNextIncrementLeavesWithoutAnObstacleOpens) {
 
 TEST(Multigrid, WithoutCoordinatesTheCondensedRouteAnswers) {
   SparseScene scene = sparse_block(cube_of(3));
-  Settings settings;
-  settings.method = Method::multigrid;
+  Settings settings{Method::multigrid};
   const Posed without_nodes = scene.system();
   scene.modes.resize(0, 0);
   const Posed without_modes = scene.system(scene.node_of_dof);
@@ -292,8 +279,7 @@ TEST(Multigrid, ANodeWithMoreDofsThanTheDimensionHasNoHierarchy) {
 TEST(Multigrid, ItsBoundOnTheIterationsHoldsForAllLayersTogether) {
   const SceneInBlocks s(cube_of(6));
   for (Index bound : {1, 3, 10}) {
-    Settings settings;
-    settings.method = Method::multigrid;
+    Settings settings{Method::multigrid};
     settings.nbiter = bound;
     const Solution a = Solver(s.system).solve(s.posed.problem().increment, settings);
     EXPECT_LE(a.iterations, bound);
@@ -309,11 +295,8 @@ TEST(Multigrid, FrictionFollowsTheSlipOfNodesThatHardlySlide) {
   // the certificate is of second order there: slip times angle
   for (unsigned seed : {25u, 313u, 350u}) {
     const Scene scene = make_scene(random_block3d(seed));
-    std::vector<Index> node(scene.n);
-    for (Index p = 0; p < scene.n; ++p) node[p] = p / 3;
-    const Posed posed = scene.system(node);
-    Settings settings;
-    settings.method = Method::multigrid;
+    const Posed posed = scene.system(mesh_nodes(scene));
+    Settings settings{Method::multigrid};
     const Solution a = solve(posed.problem(), settings);
     EXPECT_EQ(a.layer, Layer::multigrid) << seed;
     EXPECT_LT(verify(scene, posed.to_global(a.x), posed.force_to_global(a.certificate.r)).worst(),
@@ -325,8 +308,7 @@ TEST(Multigrid, FrictionFollowsTheSlipOfNodesThatHardlySlide) {
 TEST(Multigrid, StartsFromAGivenFieldAndFromAPreviousState) {
   SparseOptions o = cube_of(8);
   SparseScene scene = sparse_block(o);
-  Settings settings;
-  settings.method = Method::multigrid;
+  Settings settings{Method::multigrid};
   settings.tol = 1e-9;
   const Posed first = scene.system(scene.node_of_dof);
   const Solution a = solve(first.problem(), settings);
@@ -359,16 +341,11 @@ TEST(Multigrid, TakesTheLeastOfWhatNothingDetermines) {
 }
 
 TEST(Multigrid, TellsTheObserverOfEachIterationAndTheLevels) {
-  struct Count : Observer {
-    Index calls = 0;
-    void iterate(Index, StepLabel, const Vector&) override { ++calls; }
-  };
   const SceneInBlocks s(cube_of(8));
-  Settings settings;
-  settings.method = Method::multigrid;
-  Count count;
-  const Solution a = Solver(s.system).solve(s.posed.problem().increment, settings, {}, &count);
-  EXPECT_EQ(count.calls, a.iterations);
+  Settings settings{Method::multigrid};
+  Recorder heard;
+  const Solution a = Solver(s.system).solve(s.posed.problem().increment, settings, {}, &heard);
+  EXPECT_EQ(Index(heard.steps.size()), a.iterations);
   EXPECT_EQ(a.steps.total(), a.iterations);
   EXPECT_EQ(a.levels.count, s.hierarchy->levels());
   EXPECT_EQ(a.levels.complexity, s.hierarchy->operator_complexity());
@@ -381,8 +358,7 @@ TEST(Multigrid, AnIndefiniteMatrixIsNamed) {
     for (std::size_t k = 0; k < scene.a.size(); ++k)
       if (scene.i[k] != scene.j[k]) scene.a[k] *= 1.5;
     const Posed posed = scene.system(scene.node_of_dof);
-    Settings settings;
-    settings.method = Method::multigrid;
+    Settings settings{Method::multigrid};
     EXPECT_EQ(solve(posed.problem(), settings).status, Status::not_positive_definite);
     MultigridSolver alone(posed.problem().system);
     EXPECT_NE(alone.solve(posed.problem(), settings, {}, nullptr).status, Status::converged);
@@ -438,8 +414,7 @@ TEST(Multigrid, ACallThatWasTooShortLeavesItToTheNext) {
 TEST(Multigrid, TheDefaultTakesItWhereAFactorThatWasMadeNoLongerFits) {
   const SceneInBlocks s(cube_of(16));
   Solver solver(s.system);
-  Settings settings;
-  settings.method = Method::condensed;
+  Settings settings{Method::condensed};
   const Increment& increment = s.posed.problem().increment;
   EXPECT_EQ(solver.solve(increment, settings).status, Status::converged);
   settings.method = Method::automatic;
@@ -527,8 +502,7 @@ TEST(Multigrid, TheDefaultTakesAtMostOneFifthMoreThanTheCheaperRoute) {
     const ContactProblem& problem = s.posed.problem();
     const Costs costs = make_plan(problem, Settings()).costs;
     const Real affordable = 40 * costs.condensed / costs.multigrid;
-    Settings named;
-    named.method = Method::multigrid;
+    Settings named{Method::multigrid};
     const Real multigrid = solve(problem, named).iterations / affordable;
     const Solution a = solve(problem, Settings());
     const bool fell_back = a.layer != Layer::multigrid;

@@ -141,13 +141,11 @@ TEST(SumOfRanges, IsTheSameOnAnyNumberOfThreads) {
 }
 
 TEST(Hierarchy, GivesTheSameOnAnyNumberOfThreads) {
-  SparseOptions o;
-  o.cells = {14, 14, 14};
   std::vector<Vector> z, Az;
   for (Index threads : {1, 2, 3}) {
     const Threads given(threads);
     with_threads([&] {
-      SceneInBlocks s(o);
+      SceneInBlocks s(cube_of(14));
       EXPECT_EQ(s.blocks.parts.leaves(), 4);
       std::vector<char> fixed(s.system->contact_dofs(), 0);
       for (std::size_t c = 0; c < fixed.size(); c += 2) fixed[c] = 1;

@@ -9,11 +9,7 @@ using namespace frictioncg::test;
 
 namespace {
 
-SceneInBlocks small() {
-  SparseOptions o;
-  o.cells = {3, 3, 3};
-  return SceneInBlocks(o);
-}
+SceneInBlocks small() { return SceneInBlocks(cube_of(3)); }
 
 }  // namespace
 

@@ -195,8 +195,7 @@ TEST(SparseRoute, AnswersForPlatesThatFallFarAfterFewCyclesAndAsTheCondensedRout
   EXPECT_LE(a.iterations, 30);
   const auto verdict = verify(scene, posed.to_global(a.x), posed.force_to_global(a.certificate.r));
   EXPECT_LT(verdict.worst(), 1e-5);
-  Settings settings;
-  settings.method = Method::condensed;
+  Settings settings{Method::condensed};
   const Solution b = solve(posed.problem(), settings);
   EXPECT_EQ(b.status, Status::converged);
   EXPECT_LT((a.x - b.x).norm(), 1e-5 * b.x.norm());
@@ -276,8 +275,7 @@ TEST(SparseRoute, TriesNewtonsMethodFirstWhereMultigridHasAnsweredACallBefore) {
   strip.size = {50, 1, 1};
   const SceneInBlocks s(strip);
   Solver solver(s.system);
-  Settings named;
-  named.method = Method::multigrid;
+  Settings named{Method::multigrid};
   const Increment& increment = s.posed.problem().increment;
   EXPECT_EQ(solver.solve(increment, named).layer, Layer::multigrid);
   EXPECT_EQ(solver.solve(increment, Settings()).layer, Layer::sparse_newton);
