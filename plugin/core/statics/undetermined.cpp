@@ -85,10 +85,12 @@ bool lets_go(const ContactProblem& problem, const Solution& s) {
   Branches at_start = all_stick(problem.increment);
   const Vector rest = Vector::Zero(problem.dofs());
   const Real none = no_force(certify(problem, rest));
-  for (Index i = 0; i < problem.nodes(); ++i)
-    if (problem.closing(i, rest) >
-        none * std::sqrt(problem.system->weight[problem.system->first[i]]))
+  for (Index i = 0; i < problem.nodes(); ++i) {
+    const Index N = problem.system->first[i];
+    const Real touch = none * std::sqrt(problem.system->weight[N]);
+    if (problem.closing(i, rest) > touch || std::abs(problem.increment.F[N]) <= touch)
       at_start[i].closed = at_start[i].stick = false;
+  }
   return left_free(s.undetermined, problem, at_start).cols() < s.undetermined.cols();
 }
 

@@ -19,8 +19,8 @@ Branches branches_of(const ContactProblem& problem, const Vector& x,
 bool touches_without_force(const ContactProblem& problem, const Vector& x,
                            const Certificate& certificate);
 
-/// Whether an answer leaves free what nodes that touched at the start of the increment would hold
-/// by stick. Under one load contact may let go of a body and hold it, as a taper that locks itself.
+/// Whether an answer leaves free what nodes that touched at the start of the increment, under some
+/// force, would hold by stick. Under one load contact may let go of a body and hold it, as a taper that locks itself.
 bool lets_go(const ContactProblem& problem, const Solution& s);
 
 /// Takes the undetermined motions of s out of s.x, as far as the laws allow it within tol: gaps

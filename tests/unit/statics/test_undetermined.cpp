@@ -328,7 +328,9 @@ TEST(Undetermined, ContactLetsGoOfWhatItTouchedAtTheStart) {
   s.undetermined = rigid_motions(*p.system, 100000);
   p.increment.gap.setConstant(1e-3);
   EXPECT_FALSE(lets_go(p, s));
-  p.increment.gap[0] = 0;  // a hinge
+  p.increment.gap[0] = 0;  // a hinge, as soon as something presses
+  EXPECT_FALSE(lets_go(p, s));
+  p.increment.F[p.interior()] = 1;
   EXPECT_TRUE(lets_go(p, s));
   s.undetermined = left_free(s.undetermined, p, {{}, {false, false}, {false, false}});
   ASSERT_EQ(s.undetermined.cols(), 1);  // a turn about it
