@@ -52,6 +52,20 @@ void forbid(const Arguments& args, const Parameter (&of)[count], const char* rul
     if (args.has(p)) forbid(p, rule);
 }
 
+/// Of a part of an array FreeFEM hands over a copy: what is written to it would be lost.
+void forbid_parts(const basicAC_F0& args) {
+  for (int p = 0; p < parameter_count; ++p) {
+    const std::type_info& type = *parameters[p].type;
+    const C_F0 given = args.find(parameters[p].name);
+    if (!given.LeftValue()) continue;
+    if ((type == typeid(KN<double>*) && given.left() == atype<KN_<double>>()) ||
+        (type == typeid(KN<long>*) && given.left() == atype<KN_<long>>()))
+      forbid(Parameter(p),
+             "is a part of an array, and what is written to it would be lost; give a whole array, "
+             "and take the part afterwards");
+  }
+}
+
 /// Throws IllegalInput unless the rule holds for x, the value of the option p.
 void require(bool holds, Parameter p, double x, const char* rule) {
   if (holds) return;
@@ -307,6 +321,7 @@ Arguments Arguments::of_contactproblem(const basicAC_F0& args, bool renewed) {
 }
 
 Arguments::Arguments(const basicAC_F0& args) {
+  forbid_parts(args);
   // before FreeFEM looks for the type of domain, which frictionCG-mpi alone has
   const bool known = *parameters[p_domain].type != typeid(void);
   if (!known && args.find(name_of(p_domain)).LeftValue())
