@@ -123,8 +123,8 @@ Solution Solver::solve(const Increment& increment, const Settings& settings, con
 /// one that a path leads to, where Newton's steps pass by it.
 Solution Solver::or_as_held_before(Solution s, const Request& request) {
   const auto& [problem, settings, x0, observer] = request;
-  if (!settings.newton || s.layer == Layer::gcx || problem.increment.law == Law::frictionless)
-    return s;
+  const bool by_newton = settings.newton && s.route != Route::iterative;
+  if (!by_newton || problem.increment.law == Law::frictionless) return s;
   if (s.undetermined.cols() == 0 || !(s.certificate.residual <= settings.tol)) return s;
   if (!lets_go(problem, s)) return s;
   const Request rest = what_remains(without_factor(request), s);
