@@ -145,7 +145,7 @@ class StandOnEdge {
   void add(const RigidMotion& turn, const Vec3& x, const Vec3& pressure, Real limit);
   void sum(const System& system) { system.sum(sums_.data(), Index(sums_.size())); }
   /// 0 for bodies that are not round, whose pressures do not all pass near the axis: they stand on
-  /// the faces that they have.
+  /// the faces that they have. 0 without friction, too: nothing else could hold the turn.
   Real share() const;
 
  private:
