@@ -125,14 +125,14 @@ Solution Solver::or_as_held_before(Solution s, const Request& request) {
   const auto& [problem, settings, x0, observer] = request;
   const bool by_newton = settings.newton && s.route != Route::iterative;
   if (!by_newton || problem.increment.law == Law::frictionless) return s;
-  if (s.undetermined.cols() == 0 || !(s.certificate.residual <= settings.tol)) return s;
-  if (!lets_go(problem, s)) return s;
+  if (!(s.certificate.residual <= settings.tol)) return s;
+  const DenseMatrix loose = let_go([&] { return floating_(); }, problem, s);
+  if (loose.cols() == 0) return s;
   const Request rest = what_remains(without_factor(request), s);
   if (rest.settings.nbiter <= 0) return s;
   Solution held = after(s, by_gradients(rest));
-  if (!(held.certificate.residual <= settings.tol)) return s;
-  const Branches now = branches_of(problem, held.x, held.certificate);
-  return left_free(s.undetermined, problem, now).cols() < s.undetermined.cols() ? held : s;
+  const bool holds = held.certificate.residual <= settings.tol && holds_some(loose, problem, held);
+  return holds ? held : s;
 }
 
 /// The route of the plan; where it is not open, or does not arrive, another one.

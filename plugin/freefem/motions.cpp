@@ -51,9 +51,9 @@ std::string describe(const Scene& scene, const Vector& motion) {
 /// rolls.
 constexpr Real lasting = 0.85;
 
-/// Of what contact can hold, the share from which on edges hold too much. Blocks of unlike stiffness
-/// that lean on one another have 0.14; a cylinder in a groove at 1.2 times the torque that friction
-/// holds, and a pyramid of discs at half of the friction that it needs, 0.14 to 0.2.
+/// Of what contact can hold, the share from which on edges hold too much. Blocks of unlike
+/// stiffness that lean on one another have 0.14; a cylinder in a groove at 1.2 times the torque
+/// that friction holds, and a pyramid of discs at half of the friction that it needs, 0.14 to 0.2.
 constexpr Real edges = 0.15;
 
 /// The nodes that touch, and the bodies that they join.
@@ -130,7 +130,9 @@ class Contacts {
     if (system_.largest(touches) == 0) return Hold::lasts;
     as_given.sum(system_);
     as_turned.sum(system_);
-    if (!as_given.holds(turn.motion.w.norm())) return turn.large ? Hold::none : Hold::lasts;
+    const Real angle = turn.motion.w.norm();
+    if (!as_given.holds(angle) || (turn.large && angle > too_far))
+      return turn.large ? Hold::none : Hold::lasts;
     on_edge.sum(system_);
     if (on_edge.share() > edges) return Hold::rolls;
     return as_turned.share() > lasting * as_given.share() ? Hold::lasts : Hold::jams;

@@ -34,10 +34,21 @@ struct Rows {
         refuse("A(", i, ",", i, ") = ", diagonal[i],
                "; every diagonal entry must be > 0 (assemble with tgv=1e30 or tgv=-1, and with an "
                "elasticity term on every element)");
+    identity = of_identity(A.half);
   }
 
   Real others(Index i) const { return std::max(row_max[i], column_max[i]); }
-  bool unit(Index i) const { return diagonal[i] == 1; }
+  bool unit(Index i) const { return diagonal[i] == identity; }
+
+  /// Of emptied rows that nothing couples: 1, or what all of them have, where A has been scaled.
+  /// Lumped springs differ. Half-stored rows do not tell what couples them.
+  Real of_identity(bool half) const {
+    std::set<Real> values;
+    for (std::size_t i = 0; i < diagonal.size() && values.size() < 2 && !half; ++i)
+      if (emptied[i] && others(Index(i)) == 0) values.insert(diagonal[i]);
+    return values.size() == 1 ? *values.begin() : 1;
+  }
+  Real identity = 1;
 };
 
 }  // namespace

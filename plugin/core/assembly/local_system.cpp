@@ -182,6 +182,7 @@ LocalIncrement LocalSystem::increment(const LocalLoad& load, const PointLaws& la
   increment.law = laws.law;
   increment.bilateral = laws.bilateral;
   set_load(load, *system_, increment);
+  if (load.total.isZero(0)) forget_what_vanishes(*system_, increment);
   if (laws.law == Law::frictionless) return result;
   const auto at_nodes = [&](const Vector& values) {
     Vector v(values.size() > 0 ? nodes() : 0);

@@ -237,8 +237,9 @@ constexpr Real weak_springs = 1e-2;
 constexpr Real strongest_springs = 100;
 /// Bodies that were held took up to 150 steps.
 constexpr Index most_newton_steps = 400;
-/// A body that goes on, from point to point of the softest springs, by so much of its last way and
-/// more is one that nothing holds: after so many points no more are looked for.
+/// A body on which springs, however soft, pull from point to point by so much of the last pull and
+/// more is one that nothing has met yet: Newton's method without them would not arrive. After so
+/// many points of the softest springs nothing will meet it.
 constexpr Real unslowed = 0.9;
 constexpr Index most_unslowed = 3;
 
@@ -270,7 +271,7 @@ Attempt by_proximal_points(const CondensedProblem& problem, Index max_steps) {
   max_steps = std::min(max_steps, most_newton_steps);
   CondensedProblem sprung = problem;
   ProximalSprings springs(first_springs, weakest_springs);
-  Real last_way = infinity;
+  Real last_pull = infinity;
   Index creeping = 0;
   while (a.steps < max_steps && springs.eps() <= strongest_springs && creeping < most_unslowed) {
     const Vector last = a.x;
@@ -278,11 +279,13 @@ Attempt by_proximal_points(const CondensedProblem& problem, Index max_steps) {
     sprung.f = problem.f;
     if (a.x.size() > 0) sprung.f.array() += sprung.springs * problem.D.array() * a.x.array();
     if (newton_from(a.x, sprung, max_steps, a)) {
-      if (springs.eps() <= weak_springs) a.solved = newton_from(a.x, problem, max_steps, a);
+      const Real pull = last.size() > 0 ? springs.eps() * (a.x - last).norm() : infinity;
+      const bool slows = pull <= unslowed * last_pull;
+      creeping = springs.softest() && !slows ? creeping + 1 : 0;
+      last_pull = pull;
+      if (springs.eps() <= weak_springs && (slows || creeping == 1))
+        a.solved = newton_from(a.x, problem, max_steps, a);
       if (a.solved) return a;
-      const Real way = last.size() > 0 ? (a.x - last).norm() : infinity;
-      creeping = springs.softest() && way > unslowed * last_way ? creeping + 1 : 0;
-      last_way = way;
       springs.found();
     } else {
       springs.missed();

@@ -35,17 +35,23 @@ void validate_layout(const System& s) {
   if (!s.entries().isCompressed()) refuse("A is not compressed; call makeCompressed()");
 }
 
+/// The largest force and gap of an increment, in units of the root of force times length.
+struct LoadSize {
+  Real force = 0, gap = 0;
+  LoadSize(const Increment& increment, const System& system) {
+    if (increment.F.size() > 0)
+      force = (increment.F.array().abs() / system.weight.array().sqrt()).maxCoeff();
+    for (Index i = 0; i < system.nodes(); ++i)
+      if (std::isfinite(increment.gap[i]))
+        gap = std::max(gap, std::abs(increment.gap[i]) * std::sqrt(system.weight[system.first[i]]));
+  }
+  Real most() const { return std::max(force, gap); }
+};
+
 void validate_load(const Increment& increment, const System& system) {
-  const Real force = increment.F.size() == 0
-                         ? 0
-                         : (increment.F.array().abs() / system.weight.array().sqrt()).maxCoeff();
-  Real gap = 0;
-  for (Index i = 0; i < system.nodes(); ++i)
-    if (std::isfinite(increment.gap[i]))
-      gap = std::max(gap, std::abs(increment.gap[i]) * std::sqrt(system.weight[system.first[i]]));
-  const Real most = std::max(force, gap);
-  if (force <= largest && (most == 0 || most >= smallest)) return;
-  refuse("the load is ", most,
+  const LoadSize size(increment, system);
+  if (size.force <= largest && (size.most() == 0 || size.most() >= smallest)) return;
+  refuse("the load is ", size.most(),
          " in units of the root of force times length; squares of what is not "
          "between ",
          smallest, " and ", largest, " are lost to the range of numbers: choose other units");
@@ -152,6 +158,13 @@ void validate(const Increment& increment, const System& system) {
   if (!norms.allFinite() || norms.minCoeff() < 0)
     refuse("load_norm, rounding and force_scale = ", norms[0], ", ", norms[1], ", ", norms[2],
            "; norms of forces are finite and >= 0");
+}
+
+void forget_what_vanishes(const System& system, Increment& increment) {
+  if (LoadSize(increment, system).most() >= smallest) return;
+  increment.F.setZero();
+  for (Real& gap : increment.gap)
+    if (std::isfinite(gap)) gap = 0;
 }
 
 void validate(const Settings& s) {

@@ -24,6 +24,10 @@ void validate(const System& system);
 /// Sizes, signs, finite values, and loads whose squares neither overflow nor vanish.
 void validate(const Increment& increment, const System& system);
 
+/// Takes loads and gaps whose squares vanish for none: what a displacement of before leaves where
+/// nothing acts any more, call after call.
+void forget_what_vanishes(const System& system, Increment& increment);
+
 /// Options that some methods do not heed.
 enum class Option { reg, regeps, precon, omega, step, newton, memory, threads };
 

@@ -278,8 +278,8 @@ std::string describe(const LargeTurn& turn, int d, Hold hold) {
       break;
     case Hold::rolls:
       s << ": the pressures that held it where it was do not where it has come. It rolls on to an "
-           "edge of the mesh, or tips: `at` follows that, and facets small beside mu do not hold "
-           "it";
+           "edge of the mesh, or tips: a vertex where a round body touches, and facets small "
+           "beside mu, leave that out, and `at` follows it";
       break;
     default:
       s << ": small rotations cannot mean that, and nothing holds it but the error of the normals, "

@@ -85,6 +85,10 @@ std::string describe_motion(const std::vector<NodePlace>& nodes, int d, const Ve
 /// of them.
 constexpr Real small_turn = 0.03;
 
+/// A rotation [rad] that no linear law can mean, whatever contact holds: a body has grown by an
+/// eighth.
+constexpr Real too_far = 0.5;
+
 /// A rotation [rad] from which on a jam counts: a body that contact holds where it was, and no
 /// longer where it has turned to. A round body that is pressed flat by delta R has twice its force
 /// at sqrt(2 delta): of steel that is 0.001 to 0.01.

@@ -81,17 +81,47 @@ Branches branches_of(const ContactProblem& problem, const Vector& x,
   return branches;
 }
 
-bool lets_go(const ContactProblem& problem, const Solution& s) {
-  Branches at_start = all_stick(problem.increment);
+namespace {
+
+/// All nodes in stick that touched at the start of the increment, under some force.
+Branches pressed_at_start(const ContactProblem& problem) {
+  Branches branches = all_stick(problem.increment);
   const Vector rest = Vector::Zero(problem.dofs());
   const Real none = no_force(certify(problem, rest));
   for (Index i = 0; i < problem.nodes(); ++i) {
     const Index N = problem.system->first[i];
     const Real touch = none * std::sqrt(problem.system->weight[N]);
     if (problem.closing(i, rest) > touch || std::abs(problem.increment.F[N]) <= touch)
-      at_start[i].closed = at_start[i].stick = false;
+      branches[i].closed = branches[i].stick = false;
   }
-  return left_free(s.undetermined, problem, at_start).cols() < s.undetermined.cols();
+  return branches;
+}
+
+/// The branches of an answer, nodes being open that bear next to none of the forces at the start.
+Branches barely_pressed(const ContactProblem& problem, const Solution& s) {
+  constexpr Real next_to_none = 1e-5;
+  Certificate c = s.certificate;
+  c.scale =
+      std::max(c.scale, next_to_none / forceless * norm_D(*problem.system, problem.increment.F));
+  return branches_of(problem, s.x, c);
+}
+
+}  // namespace
+
+DenseMatrix let_go(const std::function<DenseMatrix()>& motions, const ContactProblem& problem,
+                   const Solution& s) {
+  const Branches before = pressed_at_start(problem), now = barely_pressed(problem, s);
+  Real lost = 0;
+  for (Index i = 0; i < problem.nodes(); ++i) lost += before[i].closed && !now[i].closed;
+  if (problem.system->sum(lost) == 0) return DenseMatrix(problem.dofs(), 0);
+  const DenseMatrix loose =
+      s.undetermined.cols() > 0 ? s.undetermined : left_free(motions(), problem, now);
+  const bool held = left_free(loose, problem, before).cols() < loose.cols();
+  return held ? loose : DenseMatrix(problem.dofs(), 0);
+}
+
+bool holds_some(const DenseMatrix& motions, const ContactProblem& problem, const Solution& s) {
+  return left_free(motions, problem, barely_pressed(problem, s)).cols() < motions.cols();
 }
 
 bool touches_without_force(const ContactProblem& problem, const Vector& x,

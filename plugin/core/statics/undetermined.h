@@ -19,9 +19,15 @@ Branches branches_of(const ContactProblem& problem, const Vector& x,
 bool touches_without_force(const ContactProblem& problem, const Vector& x,
                            const Certificate& certificate);
 
-/// Whether an answer leaves free what nodes that touched at the start of the increment, under some
-/// force, would hold by stick. Under one load contact may let go of a body and hold it, as a taper that locks itself.
-bool lets_go(const ContactProblem& problem, const Solution& s);
+/// Of motions that A leaves free those that an answer holds by nothing, or by next to none of the
+/// forces at the start of the increment, where nodes that touched then, under some force, would
+/// hold one by stick. Under one load contact may let go of a body and hold it, as a taper that
+/// locks itself.   n x k
+DenseMatrix let_go(const std::function<DenseMatrix()>& motions, const ContactProblem& problem,
+                   const Solution& s);
+
+/// Whether an answer holds one of these motions, by such forces.
+bool holds_some(const DenseMatrix& motions, const ContactProblem& problem, const Solution& s);
 
 /// Takes the undetermined motions of s out of s.x, as far as the laws allow it within tol: gaps
 /// stay open or close, and slip goes on. x is then the least that differs from it by them, in the

@@ -294,6 +294,24 @@ TEST(LocalSystem, ALoadWhoseSquaresVanishIsNoRounding) {
   }
 }
 
+TEST(LocalSystem, WhatVanishesOfADisplacementIsNothingWhereNothingActs) {
+  BlockOptions o;
+  o.pressure = o.shear = 0;
+  Scene s = block(o);
+  s.gap.setZero();
+  const Posed posed = s.system();
+  const LocalSystem& local = posed.local();
+  for (Real size : {1e-40, 1e-90}) {
+    const Increment rest =
+        local.increment(s.b, Vector::LinSpaced(s.n, 0, size), s.laws()).increment;
+    EXPECT_EQ(rest.F.isZero(0), size < 1e-80);
+    EXPECT_EQ(rest.gap.isZero(0), size < 1e-80);
+    EXPECT_EQ(solve({local.system(), rest}, Settings()).status, Status::converged);
+  }
+  s.b[0] = 1e-90;  // a load is not taken off
+  EXPECT_FALSE(local.increment(s.b, {}, s.laws()).increment.F.isZero(0));
+}
+
 TEST(LocalSystem, ALoadThatAlreadyActsKeepsItsScaleInTheNextIncrement) {
   const Scene s = small(true);
   const LocalSystem local(s.triplets(), 2, s.points);

@@ -320,21 +320,36 @@ TEST(Undetermined, ItsSlipTellsASlidingNodeFromAStuckOne) {
   EXPECT_EQ(branches_of(p, x, c)[0].d[0], -1);
 }
 
-TEST(Undetermined, ContactLetsGoOfWhatItTouchedAtTheStart) {
+TEST(Undetermined, ContactLetsGoOfWhatPressedAtTheStart) {
   BlockOptions o;
   o.cells = 2;
   ContactProblem p = problem_of(o);
-  Solution s;
-  s.undetermined = rigid_motions(*p.system, 100000);
+  const DenseMatrix W = rigid_motions(*p.system, 100000);
+  Solution s;  // lifted off
+  s.x = Vector::Zero(p.dofs());
+  for (Index i = 0; i < p.nodes(); ++i) s.x[p.system->first[i]] = -1;
+  const auto gone = [&] {
+    s.certificate = certify(p, s.x);
+    s.certificate.r.setZero();
+    return let_go([&] { return W; }, p, s).cols();
+  };
   p.increment.gap.setConstant(1e-3);
-  EXPECT_FALSE(lets_go(p, s));
+  EXPECT_EQ(gone(), 0);
   p.increment.gap[0] = 0;  // a hinge, as soon as something presses
-  EXPECT_FALSE(lets_go(p, s));
+  EXPECT_EQ(gone(), 0);
   p.increment.F[p.interior()] = 1;
-  EXPECT_TRUE(lets_go(p, s));
-  s.undetermined = left_free(s.undetermined, p, {{}, {false, false}, {false, false}});
-  ASSERT_EQ(s.undetermined.cols(), 1);  // a turn about it
-  EXPECT_FALSE(lets_go(p, s));
+  EXPECT_EQ(gone(), 3);
+  s.undetermined = left_free(W, p, {{}, {false, false}, {false, false}});
+  ASSERT_EQ(s.undetermined.cols(), 1);  // a turn about it, which it does not hold
+  EXPECT_EQ(gone(), 0);
+  s.undetermined.resize(0, 0);
+  p.increment.gap.setConstant(-1);  // closed, and pressed by next to nothing
+  EXPECT_FALSE(holds_some(W, p, s));
+  s.certificate.r[p.interior()] =
+      1e-6 * norm_D(*p.system, p.increment.F) * std::sqrt(p.system->weight[p.interior()]);
+  EXPECT_FALSE(holds_some(W, p, s));
+  s.certificate.r[p.interior()] *= 100;
+  EXPECT_TRUE(holds_some(W, p, s));
 }
 
 TEST(Undetermined, BranchesBarTheMotionsThatTheyStandAgainst) {
