@@ -114,7 +114,12 @@ PCHandle make_gamg(const SharedMatrix& A) {
   if (A.numbering().dimension == 2 && !squared && !aggressive)
     check(PCGAMGSetAggressiveLevels(gamg.get(), 0));
   check(PCSetOptionsPrefix(gamg.get(), discarded));  // its smoothers do not serve
+  // PETSc's eigenvalues of conjugate gradients that an indefinite A ends before their time are of
+  // memory that nothing has filled, and may be looked for without end.
+  const std::string estimate = std::string("-") + discarded + "pc_gamg_esteig_ksp_type";
+  check(PetscOptionsSetValue(nullptr, estimate.c_str(), KSPGMRES));
   check(PCSetUp(gamg.get()));
+  check(PetscOptionsClearValue(nullptr, estimate.c_str()));
   return gamg;
 }
 
