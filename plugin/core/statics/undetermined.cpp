@@ -110,14 +110,21 @@ Branches barely_pressed(const ContactProblem& problem, const Solution& s) {
 
 DenseMatrix let_go(const std::function<DenseMatrix()>& motions, const ContactProblem& problem,
                    const Solution& s) {
-  const Branches before = pressed_at_start(problem), now = barely_pressed(problem, s);
-  Real lost = 0;
-  for (Index i = 0; i < problem.nodes(); ++i) lost += before[i].closed && !now[i].closed;
-  if (problem.system->sum(lost) == 0) return DenseMatrix(problem.dofs(), 0);
+  const DenseMatrix none(problem.dofs(), 0);
+  const Branches now = barely_pressed(problem, s);
+  const auto some = [&](const auto& lost) {  // on any process
+    Index i = 0;
+    while (i < problem.nodes() && !(lost(i) && !now[i].closed)) ++i;
+    return problem.system->largest(i < problem.nodes()) > 0;
+  };
+  if (!some([&](Index i) { return problem.increment.F[problem.system->first[i]] != 0; }))
+    return none;  // as loads above the contact have it, from rest
+  const Branches before = pressed_at_start(problem);
+  if (!some([&](Index i) { return before[i].closed; })) return none;
   const DenseMatrix loose =
       s.undetermined.cols() > 0 ? s.undetermined : left_free(motions(), problem, now);
   const bool held = left_free(loose, problem, before).cols() < loose.cols();
-  return held ? loose : DenseMatrix(problem.dofs(), 0);
+  return held ? loose : none;
 }
 
 bool holds_some(const DenseMatrix& motions, const ContactProblem& problem, const Solution& s) {
@@ -162,12 +169,10 @@ DenseMatrix bounds_of(const ContactProblem& problem, const Branches& branches, c
 /// The least of the fields x + W c that the branches allow; x: the least of all of them.
 /// |x + W c|_D^2 grows by |z|^2, z = L'c, W'DW = LL'. The z of least norm with  g'z >= h  is that
 /// of Lawson and Hanson (chapter 23): what is left of a unit vector e beside the cone of all (g,
-/// h).
+/// h).   L: W'DW
 Vector least_within(const ContactProblem& problem, const Branches& branches, const Vector& x,
-                    const DenseMatrix& W) {
+                    const DenseMatrix& W, DenseMatrix L) {
   const Index k = static_cast<Index>(W.cols());
-  DenseMatrix L = W.transpose().lazyProduct(problem.system->D.asDiagonal() * W);
-  problem.system->sum(L.data(), static_cast<Index>(L.size()));
   const DenseMatrix bounds = bounds_of(problem, branches, x, W);
   if (!Cholesky(L).found() || bounds.cols() == 0) return x;
   DenseMatrix directions = bounds.topRows(k);
@@ -200,7 +205,8 @@ void leave_least(const ContactProblem& problem, Real tol, Solution& s) {
   DenseMatrix sums(Z.cols(), Z.cols() + 1);
   sums << Z.transpose().lazyProduct(DZ), DZ.transpose().lazyProduct(s.x);
   system.sum(sums.data(), static_cast<Index>(sums.size()));
-  const Vector part = least_squares(sums.leftCols(Z.cols()), sums.rightCols(1));
+  const DenseMatrix ZDZ = sums.leftCols(Z.cols());
+  const Vector part = least_squares(ZDZ, sums.rightCols(1));
   const Vector x = s.x - Z.lazyProduct(part);
   const auto take = [&](const Vector& other) {
     Certificate certificate = certify(problem, other);
@@ -209,7 +215,7 @@ void leave_least(const ContactProblem& problem, Real tol, Solution& s) {
     s.certificate = std::move(certificate);
     return true;
   };
-  if (!take(x)) take(least_within(problem, branches, x, Z));
+  if (!take(x)) take(least_within(problem, branches, x, Z, ZDZ));
 }
 
 Real leave_out_uncertain_work(const System& system, const DenseMatrix& W, Real told, Vector& F) {
