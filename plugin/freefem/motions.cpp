@@ -64,16 +64,15 @@ class Contacts {
            const Solution& s)
       : scene_(scene),
         nodes_(nodes),
-        state_(s.state),
-        r_(s.certificate.r),
-        increment_(problem.increment),
+        problem_(problem),
+        solution_(s),
         system_(*problem.system),
         body_(body_of_dofs(scene.places(), scene.d, scene.ndof())),
         joined_(nodes.size()),
         groups_(Index(system_.largest(Real(count_bodies(scene.places()))))) {
     std::vector<Real> pairs;
     for (std::size_t k = 0; k < nodes.size(); ++k) {
-      if (state_[k] == NodeState::separated) continue;
+      if (s.state[k] == NodeState::separated) continue;
       const Index row = scene.system->system()->first[nodes[k]];
       for (Matrix::InnerIterator e(scene.system->basis().W, row); e; ++e)
         if (e.value() != 0 && body_[e.col()] >= 0) joined_[k].insert(body_[e.col()]);
@@ -105,16 +104,16 @@ class Contacts {
       const bool acts =
           joined.count(turn.body) && (joined.size() >= 2 || scene_.on_obstacle(nodes_[k]));
       const BoundaryNode& node = scene_.contact_point(nodes_[k]);
+      const Real of_slave = body_[node.point.dof[0]] == turn.body ? 1 : -1;
       const Index first = system_.first[static_cast<Index>(k)];
-      const Index last =
-          state_[k] == NodeState::stick ? system_.first[static_cast<Index>(k) + 1] : first + 1;
+      const bool sticks = solution_.state[k] == NodeState::stick;
+      const Index last = sticks ? system_.first[static_cast<Index>(k) + 1] : first + 1;
       for (Index i = first; i < last; ++i) {
         Vector against = V.row(i).transpose();
         as_given.add(against);
         if (i == first && acts) {  // to first order, an obstacle's normals staying what they are
           Vec3 moved = -turn.motion.a;
           for (int c = 0; c < scene_.d; ++c) moved[c] += field[node.point.dof[c]];
-          const Real of_slave = body_[node.point.dof[0]] == turn.body ? 1 : -1;
           against[0] += of_slave * node.point.normal.dot(axis.cross(moved));
         }
         as_turned.add(against);
@@ -122,9 +121,9 @@ class Contacts {
       if (!acts) continue;
       for (StandAgainst* contact : {&as_given, &as_turned})
         contact->add_way(axis.cross(node.x - turn.motion.c));
-      const Real of_slave = body_[node.point.dof[0]] == turn.body ? 1 : -1;
-      on_edge.add(turn.motion, node.x, -of_slave * r_[first] * node.point.normal,
-                  law_of(increment_, Index(k)).limit(r_[first]));
+      const Real r_N = solution_.certificate.r[first];
+      on_edge.add(turn.motion, node.x, -of_slave * r_N * node.point.normal,
+                  law_of(problem_.increment, Index(k)).limit(r_N));
     }
     // what nothing presses is held by supports, though with a motion to spare
     if (system_.largest(touches) == 0) return Hold::lasts;
@@ -141,9 +140,8 @@ class Contacts {
  private:
   const Scene& scene_;
   const std::vector<Index>& nodes_;
-  const std::vector<NodeState>& state_;
-  const Vector& r_;
-  const Increment& increment_;
+  const ContactProblem& problem_;
+  const Solution& solution_;
   const System& system_;
   std::vector<Index> body_;              ///< per dof of the scene
   std::vector<std::set<Index>> joined_;  ///< per node that touches
