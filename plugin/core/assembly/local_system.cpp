@@ -150,6 +150,7 @@ void set_load(const LocalLoad& load, const System& system, Increment& increment)
   const Real noise = increment.noise();
   if (noise > 0 && std::isfinite(noise) && norm_D(system, increment.F) <= noise)
     increment.F.setZero();
+  if (system.largest(!load.total.isZero(0)) == 0) forget_what_vanishes(system, increment);
   increment.force_scale = std::max(norm_D(system, load.total), driving_norm(system, increment));
   if (increment.force_scale == 0) increment.force_scale = 1;
 }
@@ -182,7 +183,6 @@ LocalIncrement LocalSystem::increment(const LocalLoad& load, const PointLaws& la
   increment.law = laws.law;
   increment.bilateral = laws.bilateral;
   set_load(load, *system_, increment);
-  if (load.total.isZero(0)) forget_what_vanishes(*system_, increment);
   if (laws.law == Law::frictionless) return result;
   const auto at_nodes = [&](const Vector& values) {
     Vector v(values.size() > 0 ? nodes() : 0);

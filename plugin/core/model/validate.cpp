@@ -161,7 +161,7 @@ void validate(const Increment& increment, const System& system) {
 }
 
 void forget_what_vanishes(const System& system, Increment& increment) {
-  if (LoadSize(increment, system).most() >= smallest) return;
+  if (system.largest(LoadSize(increment, system).most()) >= smallest) return;
   increment.F.setZero();
   for (Real& gap : increment.gap)
     if (std::isfinite(gap)) gap = 0;

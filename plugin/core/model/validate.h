@@ -25,7 +25,7 @@ void validate(const System& system);
 void validate(const Increment& increment, const System& system);
 
 /// Takes loads and gaps whose squares vanish for none: what a displacement of before leaves where
-/// nothing acts any more, call after call.
+/// nothing acts any more, call after call.   Collective.
 void forget_what_vanishes(const System& system, Increment& increment);
 
 /// Options that some methods do not heed.
