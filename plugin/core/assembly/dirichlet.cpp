@@ -13,6 +13,7 @@ constexpr Real huge_ratio = 1e10;
 struct Rows {
   std::vector<Real> diagonal, row_max, column_max;
   std::vector<char> emptied;  ///< the row has stored off-diagonal zeros
+  Real identity;              ///< what rows of the identity have on the diagonal
 
   explicit Rows(const Triplets& A)
       : diagonal(A.n, 0), row_max(A.n, 0), column_max(A.n, 0), emptied(A.n, 0) {
@@ -34,21 +35,20 @@ struct Rows {
         refuse("A(", i, ",", i, ") = ", diagonal[i],
                "; every diagonal entry must be > 0 (assemble with tgv=1e30 or tgv=-1, and with an "
                "elasticity term on every element)");
-    identity = of_identity(A.half);
+    identity = A.half ? 1 : common_diagonal();
   }
 
   Real others(Index i) const { return std::max(row_max[i], column_max[i]); }
   bool unit(Index i) const { return diagonal[i] == identity; }
 
-  /// Of emptied rows that nothing couples: 1, or what all of them have, where A has been scaled.
+  /// Of emptied rows that nothing couples: what all of them have, where A has been scaled, or 1.
   /// Lumped springs differ. Half-stored rows do not tell what couples them.
-  Real of_identity(bool half) const {
+  Real common_diagonal() const {
     std::set<Real> values;
-    for (std::size_t i = 0; i < diagonal.size() && values.size() < 2 && !half; ++i)
+    for (std::size_t i = 0; i < diagonal.size() && values.size() < 2; ++i)
       if (emptied[i] && others(Index(i)) == 0) values.insert(diagonal[i]);
     return values.size() == 1 ? *values.begin() : 1;
   }
-  Real identity = 1;
 };
 
 }  // namespace

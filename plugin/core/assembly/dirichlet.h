@@ -22,8 +22,8 @@ struct ContactPoint {
 class Dirichlet {
  public:
   /// Throws IllegalInput for entries that are not finite and for diagonals <= 0. A row that is
-  /// alone in the matrix counts as held, unless it belongs to one of the points: then it is a
-  /// spring.
+  /// alone in the matrix counts as held, unless it belongs to one of the points and is none of the
+  /// identity: then it is a spring.
   Dirichlet(const Triplets& A, const std::vector<ContactPoint>& points);
 
   /// The same where further dofs follow those of A, of which others know what holds them.   held,
