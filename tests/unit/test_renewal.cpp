@@ -91,7 +91,8 @@ TEST(Renewal, TheFactorTakesNewValuesOverTheLayoutOfTheSamePattern) {
   EXPECT_EQ(kept.factor(*next.problem().system, 1e9), Elimination::Outcome::done);
   fresh.factor(*next.problem().system, 1e9);
   EXPECT_EQ((kept.S() - fresh.S()).norm(), 0);
-  EXPECT_LT(kept.take_times().order, fresh.take_times().order);
+  EXPECT_EQ(kept.take_times().order, 0);
+  EXPECT_GT(fresh.take_times().order, 0);
 }
 
 TEST(Renewal, AnotherPatternOnTheSameDofsIsLaidOutAnew) {

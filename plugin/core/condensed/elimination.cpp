@@ -51,13 +51,15 @@ Elimination::Outcome Elimination::factor(const System& system, double memory_bou
   double start = cpu_seconds();
   if (!laid_out) roots_.clear();
   UpperTriangle A = triangle_of(system, roots_);
-  if (!laid_out && !analyze(system, A)) return Outcome::too_large;
+  if (!laid_out) {
+    if (!analyze(system, A)) return Outcome::too_large;
+    times_.order = cpu_seconds() - start;
+    start += times_.order;
+  }
   memory_needed_ += sizeof(Real) * double(L_->xsize);
-  times_.order = cpu_seconds() - start;
   if (memory_needed_ > memory_bound) return Outcome::too_large;
 
   const Threads threads(threads_pay());
-  start = cpu_seconds();
   if (!factorize(system, A) || !find_floating(system)) return Outcome::not_positive_definite;
   times_.factor = cpu_seconds() - start;
 
