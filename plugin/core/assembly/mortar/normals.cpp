@@ -113,7 +113,8 @@ struct Facing {
 /// Nodes of one body before one other.
 struct Group {
   std::map<Index, Facing> nodes;
-  std::vector<PointNormal> other;  ///< the surfaces, the master's where one is flat and one is not
+  /// The surfaces, the master's where one is flat and one is not, or where flats lean.
+  std::vector<PointNormal> other;
 
   std::vector<PointNormal> own() const {
     std::vector<PointNormal> points;
@@ -160,6 +161,21 @@ bool is_curved(const Side& side) {
   });
 }
 
+/// Whether any of the slave, and all of it, is parallel to what it is before.
+struct Lies {
+  bool any = false, all = true;
+};
+Lies lies_flat(const Side& slave, const Side& master, const Cover& cover) {
+  Lies lies;
+  for (Index f = 0; f < slave.facets(); ++f)
+    for (const Cell& cell : cover.cells[f]) {
+      const bool flat = same_direction(-master.planes[cell.master].normal, slave.planes[f].normal);
+      lies.any = lies.any || flat;
+      lies.all = lies.all && flat;
+    }
+  return lies;
+}
+
 /// The nodes of a pair that are before something, by the bodies of both sides.
 std::map<std::pair<Index, Index>, Group> facing_nodes(const Sides& of, std::size_t p,
                                                       const Owns& owns,
@@ -178,7 +194,9 @@ std::map<std::pair<Index, Index>, Group> facing_nodes(const Sides& of, std::size
       const Vec3 lambda = project(slave.d, slave.planes[f], before, X).at(centroid(cell.part));
       const FanNormal n = normal_at(theirs, slave.d, cell.master, lambda);
       const auto [flat, their_bore] = shapes.master[cell.master];
-      const bool differs = own_is_flat != flat || (bore && !their_bore);
+      const bool lean = own_is_flat && flat &&
+                        !same_direction(-master.planes[cell.master].normal, slave.planes[f].normal);
+      const bool differs = own_is_flat != flat || lean || (bore && !their_bore);
       const Real measure = extent(cell.part) * slave.planes[f].measure;
       for (int v = 0; v < slave.d; ++v) {
         const Index i = slave.facet(f).node[v];
@@ -285,7 +303,7 @@ bool master_counts(const Freedom& freedom, const Group& group, Index slave, Inde
   if (is_moved) return other_first && free_of_other > 0;
   if (supports_hold(freedom, slave, master, of_own) &&
       supports_hold(freedom, slave, master, of_other))
-    return false;
+    return of_other.cols() > of_own.cols();
   const DenseMatrix stiffness = in_series(freedom.stiffness[slave], freedom.stiffness[master]);
   return other_first ? !is_softer(stiffness, of_own, of_other)
                      : is_softer(stiffness, of_other, of_own);
@@ -313,7 +331,9 @@ CommonNormals choose_common_normals(const Sides& of, const Options& options, con
   for (std::size_t p = 0; p < of.slaves.size(); ++p) {
     PairShapes& shapes = common.shapes.emplace_back();
     if (begun) shapes = begun->shapes[p];
-    const bool curved = is_curved(of.slaves[p]) || is_curved(of.masters[p]);
+    const Lies lies = lies_flat(of.slaves[p], of.masters[p], of.covers[p]);
+    const bool chamfered = lies.any && !lies.all;
+    const bool curved = chamfered || is_curved(of.slaves[p]) || is_curved(of.masters[p]);
     if (begun ? shapes.slave.empty() : !curved) continue;
     if (!freedom) freedom = options.freedom();
     for (const auto& [bodies, group] : facing_nodes(of, p, owns, freedom->body, normal, shapes)) {
@@ -430,13 +450,6 @@ std::map<Index, End> ends_of_faces(const Sides& of, std::size_t p, const Owns& o
   return ends;
 }
 
-bool lies_flat(const Side& slave, const Side& master, const Cover& cover) {
-  for (Index f = 0; f < slave.facets(); ++f)
-    for (const Cell& cell : cover.cells[f])
-      if (!same_direction(-master.planes[cell.master].normal, slave.planes[f].normal)) return false;
-  return true;
-}
-
 /// From which angle on a face leans, and from which on it does so as a whole: less is what bodies
 /// deform by, and errors of a smooth face's normals, which its turn from facet to facet bounds.
 constexpr Real leans = 0.02, leans_whole = 0.04, of_turn = 2;
@@ -463,7 +476,7 @@ void take_masters_at_ends(const Sides& of, const Owns& owns, std::vector<Vec3>& 
   const std::vector<Vec3>& X = of.nodes.X;
   for (std::size_t p = 0; p < of.slaves.size(); ++p) {
     const Side &slave = of.slaves[p], &master = of.masters[p];
-    if (lies_flat(slave, master, of.covers[p])) continue;
+    if (lies_flat(slave, master, of.covers[p]).all) continue;
     std::optional<SmoothSide> own, theirs;
     for (const auto& [i, end] : ends_of_faces(of, p, owns)) {
       const Vec3 n = normal[i];

@@ -57,9 +57,10 @@ struct CommonNormals {
 /// neither.
 ///
 /// The normals are those of the side that lets more of what A leaves free slip, or whose motions A
-/// resists less, clearly; where supports hold all of them the slave's, and otherwise those of the
-/// flat: what slides along it moves further than what turns on it. But for supports the answer so
-/// does not depend on which side is slave. A shaft in a bore, with clearance, is alike: along the
+/// resists less, clearly; where supports hold all of them those that let more slip at all, else the
+/// slave's, and otherwise those of the flat: what slides along it moves further than what turns on
+/// it. But for supports the answer so does not depend on which side is slave. A chamfer that leans
+/// on the flat before it counts as curved: along its own normal it would hold what slides. A shaft in a bore, with clearance, is alike: along the
 /// bore it does not leave its place for ever but climbs, and the shaft's own normals see that; so
 /// of a bore and what is in it the latter counts.
 ///
