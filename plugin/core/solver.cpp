@@ -32,6 +32,22 @@ constexpr double only_gradients = 1e6;
 
 bool arrives(const Solution& s) { return decided(s) || s.certificate.residual <= at_rounding; }
 
+/// Limits that stick meets whatever it takes, where nodes can touch.   m
+Vector limits_of_stick(const ContactProblem& problem) {
+  const System& system = *problem.system;
+  const Real most = 1e6 * norm_D(system, problem.increment.F);
+  Vector g = Vector::Zero(problem.nodes());
+  for (Index i = 0; i < problem.nodes(); ++i)
+    if (std::isfinite(problem.increment.gap[i]))
+      g[i] = most * std::sqrt(system.weight[system.first[i]]);
+  return g;
+}
+
+/// Newton's method goes on from limits that change by less than this share; after so many it is
+/// not asked.
+constexpr Real near_limits = 0.1;
+constexpr int most_limits = 15;
+
 /// t, made after s did not arrive, takes its place where it decides or is nearer to the laws; what
 /// both took counts. Returns how t ended.
 Status replace_if_better(Solution& s, Solution t) {
@@ -118,21 +134,50 @@ Solution Solver::solve(const Increment& increment, const Settings& settings, con
       });
 }
 
-/// s, or where contact lets go of what it held at the start of the increment, the answer of stick
-/// as a face, if that keeps it: of two that the laws allow, its descent from the start ends at the
-/// one that a path leads to, where Newton's steps pass by it.
+/// s, or where contact lets go of what it held at the start of the increment, the answer that the
+/// limits of stick lead to: of several a path of small steps leads to the one that holds, and
+/// Newton's steps, in which nodes open and slip at once, pass by it. At given limits there is one
+/// field; limits that fall from those of stick meet their own first where most is held.
+///   g_0 = infinity,  g_1 = G(x(g_0)),  g_{k+1} = (g_k + G(x(g_k)))/2,  until Newton's method from
+///   x(g_k) holds as well
 Solution Solver::or_as_held_before(Solution s, const Request& request) {
-  const auto& [problem, settings, x0, observer] = request;
-  const bool by_newton = settings.newton && s.route != Route::iterative;
-  if (!by_newton || problem.increment.law == Law::frictionless) return s;
-  if (!(s.certificate.residual <= settings.tol)) return s;
-  const DenseMatrix loose = let_go([&] { return floating_(); }, problem, s);
-  if (loose.cols() == 0) return s;
-  const Request rest = what_remains(without_factor(request), s);
-  if (rest.settings.nbiter <= 0) return s;
-  Solution held = after(s, by_gradients(rest));
-  const bool holds = held.certificate.residual <= settings.tol && holds_some(loose, problem, held);
-  return holds ? held : s;
+  const ContactProblem& problem = request.problem;
+  const bool by_newton = request.settings.newton && s.route != Route::iterative;
+  if (!by_newton || problem.increment.law != Law::coulomb) return s;
+  if (!(s.certificate.residual <= request.settings.tol)) return s;
+  const auto bodies = let_go(problem, s);
+  if (bodies.empty()) return s;
+  const Vector lost = limits_at(problem, s);
+  ContactProblem given = problem;
+  given.increment.law = Law::tresca;
+  given.increment.g = limits_of_stick(problem);
+  Vector& g = given.increment.g;
+  Vector x;
+  const auto ask = [&](const ContactProblem& what) {
+    const Request rest{what, what_remains(request, s).settings, x, request.observer};
+    Solution t = after(s, by_route(rest));
+    s.iterations = t.iterations;
+    s.steps = t.steps;
+    s.times = t.times;
+    return t;
+  };
+  const auto may_ask = [&] { return what_remains(request, s).settings.nbiter > 0; };
+  const auto holds = [&](const Solution& t) {
+    return t.certificate.residual <= request.settings.tol &&
+           hold_more(bodies, limits_at(problem, t), lost);
+  };
+  for (int k = 0; k < most_limits && may_ask(); ++k) {
+    const Solution t = ask(given);
+    if (!holds(t)) break;
+    const Vector limits = limits_at(problem, t);
+    const bool near = (limits - g).lpNorm<1>() < near_limits * limits.lpNorm<1>();
+    x = t.x;
+    g = k == 0 ? limits : Vector((g + limits) / 2);
+    if (!near || !may_ask()) continue;
+    const Solution held = ask(problem);
+    if (holds(held)) return held;
+  }
+  return s;
 }
 
 /// The route of the plan; where it is not open, or does not arrive, another one.

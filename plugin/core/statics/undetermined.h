@@ -19,15 +19,18 @@ Branches branches_of(const ContactProblem& problem, const Vector& x,
 bool touches_without_force(const ContactProblem& problem, const Vector& x,
                            const Certificate& certificate);
 
-/// Of motions that A leaves free those that an answer holds by nothing, or by next to none of the
-/// forces at the start of the increment, where nodes that touched then, under some force, would
-/// hold one by stick. Under one load contact may let go of a body and hold it, as a taper that
-/// locks itself.   n x k
-DenseMatrix let_go(const std::function<DenseMatrix()>& motions, const ContactProblem& problem,
-                   const Solution& s);
+/// The sliding limits of all nodes at an answer [force].   m
+Vector limits_at(const ContactProblem& problem, const Solution& s);
 
-/// Whether an answer holds one of these motions, by such forces.
-bool holds_some(const DenseMatrix& motions, const ContactProblem& problem, const Solution& s);
+/// The contact nodes of each body that contact pressed at the start of the increment, and that the
+/// answer lets go: nothing of it sticks under a force any more, and its limits have fallen below
+/// half of what they were. Under one load contact may let go of a body and hold it, as a taper that
+/// locks itself.
+std::vector<std::vector<Index>> let_go(const ContactProblem& problem, const Solution& s);
+
+/// Whether limits hold one of these bodies by more than twice what others do.
+bool hold_more(const std::vector<std::vector<Index>>& bodies, const Vector& limits,
+               const Vector& others);
 
 /// Takes the undetermined motions of s out of s.x, as far as the laws allow it within tol: gaps
 /// stay open or close, and slip goes on. x is then the least that differs from it by them, in the

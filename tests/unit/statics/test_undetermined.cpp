@@ -324,32 +324,51 @@ TEST(Undetermined, ContactLetsGoOfWhatPressedAtTheStart) {
   BlockOptions o;
   o.cells = 2;
   ContactProblem p = problem_of(o);
-  const DenseMatrix W = rigid_motions(*p.system, 100000);
-  Solution s;  // lifted off
-  s.x = Vector::Zero(p.dofs());
-  for (Index i = 0; i < p.nodes(); ++i) s.x[p.system->first[i]] = -1;
-  const auto gone = [&] {
+  const Index N = p.system->first[0];
+  const Real mu = p.increment.mu[0];
+  Solution s;
+  const auto gone = [&](Real pressure, Real shear, Real slip) {
+    s.x = Vector::Zero(p.dofs());
+    s.x[N + 1] = slip;
     s.certificate = certify(p, s.x);
     s.certificate.r.setZero();
-    return let_go([&] { return W; }, p, s).cols();
+    s.certificate.r[N] = pressure;
+    s.certificate.r[N + 1] = shear;
+    return let_go(p, s).size();
   };
-  p.increment.gap.setConstant(1e-3);
-  EXPECT_EQ(gone(), 0);
-  p.increment.gap[0] = 0;  // a hinge, as soon as something presses
-  EXPECT_EQ(gone(), 0);
-  p.increment.F[p.interior()] = 1;
-  EXPECT_EQ(gone(), 3);
-  s.undetermined = left_free(W, p, {{}, {false, false}, {false, false}});
-  ASSERT_EQ(s.undetermined.cols(), 1);  // a turn about it, which it does not hold
-  EXPECT_EQ(gone(), 0);
-  s.undetermined.resize(0, 0);
-  p.increment.gap.setConstant(-1);  // closed, and pressed by next to nothing
-  EXPECT_FALSE(holds_some(W, p, s));
-  s.certificate.r[p.interior()] =
-      1e-6 * norm_D(*p.system, p.increment.F) * std::sqrt(p.system->weight[p.interior()]);
-  EXPECT_FALSE(holds_some(W, p, s));
-  s.certificate.r[p.interior()] *= 100;
-  EXPECT_TRUE(holds_some(W, p, s));
+  p.increment.F.setZero();
+  EXPECT_EQ(gone(0, 0, 0), 0u);
+  p.increment.F[N] = -1;  // pulled at
+  EXPECT_EQ(gone(0, 0, 0), 0u);
+  p.increment.F[N] = 1;
+  EXPECT_EQ(gone(0, 0, 0), 1u);
+  EXPECT_EQ(let_go(p, s)[0].size(), std::size_t(p.nodes()));
+  EXPECT_EQ(gone(0.3, 0, 0), 0u);  // it sticks
+  EXPECT_EQ(gone(0.3, mu * 0.3, 1), 1u);
+  EXPECT_EQ(gone(0.6, mu * 0.6, 1), 0u);
+  EXPECT_EQ(gone(1e-7, 0, 0), 1u);  // by next to nothing
+  p.increment.gap[0] = 1e-3;        // not pressed by anything
+  EXPECT_EQ(gone(0, 0, 0), 0u);
+  p.increment.gap[0] = 0;
+  const Index M = p.system->first[1];
+  p.increment.F[M] = 2;
+  EXPECT_EQ(gone(0, 0, 0), 1u);
+  s.certificate.r[M] = 0.5;  // another node sticks
+  EXPECT_EQ(let_go(p, s).size(), 0u);
+  s.certificate.r[M] = 2;  // or slips on under what it had
+  s.certificate.r[M + 1] = 2 * mu;
+  s.x[M + 1] = 1;
+  EXPECT_EQ(let_go(p, s).size(), 0u);
+}
+
+TEST(Undetermined, TwiceTheLimitsHoldMore) {
+  const Vector few = Vector::Constant(4, 1);
+  Vector more = few;
+  more[0] = 1.5;
+  EXPECT_FALSE(hold_more({{0, 1}, {2, 3}}, more, few));
+  more[1] = 3;
+  EXPECT_TRUE(hold_more({{0, 1}, {2, 3}}, more, few));
+  EXPECT_FALSE(hold_more({{2, 3}}, more, few));
 }
 
 TEST(Undetermined, BranchesBarTheMotionsThatTheyStandAgainst) {
