@@ -48,6 +48,13 @@ Vector limits_of_stick(const ContactProblem& problem) {
 constexpr Real near_limits = 0.1;
 constexpr int most_limits = 15;
 
+/// s has taken what t, after it, has.
+void count(Solution& s, const Solution& t) {
+  s.iterations = t.iterations;
+  s.steps = t.steps;
+  s.times = t.times;
+}
+
 /// t, made after s did not arrive, takes its place where it decides or is nearer to the laws; what
 /// both took counts. Returns how t ended.
 Status replace_if_better(Solution& s, Solution t) {
@@ -55,9 +62,7 @@ Status replace_if_better(Solution& s, Solution t) {
   t = after(s, std::move(t));
   if (t.negative.size() == 0) t.negative = s.negative;
   if (!decided(t) && !(t.certificate.residual < s.certificate.residual)) {
-    s.iterations = t.iterations;
-    s.steps = t.steps;
-    s.times = t.times;
+    count(s, t);
     s.negative = t.negative;
     return status;
   }
@@ -156,9 +161,7 @@ Solution Solver::or_as_held_before(Solution s, const Request& request) {
   const auto ask = [&](const ContactProblem& what) {
     const Request rest{what, what_remains(request, s).settings, x, request.observer};
     Solution t = after(s, by_route(rest));
-    s.iterations = t.iterations;
-    s.steps = t.steps;
-    s.times = t.times;
+    count(s, t);
     return t;
   };
   const auto may_ask = [&] { return what_remains(request, s).settings.nbiter > 0; };

@@ -106,7 +106,7 @@ std::vector<std::vector<Index>> let_go(const ContactProblem& problem, const Solu
     const Real touch = none * std::sqrt(system.weight[N]);
     if (problem.closing(i, rest) <= touch && F[N] > touch)
       before[i] = law_of(problem.increment, i).limit(F[N]);
-    sticks[i] = branches[i].closed && branches[i].stick && s.certificate.r[N] > touch;
+    sticks[i] = branches[i].stick && s.certificate.r[N] > touch;
     loses = loses || (now[i] < half * before[i] && !sticks[i]);
   }
   std::vector<std::vector<Index>> found;

@@ -24,8 +24,9 @@ Vector limits_at(const ContactProblem& problem, const Solution& s);
 
 /// The contact nodes of each body that contact pressed at the start of the increment, and that the
 /// answer lets go: nothing of it sticks under a force any more, and its limits have fallen below
-/// half of what they were. Under one load contact may let go of a body and hold it, as a taper that
-/// locks itself.
+/// half of what they were, with the loads of the increment on its contact nodes. Under one load
+/// contact may let go of a body and hold it, as a taper that locks itself. Of a system that one
+/// process holds.
 std::vector<std::vector<Index>> let_go(const ContactProblem& problem, const Solution& s);
 
 /// Whether limits hold one of these bodies by more than twice what others do.

@@ -254,3 +254,110 @@ TEST(MortarNormals, BetweenAFlatAndACapTheyLetSlipWhatIsFreeWhicheverIsSlave) {
       EXPECT_LT(cap_is_slave ? furthest(none, radial) : furthest(none, flat), 1e-12) << d;
     }
 }
+
+namespace {
+
+/// A flat below, and a face that leans by 40 degrees up to `until`, the rest of which lies.
+Surfaces chamfer_on_flat(int d, Real until, bool alone) {
+  Surfaces s(d);
+  const auto leaning = [=](Real from, Real to) {
+    return [=](const Vec3& x) {
+      Vec3 y = x;
+      y[0] = from + (to - from) * x[0];
+      y[d - 1] = std::max<Real>(until - y[0], 0) * 0.84;
+      return y;
+    };
+  };
+  if (alone) {
+    s.pairs.resize(2);
+    s.pairs[0].slave = s.sheet(7, -1, leaning(until, 1), 2);
+    s.pairs[1].slave = s.sheet(3, -1, leaning(0, until), 3);
+  } else {
+    s.pairs[0].slave = s.sheet(10, -1, leaning(0, 1), 2);
+  }
+  s.pairs[0].master = s.sheet(9, 1, lifted(d, -0.05, -0.5, 1.5), 1);
+  if (alone) s.pairs[1].master = s.pairs[0].master;
+  return s;
+}
+
+}  // namespace
+
+TEST(MortarNormals, AChamferHasTheFlatsWhereTheFaceBesideItLiesThere) {
+  for (int d : {2, 3})
+    for (bool alone : {false, true})
+      for (bool is_free : {true, false}) {
+        Surfaces s = chamfer_on_flat(d, 0.3, alone);
+        const Index k = d == 2 ? 3 : 6;
+        s.options = capping(s, true, DenseMatrix::Identity(k, is_free ? k : 0));
+        const Mortar mortar = s.mortar();
+        EXPECT_GT(mortar.nodes().size(), d == 2 ? 9u : 70u);
+        for (const SlaveNode& node : mortar.nodes())
+          EXPECT_LT((node.normal + Vec3::Unit(d - 1)).norm(), 1e-12)
+              << d << alone << is_free << " at " << s.nodes.X[node.node].transpose();
+      }
+}
+
+TEST(MortarNormals, AFaceThatLeansAsAWholeKeepsItsOwn) {
+  for (int d : {2, 3}) {
+    Surfaces s = chamfer_on_flat(d, 1, false);
+    const Index k = d == 2 ? 3 : 6;
+    s.options = capping(s, true, DenseMatrix::Identity(k, k));
+    const Mortar mortar = s.mortar();
+    for (const SlaveNode& node : mortar.nodes()) {
+      const Vec3& x = s.nodes.X[node.node];
+      const bool inside = x[0] > 0.05 && x[0] < 0.95 && (d == 2 || std::abs(x[1] - 0.5) < 0.45);
+      if (!inside) continue;
+      EXPECT_GT((node.normal + Vec3::Unit(d - 1)).norm(), 0.3) << d;
+    }
+  }
+}
+
+TEST(MortarNormals, ABodyThatLiesChangesNoneThatLeansBesideIt) {
+  for (int d : {2, 3}) {
+    Surfaces s = chamfer_on_flat(d, 1, false);
+    const std::size_t leaning = s.nodes.X.size();
+    const auto normals = [&] {
+      const Index k = d == 2 ? 3 : 6;
+      s.options = capping(s, true, DenseMatrix::Identity(k, k));
+      s.options.freedom = [=, n = s.nodes.X.size(), plain = s.options.freedom] {
+        Freedom freedom = plain();
+        for (std::size_t i = leaning; i < n; ++i) freedom.body[i] = 2;
+        freedom.of_body.push_back(freedom.of_body[1]);
+        freedom.stiffness.push_back(freedom.stiffness[1]);
+        return freedom;
+      };
+      std::map<Index, Vec3> of_node;
+      const Mortar mortar = s.mortar();
+      for (const SlaveNode& node : mortar.nodes()) of_node[node.node] = node.normal;
+      return of_node;
+    };
+    const auto alone = normals();
+    append(s.pairs[0].slave, s.sheet(2, -1, lifted(d, 0, 1.1, 1.4), 2));
+    const auto beside = normals();
+    EXPECT_GT(beside.size(), alone.size());
+    for (const auto& [i, n] : alone) EXPECT_EQ(beside.at(i), n) << d;
+  }
+}
+
+TEST(MortarNormals, WhereSupportsHoldBothBodiesThoseCountThatLetMoreSlip) {
+  for (int d : {2, 3}) {
+    const auto off = [&](Surfaces s, bool upper_is_slave, const auto& expected) {
+      s.options = capping(s, upper_is_slave, DenseMatrix(d == 2 ? 3 : 6, 0));
+      s.options.freedom = [plain = s.options.freedom] {
+        Freedom freedom = plain();
+        freedom.support = freedom.stiffness;
+        return freedom;
+      };
+      const Mortar mortar = s.mortar();
+      Real most = 0;
+      for (const SlaveNode& node : mortar.nodes())
+        most = std::max(most, (node.normal - expected(s.nodes.X[node.node])).norm());
+      return most;
+    };
+    const Vec3 down = -Vec3::Unit(d - 1);
+    const auto flat = [&](const Vec3&) { return down; };
+    const auto radial = [&](const Vec3& x) { return Vec3((x + down).normalized()); };
+    EXPECT_LT(off(chamfer_on_flat(d, 0.3, false), true, flat), 1e-12) << d;
+    EXPECT_LT(off(cap_on_flat(d, true), true, radial), 1e-12) << d;  // as many: the slave's
+  }
+}

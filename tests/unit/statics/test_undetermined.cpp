@@ -361,6 +361,56 @@ TEST(Undetermined, ContactLetsGoOfWhatPressedAtTheStart) {
   EXPECT_EQ(let_go(p, s).size(), 0u);
 }
 
+TEST(Undetermined, OfSeveralBodiesThoseCountThatContactLetsGo) {
+  BlockOptions o;
+  o.cells = 3;
+  ContactProblem p = problem_of(o);
+  auto parted = std::make_shared<AssembledSystem>(assembled(p.system));
+  const Index N = p.system->first[0], M = p.system->first[1];
+  for (Index i = 0; i < p.dofs(); ++i)  // the first node hangs on nothing any more
+    for (Matrix::InnerIterator a(parted->A, i); a; ++a)
+      if ((i == N || i == N + 1) != (a.col() == N || a.col() == N + 1)) a.valueRef() = 0;
+  p.system = parted;
+  p.increment.F.setZero();
+  p.increment.F[N] = 1;
+  p.increment.F[M] = 10;
+  Solution s;
+  s.x = Vector::Zero(p.dofs());
+  s.certificate = certify(p, s.x);
+  s.certificate.r.setZero();
+  s.certificate.r[M] = 10;  // sticks
+  const auto gone = let_go(p, s);
+  ASSERT_EQ(gone.size(), 1u);
+  EXPECT_EQ(gone[0], std::vector<Index>{0});
+}
+
+TEST(Undetermined, LimitsAreOfAllThatFrictionTakes) {
+  BlockOptions o;
+  o.cells = 2;
+  ContactProblem p = problem_of(o);
+  const Index N = p.system->first[0];
+  p.increment.cohesion.setConstant(p.nodes(), 3);
+  p.increment.cap.setConstant(p.nodes(), 4);
+  Solution s;
+  s.x = Vector::Zero(p.dofs());
+  s.x[N] = -1;  // open
+  s.certificate = certify(p, s.x);
+  s.certificate.r.setZero();
+  EXPECT_EQ(limits_at(p, s)[0], 0);
+  s.x[N] = 0;
+  s.certificate.r[N] = 1;
+  EXPECT_NEAR(limits_at(p, s)[0], 3 + o.mu, 1e-12);
+  s.certificate.r[N] = 100;
+  EXPECT_EQ(limits_at(p, s)[0], 4);
+  // from 4 to 3.3 is no fall by half, as from 30 to 0.3 would be
+  p.increment.F.setZero();
+  p.increment.F[N] = 100;
+  s.x[N + 1] = 1;
+  s.certificate.r[N] = 1;
+  s.certificate.r[N + 1] = 3.3;
+  EXPECT_EQ(let_go(p, s).size(), 0u);
+}
+
 TEST(Undetermined, TwiceTheLimitsHoldMore) {
   const Vector few = Vector::Constant(4, 1);
   Vector more = few;

@@ -105,6 +105,7 @@ struct Facing {
   Real same = 0;               ///< before what the slave's normal counts in any case
   Real other_turn = 0;         ///< from the facets; 0 of what is flat
   bool other_first = false;    ///< of two sides that let as many motions slip
+  bool at_chamfer = false;     ///< before the flat that the chamfer keeps off
 
   /// The normal of the slave that the master's means, where that may count.
   Vec3 of_master() const { return (same * own.normal - theirs).normalized(); }
@@ -115,10 +116,18 @@ struct Group {
   std::map<Index, Facing> nodes;
   /// The surfaces, the master's where one is flat and one is not, or where flats lean.
   std::vector<PointNormal> other;
+  bool chamfered = false;
 
+  /// Along its own normal a chamfer would wedge what slides: along the flat's it never does.
+  bool takes_flats(const Facing& here) const { return chamfered && here.at_chamfer; }
   std::vector<PointNormal> own() const {
     std::vector<PointNormal> points;
-    for (const auto& [i, here] : nodes) points.push_back(here.own);
+    for (const auto& [i, here] : nodes) {
+      points.push_back(here.own);
+      if (!takes_flats(here)) continue;
+      points.back().normal = here.of_master();
+      points.back().turn = 0;
+    }
     return points;
   }
 };
@@ -161,48 +170,91 @@ bool is_curved(const Side& side) {
   });
 }
 
-/// Whether any of the slave, and all of it, is parallel to what it is before.
+bool lies_flat(const Side& slave, Index f, const Side& master, const Cell& before) {
+  return same_direction(-master.planes[before.master].normal, slave.planes[f].normal);
+}
+
+/// Whether some, and all, of what a pair covers lies flat.
 struct Lies {
-  bool any = false, all = true;
+  bool some = false, all = true;
 };
-Lies lies_flat(const Side& slave, const Side& master, const Cover& cover) {
+Lies lies_flat(const Sides& of, std::size_t p) {
   Lies lies;
-  for (Index f = 0; f < slave.facets(); ++f)
-    for (const Cell& cell : cover.cells[f]) {
-      const bool flat = same_direction(-master.planes[cell.master].normal, slave.planes[f].normal);
-      lies.any = lies.any || flat;
+  for (Index f = 0; f < of.slaves[p].facets(); ++f)
+    for (const Cell& cell : of.covers[p].cells[f]) {
+      const bool flat = lies_flat(of.slaves[p], f, of.masters[p], cell);
+      lies.some = lies.some || flat;
       lies.all = lies.all && flat;
     }
   return lies;
 }
 
+using TwoBodies = std::pair<Index, Index>;  ///< of slave and master
+
+/// Where faces of two bodies lie flat, the nearest of them.
+struct Flat {
+  Real distance = infinity;    ///< [length]
+  const Side* side = nullptr;  ///< of the master, and a facet of that
+  Index facet = -1;
+
+  /// Whether what leans on facet m of a master at a distance is a chamfer, which keeps off the
+  /// plane on which the flat lies. What is nearer, or leans on something else, is a wedge: its own
+  /// normals hold.
+  bool keeps_off(const Side& master, Index m, const std::vector<Vec3>& X, Real at) const {
+    constexpr Real level = 1e-6;  // sine of the angle up to which facets are in one plane
+    if (!side || !(at > distance)) return false;
+    const Vec3 apart = X[master.facet(m).node[0]] - X[side->facet(facet).node[0]];
+    return std::abs(side->planes[facet].normal.dot(apart)) <= level * apart.norm();
+  }
+};
+using Flats = std::map<TwoBodies, Flat>;
+
+Flats nearest_flats(const Sides& of, const std::vector<Index>& body) {
+  Flats nearest;
+  for (std::size_t p = 0; p < of.slaves.size(); ++p)
+    for (Index f = 0; f < of.slaves[p].facets(); ++f)
+      for (const Cell& cell : of.covers[p].cells[f]) {
+        const Side &slave = of.slaves[p], &master = of.masters[p];
+        if (!lies_flat(slave, f, master, cell)) continue;
+        const Facet& before = master.facet(cell.master);
+        const Projection chi = project(slave.d, slave.planes[f], before, of.nodes.X);
+        const Real distance = chi.distance(centroid(cell.part));
+        Flat& flat = nearest[{body[slave.facet(f).node[0]], body[before.node[0]]}];
+        if (distance < flat.distance) flat = {distance, &master, cell.master};
+      }
+  return nearest;
+}
+
 /// The nodes of a pair that are before something, by the bodies of both sides.
-std::map<std::pair<Index, Index>, Group> facing_nodes(const Sides& of, std::size_t p,
-                                                      const Owns& owns,
-                                                      const std::vector<Index>& body,
-                                                      const std::vector<Vec3>& normal,
-                                                      PairShapes& shapes) {
+std::map<TwoBodies, Group> facing_nodes(const Sides& of, std::size_t p, const Owns& owns,
+                                        const std::vector<Index>& body, Flats& flats,
+                                        const std::vector<Vec3>& normal, PairShapes& shapes) {
   const Side &slave = of.slaves[p], &master = of.masters[p];
   const std::vector<Vec3>& X = of.nodes.X;
   const SmoothSide own(slave, X), theirs(master, X);
   if (shapes.slave.empty()) shapes = {shapes_of(slave, X, own), shapes_of(master, X, theirs)};
-  std::map<std::pair<Index, Index>, Group> groups;
+  std::map<TwoBodies, Group> groups;
   for (Index f = 0; f < slave.facets(); ++f) {
     const auto [own_is_flat, bore] = shapes.slave[f];
     for (const Cell& cell : of.covers[p].cells[f]) {
       const Facet& before = master.facet(cell.master);
-      const Vec3 lambda = project(slave.d, slave.planes[f], before, X).at(centroid(cell.part));
+      const Projection chi = project(slave.d, slave.planes[f], before, X);
+      const Vec3 lambda = chi.at(centroid(cell.part));
       const FanNormal n = normal_at(theirs, slave.d, cell.master, lambda);
       const auto [flat, their_bore] = shapes.master[cell.master];
-      const bool lean = own_is_flat && flat &&
-                        !same_direction(-master.planes[cell.master].normal, slave.planes[f].normal);
+      const bool chamfer = flat && !lies_flat(slave, f, master, cell) &&
+                           flats[{body[slave.facet(f).node[0]], body[before.node[0]]}].keeps_off(
+                               master, cell.master, X, chi.distance(centroid(cell.part)));
+      const bool lean = own_is_flat && chamfer;
       const bool differs = own_is_flat != flat || lean || (bore && !their_bore);
       const Real measure = extent(cell.part) * slave.planes[f].measure;
       for (int v = 0; v < slave.d; ++v) {
         const Index i = slave.facet(f).node[v];
         if (!owns(p, f, i)) continue;
         Group& group = groups[{body[i], body[before.node[0]]}];
+        group.chamfered = group.chamfered || lean;
         Facing& here = group.nodes[i];
+        here.at_chamfer = here.at_chamfer || chamfer;
         here.own.x = X[i];
         here.own.normal = normal[i];
         here.own.turn = std::max(here.own.turn, own_is_flat ? 0 : own.at(f, v).turn);
@@ -303,7 +355,7 @@ bool master_counts(const Freedom& freedom, const Group& group, Index slave, Inde
   if (is_moved) return other_first && free_of_other > 0;
   if (supports_hold(freedom, slave, master, of_own) &&
       supports_hold(freedom, slave, master, of_other))
-    return of_other.cols() > of_own.cols();
+    return false;
   const DenseMatrix stiffness = in_series(freedom.stiffness[slave], freedom.stiffness[master]);
   return other_first ? !is_softer(stiffness, of_own, of_other)
                      : is_softer(stiffness, of_other, of_own);
@@ -327,16 +379,23 @@ CommonNormals choose_common_normals(const Sides& of, const Options& options, con
   const int d = of.nodes.dimension;
   CommonNormals common(of.nodes.X.size());
   if (!options.freedom) return common;
+  std::vector<Lies> lies;
+  for (std::size_t p = 0; p < of.slaves.size(); ++p) lies.push_back(lies_flat(of, p));
+  const bool some_lie = std::any_of(lies.begin(), lies.end(), [](const Lies& l) { return l.some; });
   std::optional<Freedom> freedom;
+  Flats flats;
   for (std::size_t p = 0; p < of.slaves.size(); ++p) {
     PairShapes& shapes = common.shapes.emplace_back();
     if (begun) shapes = begun->shapes[p];
-    const Lies lies = lies_flat(of.slaves[p], of.masters[p], of.covers[p]);
-    const bool chamfered = lies.any && !lies.all;
+    const bool chamfered = some_lie && !lies[p].all;
     const bool curved = chamfered || is_curved(of.slaves[p]) || is_curved(of.masters[p]);
     if (begun ? shapes.slave.empty() : !curved) continue;
-    if (!freedom) freedom = options.freedom();
-    for (const auto& [bodies, group] : facing_nodes(of, p, owns, freedom->body, normal, shapes)) {
+    if (!freedom) {
+      freedom = options.freedom();
+      flats = nearest_flats(of, freedom->body);
+    }
+    const auto groups = facing_nodes(of, p, owns, freedom->body, flats, normal, shapes);
+    for (const auto& [bodies, group] : groups) {
       const auto [slave, master] = bodies;
       if (slave == master) continue;
       const DenseMatrix &V = freedom->of_body[slave], &W = freedom->of_body[master];
@@ -369,7 +428,7 @@ CommonNormals choose_common_normals(const Sides& of, const Options& options, con
       std::size_t k = 0;
       for (const auto& [i, here] : group.nodes) {
         normal[i] = points[k++].normal;
-        common.of_master[i] |= choice.master;
+        common.of_master[i] |= choice.master || group.takes_flats(here);
       }
     }
   }
@@ -476,7 +535,7 @@ void take_masters_at_ends(const Sides& of, const Owns& owns, std::vector<Vec3>& 
   const std::vector<Vec3>& X = of.nodes.X;
   for (std::size_t p = 0; p < of.slaves.size(); ++p) {
     const Side &slave = of.slaves[p], &master = of.masters[p];
-    if (lies_flat(slave, master, of.covers[p]).all) continue;
+    if (lies_flat(of, p).all) continue;
     std::optional<SmoothSide> own, theirs;
     for (const auto& [i, end] : ends_of_faces(of, p, owns)) {
       const Vec3 n = normal[i];

@@ -57,12 +57,15 @@ struct CommonNormals {
 /// neither.
 ///
 /// The normals are those of the side that lets more of what A leaves free slip, or whose motions A
-/// resists less, clearly; where supports hold all of them those that let more slip at all, else the
-/// slave's, and otherwise those of the flat: what slides along it moves further than what turns on
-/// it. But for supports the answer so does not depend on which side is slave. A chamfer that leans
-/// on the flat before it counts as curved: along its own normal it would hold what slides. A shaft in a bore, with clearance, is alike: along the
+/// resists less, clearly; where supports hold all of them the slave's, and otherwise those of the
+/// flat: what slides along it moves further than what turns on it. But for supports the answer so
+/// does not depend on which side is slave. A shaft in a bore, with clearance, is alike: along the
 /// bore it does not leave its place for ever but climbs, and the shaft's own normals see that; so
 /// of a bore and what is in it the latter counts.
+///
+/// A chamfer beside a face that lies on a flat, which keeps it off that plane, has the flat's
+/// normals, whatever is free: along its own it would wedge what slides. What leans nearer than the
+/// faces that lie, or on something else, is a wedge, and keeps its own.
 ///
 /// normal: of the slave's own surface, per node, replaced where the master's count; owns: as in
 /// slave_normals; begun: where the increment began, which has decided; null: it is decided here.
