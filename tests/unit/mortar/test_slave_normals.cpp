@@ -339,7 +339,7 @@ TEST(MortarNormals, ABodyThatLiesChangesNoneThatLeansBesideIt) {
   }
 }
 
-TEST(MortarNormals, WhereSupportsHoldBothBodiesThoseCountThatLetMoreSlip) {
+TEST(MortarNormals, WhereSupportsHoldBothBodiesChamfersHaveTheFlatsAndCapsTheirOwn) {
   for (int d : {2, 3}) {
     const auto off = [&](Surfaces s, bool upper_is_slave, const auto& expected) {
       s.options = capping(s, upper_is_slave, DenseMatrix(d == 2 ? 3 : 6, 0));
@@ -358,6 +358,6 @@ TEST(MortarNormals, WhereSupportsHoldBothBodiesThoseCountThatLetMoreSlip) {
     const auto flat = [&](const Vec3&) { return down; };
     const auto radial = [&](const Vec3& x) { return Vec3((x + down).normalized()); };
     EXPECT_LT(off(chamfer_on_flat(d, 0.3, false), true, flat), 1e-12) << d;
-    EXPECT_LT(off(cap_on_flat(d, true), true, radial), 1e-12) << d;  // as many: the slave's
+    EXPECT_LT(off(cap_on_flat(d, true), true, radial), 1e-12) << d;
   }
 }

@@ -379,8 +379,8 @@ CommonNormals choose_common_normals(const Sides& of, const Options& options, con
   const int d = of.nodes.dimension;
   CommonNormals common(of.nodes.X.size());
   if (!options.freedom) return common;
-  std::vector<Lies> lies;
-  for (std::size_t p = 0; p < of.slaves.size(); ++p) lies.push_back(lies_flat(of, p));
+  std::vector<Lies> lies(of.slaves.size());
+  for (std::size_t p = 0; p < lies.size() && !begun; ++p) lies[p] = lies_flat(of, p);
   const bool some_lie = std::any_of(lies.begin(), lies.end(), [](const Lies& l) { return l.some; });
   std::optional<Freedom> freedom;
   Flats flats;
