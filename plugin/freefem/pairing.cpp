@@ -51,7 +51,7 @@ class InterfaceBuilder {
     std::vector<Index> number;
     for (const SharedNode& n : side.nodes) {
       number.push_back(node(n));
-      const Vec3 &x = all_.X[number.back()], other = n.other.value_or(n.x);
+      const Vec3 &x = all_.X[number.back()], other = n.other.value_or(x);
       if (is_elsewhere(other, x, n.facets.front().normal, space.d))
         refuse(space.name, " is periodic, and ", mortar::place(space.d, x), " and ",
                mortar::place(space.d, other), " on label ", n.facets.front().label,
@@ -88,7 +88,7 @@ class InterfaceBuilder {
   Index node(const SharedNode& n) {
     const auto [entry, is_new] = number_.emplace(n.dof[0], static_cast<Index>(all_.X.size()));
     if (is_new) {
-      all_.X.push_back(n.x);
+      all_.X.push_back(n.x + n.aside);
       all_.moved.push_back(n.moved);
       all_.dof.push_back(n.dof);
     }

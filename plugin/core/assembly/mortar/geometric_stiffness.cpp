@@ -18,8 +18,8 @@ class GapRow {
  public:
   /// choice: of the row as it is
   GapRow(const SlopedRow& row, const RowChoice& choice, const SlaveNode& at, const Turns& turns,
-         const std::vector<Crossing>& crossings, const std::vector<Vec3>& X)
-      : i_(at.node), n_(at.normal), X_(X), turns_(turns), G_(row.own) {
+         const std::vector<Crossing>& crossings, const Nodes& nodes)
+      : i_(at.node), n_(at.normal), X_(nodes.X), turns_(turns), G_(row.own) {
     T_ = Mat3::Identity() - n_ * n_.transpose();
     G_[i_].value += 1;
     for (const auto& [l, weight] : row.theirs) G_[l].add(weight, -1);
@@ -27,12 +27,12 @@ class GapRow {
       for (const auto& [j, by] : weight.slope) near_.insert(j);
       near_.insert(c);
     }
-    arm_ = arm();
+    arm_ = arm(X_);
     for (const auto& [j, by] : turns_) near_.insert(j);
     for (const auto& [j, by] : row.offset.slope) near_.insert(j);
     set_gap(row);
     balance(row.theirs, choice.rank);
-    cross(crossings);
+    cross(crossings, nodes.where_forces_act());
   }
   /// Of the force y
   void add_to(NodeBlocks& blocks, const Vec3& y) const {
@@ -83,12 +83,12 @@ class GapRow {
   void set_gap(const SlopedRow& row) {
     g_ = n_.dot(row.between - arm_);
     for (Index j : near_)
-      gap_[j] = row.offset.by(j) - slope_of_arm(j).transpose() * n_ +
+      gap_[j] = row.offset.by(j) - slope_of_arm(j, X_).transpose() * n_ +
                 turn(j).transpose() * (row.between - arm_);
   }
   void balance_slopes(const std::map<Index, Sloped>& theirs, Index j) {
     const Mat3 dn = turn(j), dmean = slope_of_mean(theirs, j);
-    Mat3 rest = slope_of_arm(j) - n_.dot(arm_) * dn;  // T d(T arm) - dM b
+    Mat3 rest = slope_of_arm(j, X_) - n_.dot(arm_) * dn;  // T d(T arm) - dM b
     std::map<Index, Mat3> dq;
     for (const auto& [l, p] : at_) {
       dq[l] = -T_ * dmean - n_.dot(p.x) * dn - n_ * p.x.transpose() * dn;
@@ -106,11 +106,11 @@ class GapRow {
       G_[l].at(j) -= part_ * (p.sign * b_.dot(p.q) * theirs.at(l).by(j) +
                               p.w * (db.transpose() * p.q + dq[l].transpose() * b_));
   }
-  void cross(const std::vector<Crossing>& crossings) {
+  void cross(const std::vector<Crossing>& crossings, const std::vector<Vec3>& X) {
     if (crossings.empty()) return;
-    const Vec3 left = arm();
+    const Vec3 left = arm(X);
     std::map<Index, Mat3> slope;
-    for (Index j : near_) slope[j] = slope_of_arm(j);
+    for (Index j : near_) slope[j] = slope_of_arm(j, X);
     std::map<Index, Sloped> change;
     for (const Crossing& crossing : crossings) {
       near_.insert(crossing.vertices.begin(), crossing.vertices.end());
@@ -133,15 +133,15 @@ class GapRow {
     for (const auto& [v, weight] : change) G_[v].add(weight, -1);
   }
   /// Of the weights as they are so far
-  Vec3 arm() const {
+  Vec3 arm(const std::vector<Vec3>& X) const {
     Vec3 sum = Vec3::Zero();
-    for (const auto& [c, weight] : G_) sum += weight.value * (X_[c] - X_[i_]);
+    for (const auto& [c, weight] : G_) sum += weight.value * (X[c] - X[i_]);
     return sum;
   }
-  Mat3 slope_of_arm(Index j) const {
+  Mat3 slope_of_arm(Index j, const std::vector<Vec3>& X) const {
     Mat3 slope = Mat3::Zero();
     for (const auto& [c, weight] : G_) {
-      slope += (X_[c] - X_[i_]) * weight.by(j).transpose();
+      slope += (X[c] - X[i_]) * weight.by(j).transpose();
       if (c == j) slope += weight.value * Mat3::Identity();
       if (i_ == j) slope -= weight.value * Mat3::Identity();
     }
@@ -210,7 +210,7 @@ GeometricStiffness geometric_stiffness(const Mortar& mortar, const Arrangement& 
     if (row == rows.end() || y.col(k).isZero(0)) continue;
     const auto choice = of.choices.find(at.node);
     const GapRow sloped(row->second, choice == of.choices.end() ? RowChoice() : choice->second, at,
-                        turns[at.node], crossings[k], of.nodes.X);
+                        turns[at.node], crossings[k], of.nodes);
     sloped.add_to(found.forces, y.col(k));
     for (const auto& [j, by] : sloped.gap()) found.gaps.push_back({{k, j}, by});
   }

@@ -192,14 +192,14 @@ DenseMatrix gradients_of(const std::vector<Index>& vertices, const std::vector<V
 }  // namespace
 
 Crossings crossings(const Matrix& G, const std::vector<SlaveNode>& nodes, const Nodes& all,
-                    bool smooth, const std::vector<char>& turns, const FacedFacets& faced) {
-  const bool apart = smooth && !all.before.empty();
+                    const std::vector<char>& turns, const FacedFacets& faced) {
+  const bool apart = !all.before.empty();
   std::vector<Index> pair_of(all.X.size(), -1);  // whose law a node has
   for (const SlaveNode& node : nodes) pair_of[node.node] = node.pair;
   Crossings found(nodes.size());
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const auto& [i, pair, label, n, D, g, distance] = nodes[k];
-    const Vec3 arm = Arm(G, k, nodes[k], all.X).sum;
+    const Vec3 arm = Arm(G, k, nodes[k], all.where_forces_act()).sum;
     Real whole = 0;
     for (const auto& [facet, weight] : faced[i]) {
       const bool one_body = facet->one_body || (!apart && turns[i]);

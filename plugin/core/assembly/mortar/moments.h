@@ -66,11 +66,10 @@ struct Crossing {
 };
 using Crossings = std::vector<std::vector<Crossing>>;  ///< per contact node
 
-/// Facets without a vertex behind them, or of two bodies but for a path along smooth surfaces and
-/// for nodes that `turns` names, of two bodies that are free to turn as one, and elements with a
+/// Facets without a vertex behind them, or of two bodies but for a path and for nodes that `turns` names, of two bodies that are free to turn as one, and elements with a
 /// vertex that has a law of this pair or a later one, add nothing; shares are those of the others.
 Crossings crossings(const Matrix& G, const std::vector<SlaveNode>& nodes, const Nodes& all,
-                    bool smooth, const std::vector<char>& turns, const FacedFacets& faced);
+                    const std::vector<char>& turns, const FacedFacets& faced);
 
 /// P with rows that see no rotation of a body that has both faces, such as one with a crack, or of
 /// two that turn as one, such as a shaft in a hub that nothing holds. Where the faces are a hair
@@ -85,8 +84,9 @@ Crossings crossings(const Matrix& G, const std::vector<SlaveNode>& nodes, const 
 ///   P_il += sum_m s_im grad lambda_l . e,   so that sum_l G_il (X_l - X_i) = 0
 ///
 /// in every component: the sums of rows stay, and forces and their moments balance. Along a path
-/// the gap is closed where there are forces, and what smooth surfaces have between their facets is
-/// left of e: friction would take work of two bodies that stick and turn together. There
+/// the gap is closed where there are forces, and what smooth surfaces have between their facets, and
+/// bent edges of P2 beside theirs, is left of e: friction would take work of two bodies that stick
+/// and turn together. There
 ///
 ///   e = sum_l G_il (X_l - X_i) + g_i n_i
 ///

@@ -72,9 +72,9 @@ class Assembly {
     take(balanced(mortar.P_, mortar.G_, mortar.nodes_, nodes_.X, of_.choices));
     take(along_normals(mortar.P_, mortar.G_, mortar.nodes_, ownership_.common.of_master,
                        of_.masters, nodes_.X, of_.choices));
-    const Crossings crossed = crossings(mortar.G_, mortar.nodes_, nodes_, options_.smooth,
-                                        ownership_.common.turns, faced_);
-    take(across_gap(mortar.P_, mortar.G_, mortar.nodes_, nodes_.X, crossed));
+    const Crossings crossed =
+        crossings(mortar.G_, mortar.nodes_, nodes_, ownership_.common.turns, faced_);
+    take(across_gap(mortar.P_, mortar.G_, mortar.nodes_, nodes_.where_forces_act(), crossed));
     set_statistics(mortar);
     for (const auto& [where, slips] : ownership_.slipping)
       mortar.told_ = std::max(mortar.told_, slips.told);
@@ -316,7 +316,15 @@ std::vector<Vec3> straightened(int d, const std::vector<Pair>& pairs, std::vecto
   return X;
 }
 
-Mortar::Mortar(const Nodes& nodes, const std::vector<Pair>& given, const Options& options) {
+Mortar::Mortar(const Nodes& all, const std::vector<Pair>& given, const Options& options) {
+  const int d = all.dimension;
+  const auto straight = [&](const std::vector<Vec3>& places) {
+    Nodes nodes = all;
+    nodes.X = straightened(d, given, places);
+    nodes.bent = places;
+    return nodes;
+  };
+  const Nodes nodes = all.reference.empty() ? all : straight(all.X);
   SlaveFacets slaves;
   const auto part = [&](const std::vector<Pair>& pairs) {
     return parted(pairs, slaves, !nodes.reference.empty());
@@ -331,9 +339,7 @@ Mortar::Mortar(const Nodes& nodes, const std::vector<Pair>& given, const Options
     make(nullptr);
     return;
   }
-  const int d = nodes.dimension;
-  Nodes then = nodes;
-  then.X = straightened(d, given, nodes.before);
+  const Nodes then = straight(nodes.before);
   const std::vector<Pair> given_then = carried(d, given, nodes.X, then.X);
   find_slaves(then, given_then, options.maxgap, slaves);
   find_slaves(nodes, given, options.maxgap, slaves);  // of what faces itself now alone
@@ -346,7 +352,7 @@ Mortar::Mortar(const Nodes& nodes, const std::vector<Pair>& given, const Options
   Mortar old;
   if (options.normals.empty()) Assembly(begun, plain).finish(old);
   make(&begun);
-  if (options.normals.empty()) slip_ = slip_beside(*this, nodes.X, old, nodes.before);
+  if (options.normals.empty()) slip_ = slip_beside(*this, nodes.bent, old, nodes.before);
 }
 
 /// The identity with `half` of each end in the rows of mid-edges, of those held or of the others.

@@ -10,7 +10,7 @@ std::vector<Vec3> straightened(int d, const std::vector<Pair>& pairs, std::vecto
 /// The nodes that facets name.
 struct Nodes {
   int dimension = 2;                ///< 2 or 3
-  std::vector<Vec3> X;              ///< position [length]
+  std::vector<Vec3> X;              ///< position [length]; P2's mid-edges may lie beside their edges
   std::vector<unsigned char> held;  ///< bit c: component c has a Dirichlet condition; empty: none
   std::vector<char> taken = {};     ///< obeys an obstacle, and no law of a pair; empty: none
   /// Where the bodies are not deformed, which tells edges from smooth surfaces; empty: X.
@@ -18,6 +18,9 @@ struct Nodes {
   /// Where the increment began, which decides what faces what and who carries the laws
   /// (cover.h, ownership.h); empty: X.
   std::vector<Vec3> before = {};
+  /// X, where that has been straightened: forces act there; empty: X.
+  std::vector<Vec3> bent = {};
+  const std::vector<Vec3>& where_forces_act() const { return bent.empty() ? X : bent; }
 };
 
 /// How bodies may move as a whole.
