@@ -116,10 +116,8 @@ struct Group {
   std::map<Index, Facing> nodes;
   /// The surfaces, the master's where one is flat and one is not, or where flats lean.
   std::vector<PointNormal> other;
-  bool chamfered = false;
-
   /// Along its own normal a chamfer would wedge what slides: along the flat's it never does.
-  bool takes_flats(const Facing& here) const { return chamfered && here.at_chamfer; }
+  static bool takes_flats(const Facing& here) { return here.at_chamfer; }
   std::vector<PointNormal> own() const {
     std::vector<PointNormal> points;
     for (const auto& [i, here] : nodes) {
@@ -170,8 +168,13 @@ bool is_curved(const Side& side) {
   });
 }
 
+/// Sine of the angle up to which what was flat before bodies were deformed still lies.
+constexpr Real still_flat = 0.1;
+
 bool lies_flat(const Side& slave, Index f, const Side& master, const Cell& before) {
-  return same_direction(-master.planes[before.master].normal, slave.planes[f].normal);
+  const Vec3 &n = slave.planes[f].normal, m = -master.planes[before.master].normal;
+  if (!slave.is_moved) return same_direction(m, n);
+  return n.dot(m) > 0 && n.cross(m).norm() <= still_flat;
 }
 
 /// Whether some, and all, of what a pair covers lies flat.
@@ -189,70 +192,126 @@ Lies lies_flat(const Sides& of, std::size_t p) {
   return lies;
 }
 
-using TwoBodies = std::pair<Index, Index>;  ///< of slave and master
-
-/// Where faces of two bodies lie flat, the nearest of them.
-struct Flat {
-  Real distance = infinity;    ///< [length]
-  const Side* side = nullptr;  ///< of the master, and a facet of that
-  Index facet = -1;
-
-  /// Whether what leans on facet m of a master at a distance is a chamfer, which keeps off the
-  /// plane on which the flat lies. What is nearer, or leans on something else, is a wedge: its own
-  /// normals hold.
-  bool keeps_off(const Side& master, Index m, const std::vector<Vec3>& X, Real at) const {
-    constexpr Real level = 1e-6;  // sine of the angle up to which facets are in one plane
-    if (!side || !(at > distance)) return false;
-    const Vec3 apart = X[master.facet(m).node[0]] - X[side->facet(facet).node[0]];
-    return std::abs(side->planes[facet].normal.dot(apart)) <= level * apart.norm();
+/// What of the slaves leans on the plane on which a face of the same two bodies lies flat, and is
+/// further away: a chamfer, which the face keeps off the plane. What is nearer, or leans on
+/// something else, is a wedge: its own normals hold. Faces are flat, and planes the same, as they
+/// are where bodies are not deformed.
+class Chamfers {
+ public:
+  Chamfers(const Sides& of, const std::vector<Index>& body)
+      : of_(of),
+        X_(of.nodes.reference.empty() ? of.nodes.X : of.nodes.reference),
+        body_(body),
+        slaves_(faces(of.slaves)),
+        masters_(faces(of.masters)) {
+    for (std::size_t p = 0; p < of.slaves.size(); ++p)
+      for_each_cell(p, [&](Index f, const Cell& cell, const TwoBodies& bodies, Real distance) {
+        const Faces &slave = slaves_[p], &master = masters_[p];
+        const bool flat = slave.shapes[f].flat && master.shapes[cell.master].flat;
+        if (!flat || !lies_flat(of.slaves[p], f, of.masters[p], cell)) return;
+        Flat& nearest = flats_[bodies];
+        if (!(distance < nearest.distance)) return;
+        const Real lean =
+            of.slaves[p].planes[f].normal.cross(of.masters[p].planes[cell.master].normal).norm();
+        nearest = {distance, lean, slave.side.planes[f].normal, master.side.planes[cell.master]};
+      });
   }
-};
-using Flats = std::map<TwoBodies, Flat>;
+  /// Tells which facets of a pair they are, and those of the master that are in the flats' planes.
+  void mark(std::size_t p, PairShapes& shapes) const {
+    for_each_cell(p, [&](Index f, const Cell& cell, const TwoBodies& bodies, Real distance) {
+      const auto flat = flats_.find(bodies);
+      if (flat == flats_.end() || !is_level(masters_[p], cell.master, flat->second)) return;
+      const bool plain = slaves_[p].shapes[f].flat;  // else beside another, as at a chamfer's kink
+      const bool lean = leans(slaves_[p].side.planes[f].normal, flat->second);
+      if (lean ? !(distance > flat->second.distance) : plain) return;
+      shapes.slave[f].chamfer = true;
+      if (lean && plain) shapes.chamfered.insert(bodies);
+    });
+    for (const auto& [bodies, flat] : flats_)
+      for (Index m = 0; shapes.chamfered.count(bodies) > 0 && m < of_.masters[p].facets(); ++m)
+        if (body_[of_.masters[p].facet(m).node[0]] == bodies.second)
+          shapes.master[m].chamfer = shapes.master[m].chamfer || is_level(masters_[p], m, flat);
+  }
 
-Flats nearest_flats(const Sides& of, const std::vector<Index>& body) {
-  Flats nearest;
-  for (std::size_t p = 0; p < of.slaves.size(); ++p)
-    for (Index f = 0; f < of.slaves[p].facets(); ++f)
-      for (const Cell& cell : of.covers[p].cells[f]) {
-        const Side &slave = of.slaves[p], &master = of.masters[p];
-        if (!lies_flat(slave, f, master, cell)) continue;
+ private:
+  /// Of a side where its body is not deformed.
+  struct Faces {
+    Side side;
+    std::vector<FacetShape> shapes;
+  };
+  /// The nearest cell that lies.
+  struct Flat {
+    Real distance = infinity;  ///< [length]
+    Real lean = 0;             ///< sine of the angle between the facets
+    Vec3 normal;               ///< of the slave, not deformed, and the plane of the master
+    Plane plane;
+  };
+  std::vector<Faces> faces(const std::vector<Side>& sides) const {
+    std::vector<Faces> found;
+    for (const Side& side : sides) {
+      const Side rest = side.is_moved ? side.at_rest(of_.nodes.X, X_) : side;
+      found.push_back({rest, shapes_of(rest, X_, SmoothSide(rest, X_))});
+    }
+    return found;
+  }
+  template <class Visit>
+  void for_each_cell(std::size_t p, const Visit& visit) const {
+    const Side &slave = of_.slaves[p], &master = of_.masters[p];
+    for (Index f = 0; f < slave.facets(); ++f)
+      for (const Cell& cell : of_.covers[p].cells[f]) {
         const Facet& before = master.facet(cell.master);
-        const Projection chi = project(slave.d, slave.planes[f], before, of.nodes.X);
-        const Real distance = chi.distance(centroid(cell.part));
-        Flat& flat = nearest[{body[slave.facet(f).node[0]], body[before.node[0]]}];
-        if (distance < flat.distance) flat = {distance, &master, cell.master};
+        const Projection chi = project(slave.d, slave.planes[f], before, of_.nodes.X);
+        const TwoBodies bodies{body_[slave.facet(f).node[0]], body_[before.node[0]]};
+        visit(f, cell, bodies, chi.distance(centroid(cell.part)));
       }
-  return nearest;
-}
+  }
+  bool is_level(const Faces& master, Index m, const Flat& flat) const {
+    constexpr Real level = 1e-6;  // sine of the angle up to which facets are in one plane
+    const Vec3 apart = X_[master.side.facet(m).node[0]] - flat.plane.origin;
+    return master.shapes[m].flat &&
+           same_direction(master.side.planes[m].normal, flat.plane.normal) &&
+           std::abs(flat.plane.normal.dot(apart)) <= level * apart.norm();
+  }
+  /// More than twice as much as what lies.
+  static bool leans(const Vec3& normal, const Flat& flat) {
+    return !same_direction(normal, flat.normal) &&
+           normal.cross(flat.normal).norm() > 2 * flat.lean;
+  }
+
+  const Sides& of_;
+  const std::vector<Vec3>& X_;
+  const std::vector<Index>& body_;
+  std::vector<Faces> slaves_, masters_;
+  std::map<TwoBodies, Flat> flats_;
+};
 
 /// The nodes of a pair that are before something, by the bodies of both sides.
 std::map<TwoBodies, Group> facing_nodes(const Sides& of, std::size_t p, const Owns& owns,
-                                        const std::vector<Index>& body, Flats& flats,
+                                        const std::vector<Index>& body, const Chamfers* chamfers,
                                         const std::vector<Vec3>& normal, PairShapes& shapes) {
   const Side &slave = of.slaves[p], &master = of.masters[p];
   const std::vector<Vec3>& X = of.nodes.X;
   const SmoothSide own(slave, X), theirs(master, X);
-  if (shapes.slave.empty()) shapes = {shapes_of(slave, X, own), shapes_of(master, X, theirs)};
+  if (shapes.slave.empty())
+    shapes = {shapes_of(slave, X, own), shapes_of(master, X, theirs), {}};
+  if (chamfers) chamfers->mark(p, shapes);
   std::map<TwoBodies, Group> groups;
   for (Index f = 0; f < slave.facets(); ++f) {
-    const auto [own_is_flat, bore] = shapes.slave[f];
+    const auto [own_is_flat, bore, leans] = shapes.slave[f];
     for (const Cell& cell : of.covers[p].cells[f]) {
       const Facet& before = master.facet(cell.master);
       const Projection chi = project(slave.d, slave.planes[f], before, X);
       const Vec3 lambda = chi.at(centroid(cell.part));
       const FanNormal n = normal_at(theirs, slave.d, cell.master, lambda);
-      const auto [flat, their_bore] = shapes.master[cell.master];
-      const bool chamfer = flat && !lies_flat(slave, f, master, cell) &&
-                           flats[{body[slave.facet(f).node[0]], body[before.node[0]]}].keeps_off(
-                               master, cell.master, X, chi.distance(centroid(cell.part)));
-      const bool lean = own_is_flat && chamfer;
-      const bool differs = own_is_flat != flat || lean || (bore && !their_bore);
+      const auto [flat, their_bore, level] = shapes.master[cell.master];
+      const TwoBodies bodies{body[slave.facet(f).node[0]], body[before.node[0]]};
+      const bool chamfer = leans && level && shapes.chamfered.count(bodies) > 0;
+      const bool differs = own_is_flat != flat || chamfer || (bore && !their_bore);
       const Real measure = extent(cell.part) * slave.planes[f].measure;
       for (int v = 0; v < slave.d; ++v) {
         const Index i = slave.facet(f).node[v];
         if (!owns(p, f, i)) continue;
         Group& group = groups[{body[i], body[before.node[0]]}];
-        group.chamfered = group.chamfered || lean;
         Facing& here = group.nodes[i];
         here.at_chamfer = here.at_chamfer || chamfer;
         here.own.x = X[i];
@@ -383,7 +442,7 @@ CommonNormals choose_common_normals(const Sides& of, const Options& options, con
   for (std::size_t p = 0; p < lies.size() && !begun; ++p) lies[p] = lies_flat(of, p);
   const bool some_lie = std::any_of(lies.begin(), lies.end(), [](const Lies& l) { return l.some; });
   std::optional<Freedom> freedom;
-  Flats flats;
+  std::optional<Chamfers> chamfers;
   for (std::size_t p = 0; p < of.slaves.size(); ++p) {
     PairShapes& shapes = common.shapes.emplace_back();
     if (begun) shapes = begun->shapes[p];
@@ -392,9 +451,9 @@ CommonNormals choose_common_normals(const Sides& of, const Options& options, con
     if (begun ? shapes.slave.empty() : !curved) continue;
     if (!freedom) {
       freedom = options.freedom();
-      flats = nearest_flats(of, freedom->body);
+      if (some_lie) chamfers.emplace(of, freedom->body);
     }
-    const auto groups = facing_nodes(of, p, owns, freedom->body, flats, normal, shapes);
+    const auto groups = facing_nodes(of, p, owns, freedom->body, chamfers ? &*chamfers : nullptr, normal, shapes);
     for (const auto& [bodies, group] : groups) {
       const auto [slave, master] = bodies;
       if (slave == master) continue;

@@ -25,12 +25,16 @@ using Slipping = std::map<std::array<Index, 2>, Slips>;
 std::vector<Vec3> slave_normals(const Sides& of, const Options& options, const Owns& owns,
                                 Slipping& slipping);
 
+using TwoBodies = std::pair<Index, Index>;  ///< of slave and master
+
 struct FacetShape {
   bool flat = false, bore = false;
+  bool chamfer = false;  ///< of a slave; of a master: in the plane that chamfers keep off
 };
 /// Per facet; empty where no facet differs from what may be before it.
 struct PairShapes {
   std::vector<FacetShape> slave, master;
+  std::set<TwoBodies> chamfered;
 };
 
 /// Where the normals of masters count.

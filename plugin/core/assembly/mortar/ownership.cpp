@@ -31,11 +31,7 @@ std::vector<Vec3> undeformed_normals(const Sides& of, const Options& options, co
   Nodes at_rest = nodes;
   at_rest.X = nodes.reference;
   Sides sides{at_rest};
-  for (Side slave : of.slaves) {  // whose joints are of the reference already
-    slave.planes = planes_at(slave.d, slave.surface, nodes.X, at_rest.X);
-    slave.is_moved = false;
-    sides.slaves.push_back(slave);
-  }
+  for (const Side& slave : of.slaves) sides.slaves.push_back(slave.at_rest(nodes.X, at_rest.X));
   Slipping slipping;
   return slave_normals(sides, options, owns, slipping);
 }

@@ -60,6 +60,13 @@ Side::Side(int dimension, const Surface& surface_, const std::vector<Vec3>& X,
   find_joints(reference.empty() ? planes : planes_at(d, surface, X, reference));
 }
 
+Side Side::at_rest(const std::vector<Vec3>& X, const std::vector<Vec3>& reference) const {
+  Side rest = *this;
+  rest.planes = planes_at(d, surface, X, reference);
+  rest.is_moved = false;
+  return rest;
+}
+
 void Side::find_joints(const std::vector<Plane>& at) {
   std::vector<std::pair<std::array<Index, 2>, Index>> ridges;  // and a facet of each
   for (Index f = 0; f < facets(); ++f)

@@ -37,6 +37,8 @@ struct Side {
   const Surface& surface;
   std::vector<Plane> planes;  ///< one per facet
   std::vector<Joint> joints;  ///< sorted by their ridges
+  /// With the planes where its nodes go from X to the reference.
+  Side at_rest(const std::vector<Vec3>& X, const std::vector<Vec3>& reference) const;
   Index facets() const { return static_cast<Index>(planes.size()); }
   const Facet& facet(Index f) const { return surface.facets[f]; }
 
