@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "core/assembly/mortar/mortar.h"
+#include "core/assembly/mortar/geometric_stiffness.h"
 #include "surfaces.h"
 
 using namespace frictioncg;
@@ -63,9 +63,12 @@ std::vector<Vec3> force(const Mortar& mortar, std::vector<Vec3> y,
 }
 
 /// The stiffness of the forces at hand.
-NodeBlocks stiffness(Surfaces s, const std::vector<Vec3>& f) {
+Mortar loaded(Surfaces s, const std::vector<Vec3>& f) {
   s.options.force = f;
-  return s.mortar().stiffness().forces;
+  return s.mortar();
+}
+NodeBlocks stiffness(const Surfaces& s, const std::vector<Vec3>& f) {
+  return loaded(s, f).stiffness().forces;
 }
 
 /// Motions of the nodes: each goes its own way, or all bend as one where that is `even`.
@@ -91,26 +94,30 @@ std::pair<Mortar, Mortar> beside(const Surfaces& s, const std::vector<Vec3>& alo
 }
 
 /// How far the stiffness is off along motions of the nodes, from central differences.
-Real error(const Surfaces& s, bool even = false, Real reach = within) {
+Real error(const Surfaces& s, const std::vector<std::vector<Vec3>>& motions, Real reach = within) {
   const Mortar mortar = s.mortar();
   const std::vector<Vec3> y = multipliers(s, mortar, 0.5, reach);
-  const NodeBlocks blocks = stiffness(s, force(mortar, y, mortar.nodes()));
+  const Mortar sloped = loaded(s, force(mortar, y, mortar.nodes()));
   Real worst = 0;
-  for (int motion : {1, 2, 3}) {
-    const std::vector<Vec3> along = ways(s, motion, even);
-    std::vector<Vec3> off(along.size(), Vec3::Zero());
+  for (const std::vector<Vec3>& along : motions) {
+    const auto straight = straightened(s.nodes.dimension, s.pairs, along);
+    auto off = mortar::change(sloped, along, s.nodes.reference.empty() ? along : straight).force;
     Real size = 0;
     const auto [up, down] = beside(s, along);
     const auto high = force(up, y, mortar.nodes()), low = force(down, y, mortar.nodes());
     for (std::size_t i = 0; i < off.size(); ++i) {
-      off[i] -= (high[i] - low[i]) / (2 * way_aside);
-      size = std::max(size, off[i].norm());
+      const Vec3 exact = (high[i] - low[i]) / (2 * way_aside);
+      off[i] -= exact;
+      size = std::max(size, exact.norm());
     }
     EXPECT_GT(size, 0.1);
-    for (const auto& [ij, block] : blocks) off[ij.first] += block * along[ij.second];
     for (const Vec3& f : off) worst = std::max(worst, f.norm() / size);
   }
   return worst;
+}
+
+Real error(const Surfaces& s, bool even = false, Real reach = within) {
+  return error(s, {ways(s, 1, even), ways(s, 2, even), ways(s, 3, even)}, reach);
 }
 
 /// How far the slopes of gaps are off along such a motion, and how large the largest is.
@@ -163,6 +170,20 @@ TEST(GeometricStiffness, IsTheDerivativeOfContactForcesWhoseNormalsStand) {
       for (Real lower : {0., -0.3})
         EXPECT_LT(error(with_given_normals(bulges(d, quadratic, lower))), 1e-7)
             << d << "D P" << 1 + quadratic << " " << lower;
+}
+
+TEST(GeometricStiffness, KnowsHowBentEdgesOfAPathAreSeenAcross) {
+  for (int d : {2, 3}) {
+    Surfaces s = with_given_normals(with_elements(bulges(d, true, -0.3), false));
+    std::vector<Vec3> bending(s.nodes.X.size(), Vec3::Zero());
+    for (const auto* side : {&s.pairs[0].slave, &s.pairs[0].master})
+      for (const Facet& f : side->facets)
+        for (int k = d; k < nodes_of_facet(d, true); ++k)
+          bending[f.node[k]] = std::sin(40 * s.nodes.X[f.node[k]][0]) * f.outward.normalized();
+    s.nodes.reference = s.nodes.before = s.nodes.X;
+    for (std::size_t j = 0; j < bending.size(); ++j) s.nodes.X[j] += 0.005 * bending[j];
+    EXPECT_LT(error(s, {bending}), 1e-7) << d;
+  }
 }
 
 TEST(GeometricStiffness, KnowsThatNormalsTurnIn2DExactly) {

@@ -35,13 +35,14 @@ class GapRow {
     cross(crossings, nodes.where_forces_act());
   }
   /// Of the force y
-  void add_to(NodeBlocks& blocks, const Vec3& y) const {
+  void add_to(GeometricStiffness& stiffness, const Vec3& y) const {
     const Mat3 turning = n_.dot(y) * Mat3::Identity() - n_ * y.transpose();
     for (const auto& [c, weight] : G_)
       for (Index j : near_) {
         const Mat3 by = y * weight.by(j).transpose() + weight.value * turning * turn(j);
-        if (!by.isZero(0)) blocks.emplace_back(std::make_pair(c, j), by);
+        if (!by.isZero(0)) stiffness.forces.emplace_back(std::make_pair(c, j), by);
       }
+    for (const auto& [vj, by] : bent_) stiffness.bent.emplace_back(vj, y * by.transpose());
   }
   /// Of the gap n.(offset - arm)
   const std::map<Index, Vec3>& gap() const { return gap_; }
@@ -113,6 +114,11 @@ class GapRow {
     for (Index j : near_) slope[j] = slope_of_arm(j, X);
     std::map<Index, Sloped> change;
     for (const Crossing& crossing : crossings) {
+      for (const auto& [c, weight] : G_)
+        for (std::size_t v = 0; v < crossing.vertices.size() && X[c] != X_[c]; ++v)
+          bent_.try_emplace({crossing.vertices[v], c}, Vec3::Zero()).first->second -=
+              weight.value * crossing.share *
+              crossing.gradients.row(static_cast<Index>(v)).transpose();
       near_.insert(crossing.vertices.begin(), crossing.vertices.end());
       const DenseMatrix along = crossing.share * crossing.gradients;
       const Vec3 e = crossing.e(left, n_, g_);
@@ -164,6 +170,7 @@ class GapRow {
   std::set<Index> near_;  ///< nodes that the row depends on
   std::map<Index, Place> at_;
   std::map<Index, Vec3> gap_;
+  std::map<std::pair<Index, Index>, Vec3> bent_;  ///< slopes of weights, by mid-edges' way
   Real g_ = 0;
   Real sum_ = 0;     ///< of w
   Real part_ = 1;    ///< of b, which most_change leaves
@@ -211,7 +218,7 @@ GeometricStiffness geometric_stiffness(const Mortar& mortar, const Arrangement& 
     const auto choice = of.choices.find(at.node);
     const GapRow sloped(row->second, choice == of.choices.end() ? RowChoice() : choice->second, at,
                         turns[at.node], crossings[k], of.nodes);
-    sloped.add_to(found.forces, y.col(k));
+    sloped.add_to(found, y.col(k));
     for (const auto& [j, by] : sloped.gap()) found.gaps.push_back({{k, j}, by});
   }
   return found;
@@ -221,6 +228,8 @@ Change change(const Mortar& mortar, const std::vector<Vec3>& v, const std::vecto
   Change found{std::vector<Vec3>(v.size(), Vec3::Zero()), Vector::Zero(mortar.relative().rows())};
   for (const auto& [ij, block] : mortar.stiffness().forces)
     found.force[ij.first] += block * x[ij.second];
+  for (const auto& [ij, block] : mortar.stiffness().bent)
+    found.force[ij.first] += block * (v[ij.second] - x[ij.second]);
   Index last = -1;
   for (const auto& [kj, slope] : mortar.stiffness().gaps) {
     const auto [k, j] = kj;

@@ -352,7 +352,7 @@ Mortar::Mortar(const Nodes& all, const std::vector<Pair>& given, const Options& 
   Mortar old;
   if (options.normals.empty()) Assembly(begun, plain).finish(old);
   make(&begun);
-  if (options.normals.empty()) slip_ = slip_beside(*this, nodes.bent, old, nodes.before);
+  if (options.normals.empty()) slip_ = slip_beside(*this, nodes.where_forces_act(), old, nodes.before);
 }
 
 /// The identity with `half` of each end in the rows of mid-edges, of those held or of the others.

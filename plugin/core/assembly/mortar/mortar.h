@@ -77,6 +77,7 @@ using NodeBlocks = std::vector<std::pair<std::pair<Index, Index>, Eigen::Matrix3
 /// How contact changes with the places of nodes.
 struct GeometricStiffness {
   NodeBlocks forces;  ///< d(G'y)/dX
+  NodeBlocks bent;    ///< what it has more by the way of P2's mid-edges from their straight edges
   /// dg_k/dX_j by (k, j), of the contact nodes k that a force loads.
   std::vector<std::pair<std::pair<Index, Index>, Vec3>> gaps;
 
