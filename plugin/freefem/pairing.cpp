@@ -51,7 +51,7 @@ class InterfaceBuilder {
     std::vector<Index> number;
     for (const SharedNode& n : side.nodes) {
       number.push_back(node(n));
-      const Vec3 &x = all_.X[number.back()], other = n.other.value_or(x);
+      const Vec3 &x = all_.X[number.back()], other = n.other.value_or(n.x + n.aside);
       if (is_elsewhere(other, x, n.facets.front().normal, space.d))
         refuse(space.name, " is periodic, and ", mortar::place(space.d, x), " and ",
                mortar::place(space.d, other), " on label ", n.facets.front().label,

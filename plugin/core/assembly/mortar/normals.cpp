@@ -187,7 +187,7 @@ Lies lies_flat(const Sides& of, std::size_t p) {
     for (const Cell& cell : of.covers[p].cells[f]) {
       const bool flat = lies_flat(of.slaves[p], f, of.masters[p], cell);
       lies.some = lies.some || flat;
-      lies.all = lies.all && flat;
+      lies.all = lies.all && flat && !of.slaves[p].is_moved;  // where all may lean a little
     }
   return lies;
 }
@@ -218,19 +218,21 @@ class Chamfers {
   }
   /// Tells which facets of a pair they are, and those of the master that are in the flats' planes.
   void mark(std::size_t p, PairShapes& shapes) const {
+    shapes.leaning.assign(of_.slaves[p].facets(), 0);
     for_each_cell(p, [&](Index f, const Cell& cell, const TwoBodies& bodies, Real distance) {
       const auto flat = flats_.find(bodies);
       if (flat == flats_.end() || !is_level(masters_[p], cell.master, flat->second)) return;
       const bool plain = slaves_[p].shapes[f].flat;  // else beside another, as at a chamfer's kink
       const bool lean = leans(slaves_[p].side.planes[f].normal, flat->second);
       if (lean ? !(distance > flat->second.distance) : plain) return;
-      shapes.slave[f].chamfer = true;
+      shapes.leaning[f] = 1;
       if (lean && plain) shapes.chamfered.insert(bodies);
     });
-    for (const auto& [bodies, flat] : flats_)
-      for (Index m = 0; shapes.chamfered.count(bodies) > 0 && m < of_.masters[p].facets(); ++m)
+    shapes.level.assign(of_.masters[p].facets(), 0);
+    for (const TwoBodies& bodies : shapes.chamfered)
+      for (Index m = 0; m < of_.masters[p].facets(); ++m)
         if (body_[of_.masters[p].facet(m).node[0]] == bodies.second)
-          shapes.master[m].chamfer = shapes.master[m].chamfer || is_level(masters_[p], m, flat);
+          shapes.level[m] |= is_level(masters_[p], m, flats_.at(bodies));
   }
 
  private:
@@ -272,9 +274,10 @@ class Chamfers {
            same_direction(master.side.planes[m].normal, flat.plane.normal) &&
            std::abs(flat.plane.normal.dot(apart)) <= level * apart.norm();
   }
-  /// More than twice as much as what lies.
+  /// More than twice as much as what lies, and less than upright.
   static bool leans(const Vec3& normal, const Flat& flat) {
-    return !same_direction(normal, flat.normal) &&
+    constexpr Real upright = 0.1;  // cosine of the angle to what lies, of which it is another side
+    return !same_direction(normal, flat.normal) && normal.dot(flat.normal) > upright &&
            normal.cross(flat.normal).norm() > 2 * flat.lean;
   }
 
@@ -287,25 +290,24 @@ class Chamfers {
 
 /// The nodes of a pair that are before something, by the bodies of both sides.
 std::map<TwoBodies, Group> facing_nodes(const Sides& of, std::size_t p, const Owns& owns,
-                                        const std::vector<Index>& body, const Chamfers* chamfers,
+                                        const std::vector<Index>& body,
                                         const std::vector<Vec3>& normal, PairShapes& shapes) {
   const Side &slave = of.slaves[p], &master = of.masters[p];
   const std::vector<Vec3>& X = of.nodes.X;
   const SmoothSide own(slave, X), theirs(master, X);
   if (shapes.slave.empty())
-    shapes = {shapes_of(slave, X, own), shapes_of(master, X, theirs), {}};
-  if (chamfers) chamfers->mark(p, shapes);
+    shapes.slave = shapes_of(slave, X, own), shapes.master = shapes_of(master, X, theirs);
   std::map<TwoBodies, Group> groups;
   for (Index f = 0; f < slave.facets(); ++f) {
-    const auto [own_is_flat, bore, leans] = shapes.slave[f];
+    const auto [own_is_flat, bore] = shapes.slave[f];
     for (const Cell& cell : of.covers[p].cells[f]) {
       const Facet& before = master.facet(cell.master);
       const Projection chi = project(slave.d, slave.planes[f], before, X);
       const Vec3 lambda = chi.at(centroid(cell.part));
       const FanNormal n = normal_at(theirs, slave.d, cell.master, lambda);
-      const auto [flat, their_bore, level] = shapes.master[cell.master];
+      const auto [flat, their_bore] = shapes.master[cell.master];
       const TwoBodies bodies{body[slave.facet(f).node[0]], body[before.node[0]]};
-      const bool chamfer = leans && level && shapes.chamfered.count(bodies) > 0;
+      const bool chamfer = shapes.at_chamfer(f, cell.master, bodies);
       const bool differs = own_is_flat != flat || chamfer || (bore && !their_bore);
       const Real measure = extent(cell.part) * slave.planes[f].measure;
       for (int v = 0; v < slave.d; ++v) {
@@ -446,14 +448,19 @@ CommonNormals choose_common_normals(const Sides& of, const Options& options, con
   for (std::size_t p = 0; p < of.slaves.size(); ++p) {
     PairShapes& shapes = common.shapes.emplace_back();
     if (begun) shapes = begun->shapes[p];
-    const bool chamfered = some_lie && !lies[p].all;
-    const bool curved = chamfered || is_curved(of.slaves[p]) || is_curved(of.masters[p]);
-    if (begun ? shapes.slave.empty() : !curved) continue;
-    if (!freedom) {
-      freedom = options.freedom();
-      if (some_lie) chamfers.emplace(of, freedom->body);
+    const auto ask_freedom = [&] {
+      if (!freedom) freedom = options.freedom();
+    };
+    if (some_lie && !lies[p].all) {
+      ask_freedom();
+      if (!chamfers) chamfers.emplace(of, freedom->body);
+      chamfers->mark(p, shapes);
     }
-    const auto groups = facing_nodes(of, p, owns, freedom->body, chamfers ? &*chamfers : nullptr, normal, shapes);
+    const bool curved = !shapes.chamfered.empty() || is_curved(of.slaves[p]) ||
+                        is_curved(of.masters[p]);
+    if (begun ? shapes.slave.empty() : !curved) continue;
+    ask_freedom();
+    const auto groups = facing_nodes(of, p, owns, freedom->body, normal, shapes);
     for (const auto& [bodies, group] : groups) {
       const auto [slave, master] = bodies;
       if (slave == master) continue;

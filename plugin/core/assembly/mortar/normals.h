@@ -29,12 +29,16 @@ using TwoBodies = std::pair<Index, Index>;  ///< of slave and master
 
 struct FacetShape {
   bool flat = false, bore = false;
-  bool chamfer = false;  ///< of a slave; of a master: in the plane that chamfers keep off
 };
 /// Per facet; empty where no facet differs from what may be before it.
 struct PairShapes {
   std::vector<FacetShape> slave, master;
   std::set<TwoBodies> chamfered;
+  /// Where some are: of the slave chamfers, of the master what is in the plane that they keep off.
+  std::vector<char> leaning, level;
+  bool at_chamfer(Index f, Index m, const TwoBodies& bodies) const {
+    return chamfered.count(bodies) > 0 && leaning[f] && level[m];
+  }
 };
 
 /// Where the normals of masters count.
