@@ -33,7 +33,7 @@ Vector read_gap(Stack stack, const Arguments& args, const Scene& scene, const Ve
     gap.head(paired) =
         moved.head(paired) + (!args.has(p_gap)
                                   ? pairs.gap()
-                                  : pairs.gap(at_nodes(stack, args, p_gap, pairs.slave_nodes())));
+                                  : pairs.gap(given_gap(stack, args, pairs)));
   const std::vector<BoundaryNode> on_obstacle(scene.nodes.begin() + paired, scene.nodes.end());
   if (args.has(p_obstaclegap) || before.size() == 0)
     gap.tail(beside) = at_nodes(stack, args, p_obstaclegap, on_obstacle) + moved.tail(beside);
@@ -94,6 +94,18 @@ Vector at_nodes(Stack stack, const Arguments& args, Parameter p,
     check_value(p, result[k], nodes[k], nodes[k].space->d);
   }
   return result;
+}
+
+std::vector<mortar::NodeGap> given_gap(Stack stack, const Arguments& args, const Pairing& pairs) {
+  std::vector<mortar::NodeGap> gaps;
+  std::vector<BoundaryNode> nodes;
+  pairs.for_each_label([&](Index i, const BoundaryNode& node) {
+    gaps.push_back({i, node.label, 0});
+    nodes.push_back(node);
+  });
+  const Vector at = at_nodes(stack, args, p_gap, nodes);
+  for (std::size_t k = 0; k < gaps.size(); ++k) gaps[k].gap = at[static_cast<Index>(k)];
+  return gaps;
 }
 
 Vector moved_along_normals(const Scene& scene) {

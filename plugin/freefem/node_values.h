@@ -7,6 +7,9 @@ namespace frictioncg {
 Vector at_nodes(Stack stack, const Arguments& args, Parameter p,
                 const std::vector<BoundaryNode>& nodes);
 
+/// The gap of the call at the slave's nodes, once for each of their labels.
+std::vector<mortar::NodeGap> given_gap(Stack stack, const Arguments& args, const Pairing& pairs);
+
 /// n.w of the displacement at which the geometry is, at each contact point: gaps are those that are
 /// left there, and laws bound the whole displacement.
 Vector moved_along_normals(const Scene& scene);

@@ -290,12 +290,6 @@ Vector Pairing::gap() const {
   return Eigen::Map<const Vector>(faced_.gap.data(), static_cast<Index>(faced_.gap.size()));
 }
 
-Vector Pairing::gap(const Vector& given) const {
-  Vector at_nodes = Vector::Zero(static_cast<Index>(between_.X.size()));
-  at_nodes.head(given.size()) = given;
-  return mortar_->weighted(at_nodes);
-}
-
 Matrix Pairing::stiffness(Index n) const {
   EntryList entries;
   mortar_->stiffness().for_each_symmetric(between_.d, [&](Index i, int a, Index j, int b, Real s) {

@@ -83,11 +83,21 @@ class Pairing {
   std::unique_ptr<LocalSystem> system(const Triplets& A, std::vector<ContactPoint> points,
                                       const std::vector<Index>& mesh_node, const RigidModes& modes,
                                       const BodyModes& body_modes, const LocalSystem* before) const;
-  /// The slave's nodes, where a gap is evaluated.
+  /// The slave's nodes.
   std::vector<BoundaryNode> slave_nodes() const;
-  /// The gap of each contact node: between the meshes, or as given at each slave node.
+  /// visit(i, node): the same for each label of theirs, where a gap is evaluated.
+  template <class Visit>
+  void for_each_label(const Visit& visit) const {
+    for (std::size_t i = 0; i < between_.slave.size(); ++i) {
+      std::set<long> seen;
+      for (const AdjacentFacet& f : between_.slave[i].facets)
+        if (seen.insert(f.label).second)
+          visit(static_cast<Index>(i), slave_node(static_cast<Index>(i), f.label));
+    }
+  }
+  /// The gap of each contact node: between the meshes, or as mortar::Mortar::weighted takes it.
   Vector gap() const;
-  Vector gap(const Vector& given) const;
+  Vector gap(const std::vector<mortar::NodeGap>& given) const { return mortar_->weighted(given); }
   /// The symmetric part of the derivative of mortar::Options::force (n x n), between free dofs: a
   /// step does not change others.
   Matrix stiffness(Index n) const;

@@ -158,13 +158,10 @@ inline Vector gap_of_all(Stack stack, const Arguments& args, const SharedScene& 
   const Scene& scene = *shared.scene;
   const Vector moved = moved_along_normals(scene).head(static_cast<Index>(shared.in_mortar.size()));
   if (!args.has(p_gap)) return scene.pairing->gap() + moved;
-  Vector given;
-  shared.domain->agree([&] { given = at_nodes(stack, args, p_gap, scene.pairing->slave_nodes()); });
-  const WholeInterface& faces = *shared.interface;
-  Vector at_faces = Vector::Zero(faces.count());
-  const Vector at_slaves = faces.gathered(*shared.domain, given);
-  at_faces.head(at_slaves.size()) = at_slaves;
-  const Vector weighted = shared.mortar->weighted(at_faces);
+  std::vector<mortar::NodeGap> given;
+  shared.domain->agree([&] { given = given_gap(stack, args, *scene.pairing); });
+  const Vector weighted =
+      shared.mortar->weighted(shared.interface->gathered(*shared.domain, given));
   Vector own(static_cast<Index>(shared.in_mortar.size()));
   for (Index k = 0; k < own.size(); ++k) own[k] = weighted[shared.in_mortar[k]] + moved[k];
   return own;

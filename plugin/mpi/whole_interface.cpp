@@ -22,7 +22,6 @@ void WholeInterface::gather_nodes(const Domain& domain, const NodeNumbers& numbe
     std::vector<InterfaceNode> own;
     for (Index i = first; i < end; ++i) {
       if (!domain.owns(part.dof[i][0])) continue;
-      if (i < slaves_here) own_slaves_.push_back(i);
       own.push_back(of_part[i]);
       own.back().number = numbers.node(numbers.of(part.dof[i][0]));
     }
@@ -33,6 +32,9 @@ void WholeInterface::gather_nodes(const Domain& domain, const NodeNumbers& numbe
   const auto others = gathered(slaves_here, static_cast<Index>(of_part.size()));
   nodes.insert(nodes.end(), others.begin(), others.end());
   for (Index i = 0; i < count(); ++i) at.emplace(nodes[i].number, i);
+  for (Index i = 0; i < slaves_here; ++i)
+    if (domain.owns(part.dof[i][0]))
+      own_slaves_[i] = at.at(numbers.node(numbers.of(part.dof[i][0])));
 }
 
 void WholeInterface::gather_facets(const Domain& domain, const NodeNumbers& numbers,
@@ -99,8 +101,13 @@ void WholeInterface::find_own(const Domain& domain, const NodeNumbers& numbers) 
       }
 }
 
-Vector WholeInterface::gathered(const Domain& domain, const Vector& at_part) const {
-  return domain.gathered(Vector(at_part(own_slaves_)));
+std::vector<mortar::NodeGap> WholeInterface::gathered(
+    const Domain& domain, const std::vector<mortar::NodeGap>& of_part) const {
+  std::vector<mortar::NodeGap> own;
+  for (const mortar::NodeGap& g : of_part)
+    if (const auto whole = own_slaves_.find(g.node); whole != own_slaves_.end())
+      own.push_back({whole->second, g.label, g.gap});
+  return domain.gathered(own);
 }
 
 std::vector<Vec3> WholeInterface::at_nodes(const Domain& domain, const Vector& u) const {

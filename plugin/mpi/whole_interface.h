@@ -33,8 +33,9 @@ struct WholeInterface {
     for (const InterfaceNode& n : nodes) values.push_back(n.*value);
     return values;
   }
-  /// A value at each of the part's slave nodes, by their owners, at all slave nodes.   Collective.
-  Vector gathered(const Domain& domain, const Vector& at_part) const;
+  /// Gaps at the part's slave nodes, in their order, as their owners see them.   Collective.
+  std::vector<mortar::NodeGap> gathered(const Domain& domain,
+                                        const std::vector<mortar::NodeGap>& of_part) const;
   /// A displacement by the part's dofs, as owners have it, at all nodes; 0 at those that no facet
   /// names.   Collective.
   std::vector<Vec3> at_nodes(const Domain& domain, const Vector& u) const;
@@ -55,7 +56,7 @@ struct WholeInterface {
   void find_one_body();
   void find_own(const Domain& domain, const NodeNumbers& numbers);
 
-  std::vector<Index> own_slaves_;  ///< of the part, that this process owns
+  std::map<Index, Index> own_slaves_;  ///< of the part, that this process owns: which of all
   std::vector<Index> own_dof_;     ///< of each node, its first; -1: another's, or no facet names it
 };
 

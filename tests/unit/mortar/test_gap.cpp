@@ -174,8 +174,9 @@ TEST(MortarGap, AGapGivenAtTheNodesIsWeightedLikeTheDisplacement) {
       s.nodes.held.assign(s.nodes.X.size(), 0);
       s.nodes.held[0] = 7;  // a removed node: its neighbours carry its share
       const Mortar mortar = s.mortar();
-      Vector gap(s.nodes.X.size());
-      for (Index i = 0; i < gap.size(); ++i) gap[i] = 1 + 2 * s.nodes.X[i][0] - s.nodes.X[i][1];
+      std::vector<NodeGap> gap;
+      for (Index i = 0; i < Index(s.nodes.X.size()); ++i)
+        gap.push_back({i, 2, 1 + 2 * s.nodes.X[i][0] - s.nodes.X[i][1]});
       const Vector weighted = mortar.weighted(gap);
       Real sum = 0, exact = d == 2 ? 2 : 1.5;
       for (std::size_t k = 0; k < mortar.nodes().size(); ++k)

@@ -325,6 +325,7 @@ Mortar::Mortar(const Nodes& all, const std::vector<Pair>& given, const Options& 
     return nodes;
   };
   const Nodes nodes = all.reference.empty() ? all : straight(all.X);
+  for (const Pair& pair : given) labels_.push_back(pair.slave.labels);
   SlaveFacets slaves;
   const auto part = [&](const std::vector<Pair>& pairs) {
     return parted(pairs, slaves, !nodes.reference.empty());
@@ -353,6 +354,28 @@ Mortar::Mortar(const Nodes& all, const std::vector<Pair>& given, const Options& 
   if (options.normals.empty()) Assembly(begun, plain).finish(old);
   make(&begun);
   if (options.normals.empty()) slip_ = slip_beside(*this, nodes.where_forces_act(), old, nodes.before);
+}
+
+Vector Mortar::weighted(const std::vector<NodeGap>& given) const {
+  std::vector<std::size_t> first(static_cast<std::size_t>(size_), given.size());
+  for (std::size_t p = given.size(); p-- > 0;) first[given[p].node] = p;
+  const auto seen = [&](const SlaveNode& from, Index i) {
+    const std::vector<long>& face = labels_[from.pair];
+    std::size_t best = first[i];
+    bool on_face = false;
+    for (std::size_t p = first[i]; p < given.size() && given[p].node == i; ++p) {
+      if (given[p].label == from.label) return given[p].gap;
+      if (on_face || std::find(face.begin(), face.end(), given[p].label) == face.end()) continue;
+      on_face = true;
+      best = p;
+    }
+    return best < given.size() ? given[best].gap : 0;
+  };
+  Vector gap = Vector::Zero(S_.rows());
+  for (Index k = 0; k < gap.size(); ++k)
+    for (Matrix::InnerIterator it(S_, k); it; ++it)
+      gap[k] += it.value() * seen(nodes_[k], it.col());
+  return gap;
 }
 
 /// The identity with `half` of each end in the rows of mid-edges, of those held or of the others.

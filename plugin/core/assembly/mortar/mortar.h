@@ -70,6 +70,13 @@ struct MidEdge {
   Real distance = 0;  ///< [length]
 };
 
+/// A gap at a slave's node, as on its facets of a label.
+struct NodeGap {
+  Index node = 0;
+  long label = 0;
+  Real gap = 0;  ///< [length]
+};
+
 /// A derivative with respect to the places of nodes, as a sum: force at the node of the row, place
 /// of the node of the column.
 using NodeBlocks = std::vector<std::pair<std::pair<Index, Index>, Eigen::Matrix3d>>;
@@ -143,8 +150,9 @@ class Mortar {
   /// Its inverse: the rows of G at contact nodes, of C^-1 at mid-edges, of the identity elsewhere.
   Matrix inverse_basis(const std::vector<char>& held = {}) const;
 
-  /// The gap of each contact node (m), from a gap given at every slave node (nodes).
-  Vector weighted(const Vector& gap) const { return S_ * gap; }
+  /// The gap of each contact node (m), from one given at every slave node, once for each label that
+  /// it has, one after the other: a node in a corner is seen from either face.
+  Vector weighted(const std::vector<NodeGap>& given) const;
 
  private:
   Mortar() = default;
@@ -156,6 +164,7 @@ class Mortar {
   Matrix N_, P_;                        ///< nodes x nodes, rows of contact nodes
   Matrix S_, G_;                        ///< m x nodes: (I + N) C^-1, and S - P
   std::vector<Statistics> statistics_;  ///< per pair
+  std::vector<std::vector<long>> labels_;  ///< of the slaves, per pair
   std::vector<Vec3> slip_;
   Real told_ = 0;
   GeometricStiffness stiffness_;
