@@ -313,9 +313,12 @@ LocalIncrement increment(const Vectors& vectors, const Scene& scene, PointLaws l
   return now;
 }
 
-void accept_rounding(Solution& s, Real contrast) {
+bool is_rounding(const Solution& s, Real contrast, const Arguments& args, bool at) {
+  constexpr Real little = 1e-6;
   const Certificate& c = s.certificate;
-  if (contrast < felt_contrast && c.residual <= 10 * c.attainable) s.status = Status::converged;
+  if (!(contrast < felt_contrast)) return false;
+  if (at) return c.residual <= 10 * c.attainable;
+  return !args.has(p_tol) && c.residual <= std::min(c.attainable, little);
 }
 
 Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws) {
@@ -338,8 +341,9 @@ Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws)
           vectors.u_old.size() == 0 ? vectors.u_init : Vector(vectors.u_init - vectors.u_old));
     Solution s = scene.solver->solve(now.increment, settings, x0,
                                      call.verb > 0 || out.history ? &progress : nullptr);
-    if (scene.at && s.status == Status::stagnated)
-      accept_rounding(s, contrast(*scene.system->system()));
+    if (s.status == Status::stagnated &&
+        is_rounding(s, contrast(*scene.system->system()), call.args, scene.at != nullptr))
+      s.status = Status::converged;
     return s;
   };
   Solution solution = answer(call.settings);

@@ -15,6 +15,7 @@ constexpr Real settled = 1e-9;         ///< residual that may be rounding, once 
 constexpr int most_stalled = 8;        ///< 3D: directions of slip may need some steps to settle
 constexpr Real least_tangential = 1e-6;  ///< of diag(S) over D: a body on one node has S = 0
 constexpr Real progress = 0.5;  ///< of the residual from step to step, on the same branches
+constexpr Real standing = 1e-6;  ///< a residual that changes by less has no direction to settle
 /// Of the forces that violate the laws, over those of the first step. From stick they fall where
 /// Newton's method arrives; in slender bodies, whose bending makes large forces of small
 /// corrections, they doubled within four steps, and it cycled after up to 40.
@@ -59,6 +60,7 @@ SemismoothNewton::Outcome SemismoothNewton::solve(Index max_steps) {
     // with c = diag(A): a small algorithmic c would flatter it
     const Violation v = violation(problem_.laws, problem_.D, x_, r_);
     const Real forces = std::sqrt(v.normal + v.friction);
+    const Real last = residual_;
     residual_ = forces / unit();
     if (problem_.observer)
       problem_.observer->step(problem_.springs > 0 ? Work::proximal : Work::newton, residual_);
@@ -70,7 +72,9 @@ SemismoothNewton::Outcome SemismoothNewton::solve(Index max_steps) {
     if (residual_ <= solved) return Outcome::converged;
     if (after == before && residual_ > progress * best) {
       if (residual_ < std::max(settled, rounding())) return Outcome::converged;
-      if (problem_.laws.system->dimension == 2 || ++stalled > most_stalled) return Outcome::stalled;
+      const bool stands = std::abs(residual_ - last) <= standing * residual_;
+      if (problem_.laws.system->dimension == 2 || stands || ++stalled > most_stalled)
+        return Outcome::stalled;
     }
     best = std::min(best, residual_);
     if (after != before && !seen.insert(after).second) return Outcome::cycled;
