@@ -24,7 +24,7 @@ constexpr Real closed = 0.01;
 
 /// Weights move by up to `narrow` of a barycentric coordinate, which is about the gap over the
 /// height of the element; what asks for more fades out towards `widest`.
-constexpr Real narrow = 0.1, widest = 0.15;
+constexpr Real narrow = 0.4, widest = 0.6;
 
 /// From the node i of row k of G to the mean point that the row sees, and what it is summed of.
 struct Arm {

@@ -92,8 +92,8 @@ Crossings crossings(const Matrix& G, const std::vector<SlaveNode>& nodes, const 
 ///
 /// so that an open gap changes nothing. s_im is the share of facet m in the row: a row goes from
 /// facet to facet without a jump as bodies slide. The change, of about |e| over the height of the
-/// element, is an error of the stress there: what is crossed fades out between a tenth of it and
-/// 0.15. Weights of the facet's nodes alone could not move a point across the gap: they lie in one
+/// element, is an error of the stress there: what is crossed fades out between 0.4 of it and
+/// 0.6. Weights of the facet's nodes alone could not move a point across the gap: they lie in one
 /// plane.
 Matrix across_gap(const Matrix& P, const Matrix& G, const std::vector<SlaveNode>& nodes,
                   const std::vector<Vec3>& X, const Crossings& crossings);
