@@ -371,6 +371,7 @@ Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws)
     report_memory(scene.solver->memory_needed(), call.settings);
     report_end(solution, blamed);
     report_held_friction(scene, problem, solution, now.u0, vectors.u_old);
+    report_corners(scene, problem, solution);
     report_undetermined(scene, solution, call.verb);
   }
   if (call.verb > 2) report_phases(scene, solution);

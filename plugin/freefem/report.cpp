@@ -300,6 +300,21 @@ void report_held_friction(const Scene& scene, const ContactProblem& problem,
          << "and force has none" << std::endl;
 }
 
+void report_corners(const Scene& scene, const ContactProblem& problem, const Solution& solution) {
+  constexpr Real little = 0.02;
+  if (problem.increment.law == Law::frictionless) return;
+  Real all = 0, in_corners = 0;
+  for (Index i = 0; i < problem.nodes(); ++i) {
+    const Real pressing = std::max<Real>(-solution.certificate.r[problem.system->first[i]], 0);
+    all += pressing;
+    if (scene.system->node(i).shared) in_corners += pressing;
+  }
+  if (in_corners > little * all)
+    line() << "note: " << std::lround(100 * in_corners / all) << " % of the normal forces act on nodes "
+           << "in corners, which have no friction before an obstacle; before a meshed master "
+           << "that on() holds they have" << std::endl;
+}
+
 void report_memory(double needed, const Settings& s) {
   if (s.method != Method::automatic || needed <= s.memory) return;
   line() << "memory = " << s.memory / 1e9 << " GB, and a factorization takes ";

@@ -28,6 +28,8 @@ void report_left_out(Real share, long verb);
 /// Where data move closed contact nodes along the contact. u0: the data; u_old: or empty
 void report_held_friction(const Scene& scene, const ContactProblem& problem,
                           const Solution& solution, const Vector& u0, const Vector& u_old);
+/// What of the normal forces acts where friction does not.
+void report_corners(const Scene& scene, const ContactProblem& problem, const Solution& solution);
 /// Why a call by method auto has no factor: no factor of its scene fits in memory.
 void report_memory(double needed, const Settings& s);
 
