@@ -305,7 +305,7 @@ void report_corners(const Scene& scene, const ContactProblem& problem, const Sol
   if (problem.increment.law == Law::frictionless) return;
   Real all = 0, in_corners = 0;
   for (Index i = 0; i < problem.nodes(); ++i) {
-    const Real pressing = std::max<Real>(-solution.certificate.r[problem.system->first[i]], 0);
+    const Real pressing = std::max<Real>(solution.certificate.r[problem.system->first[i]], 0);
     all += pressing;
     if (scene.system->node(i).shared) in_corners += pressing;
   }
