@@ -103,6 +103,13 @@ void side_by_side(Index count, const Task& task) {
 /// Below so many rows of a vector threads take longer to meet than to work.
 constexpr Index least_range = 4096;
 
+/// The same where the work is that on so many rows of vectors, and threads are worth it: one that
+/// waits spins, and takes a time that small scenes do not have.
+template <class Work>
+void with_threads(Index rows, const Work& work) {
+  rows < 2 * least_range ? work() : with_threads(work);
+}
+
 /// Where range k of `count` of 0 .. n-1 begins
 inline Index range_begin(Index n, Index k, Index count) {
   return static_cast<Index>(std::int64_t(n) * k / count);

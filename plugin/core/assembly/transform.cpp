@@ -212,7 +212,7 @@ void fill(Matrix& M, const Entries& entries, Counts counts) {
         }
       }
   };
-  with_threads([&] { side_by_side(counts.shares.count, fill_share); });
+  with_threads(n, [&] { side_by_side(counts.shares.count, fill_share); });
   close_up(row, end, M);
 }
 

@@ -36,7 +36,7 @@ void MultigridSolver::renew(SystemPtr system) {
 
 void MultigridSolver::set_up() {
   const double start = cpu_seconds();
-  with_threads([&] {
+  with_threads(system_->dofs(), [&] {
     side_by_side(2, [&](Index k) {
       if (k == 0)
         hierarchy_ = make_hierarchy(*system_);
@@ -101,7 +101,7 @@ void MultigridSolver::iterate(const ContactProblem& problem, const Settings& set
     faces = stick_where_closed(problem.increment, last_);
   else if (!(past_.has_direction() && start.goes_on))
     faces = last_;
-  with_threads([&] { s.status = newton.solve(settings.tol, bound, start.x, start.b, faces); });
+  with_threads(system_->dofs(), [&] { s.status = newton.solve(settings.tol, bound, start.x, start.b, faces); });
   if (s.status != Status::converged) {
     s.certificate = certify(problem, s.x);
     return;
