@@ -314,11 +314,10 @@ LocalIncrement increment(const Vectors& vectors, const Scene& scene, PointLaws l
 }
 
 bool is_rounding(const Solution& s, Real contrast, const Arguments& args, bool at) {
-  constexpr Real little = 1e-6;
+  constexpr Real little = 1e-6;  // beyond it a field is too far from the laws to pass unasked
   const Certificate& c = s.certificate;
-  if (!(contrast < felt_contrast)) return false;
-  if (at) return c.residual <= 10 * c.attainable;
-  return !args.has(p_tol) && c.residual <= std::min(c.attainable, little);
+  if (!(contrast < felt_contrast) || c.residual > 10 * c.attainable) return false;
+  return at || (!args.has(p_tol) && c.residual <= little);
 }
 
 Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws) {

@@ -45,9 +45,9 @@ struct Vectors {
 LocalIncrement increment(const Vectors& vectors, const Scene& scene, PointLaws laws);
 
 /// Whether rounding is all that a call which has stagnated leaves. With `at` the load of a step is
-/// what the last one has left: nothing, where bodies have parted. Elsewhere it is little, as with P2
-/// on slender bodies, and the call names no `tol`. With a large contrast of A, as of a node of which
-/// next to nothing faces the master, rounding may be anything.
+/// what the last one has left: nothing, where bodies have parted. Elsewhere it is little, as with
+/// P2 on slender bodies, and the call names no `tol`. With a large contrast of A, as of a node of
+/// which next to nothing faces the master, rounding may be anything.
 bool is_rounding(const Solution& s, Real contrast, const Arguments& args, bool at);
 
 /// The field of one increment, on a posed scene.

@@ -30,10 +30,8 @@ Vector read_gap(Stack stack, const Arguments& args, const Scene& scene, const Ve
   gap.conservativeResize(moved.size());
   const Pairing& pairs = *scene.pairing;
   if (args.has(p_gap) || before.size() == 0)
-    gap.head(paired) =
-        moved.head(paired) + (!args.has(p_gap)
-                                  ? pairs.gap()
-                                  : pairs.gap(given_gap(stack, args, pairs)));
+    gap.head(paired) = moved.head(paired) +
+                       (args.has(p_gap) ? pairs.gap(given_gap(stack, args, pairs)) : pairs.gap());
   const std::vector<BoundaryNode> on_obstacle(scene.nodes.begin() + paired, scene.nodes.end());
   if (args.has(p_obstaclegap) || before.size() == 0)
     gap.tail(beside) = at_nodes(stack, args, p_obstaclegap, on_obstacle) + moved.tail(beside);

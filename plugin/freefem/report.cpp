@@ -310,7 +310,8 @@ void report_corners(const Scene& scene, const ContactProblem& problem, const Sol
     if (scene.system->node(i).shared) in_corners += pressing;
   }
   if (in_corners > little * all)
-    line() << "note: " << std::lround(100 * in_corners / all) << " % of the normal forces act on nodes "
+    line() << "note: " << std::lround(100 * in_corners / all)
+           << " % of the normal forces act on nodes "
            << "in corners, which have no friction before an obstacle; before a meshed master "
            << "that on() holds they have" << std::endl;
 }

@@ -33,8 +33,8 @@ void WholeInterface::gather_nodes(const Domain& domain, const NodeNumbers& numbe
   nodes.insert(nodes.end(), others.begin(), others.end());
   for (Index i = 0; i < count(); ++i) at.emplace(nodes[i].number, i);
   for (Index i = 0; i < slaves_here; ++i)
-    if (domain.owns(part.dof[i][0]))
-      own_slaves_[i] = at.at(numbers.node(numbers.of(part.dof[i][0])));
+    own_slaves_.push_back(
+        domain.owns(part.dof[i][0]) ? at.at(numbers.node(numbers.of(part.dof[i][0]))) : -1);
 }
 
 void WholeInterface::gather_facets(const Domain& domain, const NodeNumbers& numbers,
@@ -105,8 +105,7 @@ std::vector<mortar::NodeGap> WholeInterface::gathered(
     const Domain& domain, const std::vector<mortar::NodeGap>& of_part) const {
   std::vector<mortar::NodeGap> own;
   for (const mortar::NodeGap& g : of_part)
-    if (const auto whole = own_slaves_.find(g.node); whole != own_slaves_.end())
-      own.push_back({whole->second, g.label, g.gap});
+    if (const Index i = own_slaves_[g.node]; i >= 0) own.push_back({i, g.label, g.gap});
   return domain.gathered(own);
 }
 

@@ -56,7 +56,7 @@ struct WholeInterface {
   void find_one_body();
   void find_own(const Domain& domain, const NodeNumbers& numbers);
 
-  std::map<Index, Index> own_slaves_;  ///< of the part, that this process owns: which of all
+  std::vector<Index> own_slaves_;  ///< of the part: which of all; -1: another process owns it
   std::vector<Index> own_dof_;     ///< of each node, its first; -1: another's, or no facet names it
 };
 

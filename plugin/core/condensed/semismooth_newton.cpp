@@ -14,7 +14,7 @@ constexpr Real solved = 1e-12;         ///< residual at which a node that grazes
 constexpr Real settled = 1e-9;         ///< residual that may be rounding, once the branches stay
 constexpr int most_stalled = 8;        ///< 3D: directions of slip may need some steps to settle
 constexpr Real least_tangential = 1e-6;  ///< of diag(S) over D: a body on one node has S = 0
-constexpr Real progress = 0.5;  ///< of the residual from step to step, on the same branches
+constexpr Real progress = 0.5;   ///< of the residual from step to step, on the same branches
 constexpr Real standing = 1e-6;  ///< a residual that changes by less has no direction to settle
 /// Of the forces that violate the laws, over those of the first step. From stick they fall where
 /// Newton's method arrives; in slender bodies, whose bending makes large forces of small

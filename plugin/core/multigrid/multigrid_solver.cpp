@@ -101,7 +101,8 @@ void MultigridSolver::iterate(const ContactProblem& problem, const Settings& set
     faces = stick_where_closed(problem.increment, last_);
   else if (!(past_.has_direction() && start.goes_on))
     faces = last_;
-  with_threads(system_->dofs(), [&] { s.status = newton.solve(settings.tol, bound, start.x, start.b, faces); });
+  with_threads(system_->dofs(),
+               [&] { s.status = newton.solve(settings.tol, bound, start.x, start.b, faces); });
   if (s.status != Status::converged) {
     s.certificate = certify(problem, s.x);
     return;

@@ -32,7 +32,7 @@ class GapRow {
     for (const auto& [j, by] : row.offset.slope) near_.insert(j);
     set_gap(row);
     balance(row.theirs, choice.rank);
-    cross(crossings, nodes.where_forces_act());
+    cross(crossings, nodes.where_forces_act(), !nodes.bent.empty());
   }
   /// Of the force y
   void add_to(GeometricStiffness& stiffness, const Vec3& y) const {
@@ -107,7 +107,7 @@ class GapRow {
       G_[l].at(j) -= part_ * (p.sign * b_.dot(p.q) * theirs.at(l).by(j) +
                               p.w * (db.transpose() * p.q + dq[l].transpose() * b_));
   }
-  void cross(const std::vector<Crossing>& crossings, const std::vector<Vec3>& X) {
+  void cross(const std::vector<Crossing>& crossings, const std::vector<Vec3>& X, bool bends) {
     if (crossings.empty()) return;
     const Vec3 left = arm(X);
     std::map<Index, Mat3> slope;
@@ -115,7 +115,7 @@ class GapRow {
     std::map<Index, Sloped> change;
     for (const Crossing& crossing : crossings) {
       for (const auto& [c, weight] : G_)
-        for (std::size_t v = 0; v < crossing.vertices.size() && X[c] != X_[c]; ++v)
+        for (std::size_t v = 0; v < crossing.vertices.size() && bends; ++v)
           bent_.try_emplace({crossing.vertices[v], c}, Vec3::Zero()).first->second -=
               weight.value * crossing.share *
               crossing.gradients.row(static_cast<Index>(v)).transpose();

@@ -27,6 +27,8 @@ Moments Integration::over(const Part& part) const {
     const Projection chi = project(d, plane, part.master.facet(cell.master), X_);
     Eigen::Matrix<Real, 3, 6> of_cell = Eigen::Matrix<Real, 3, 6>::Zero();
     quadrature(cell.part, points);
+    for (const Vec2& corner : cell.part)
+      moments.least = std::min(moments.least, chi.distance(corner));
     for (const QuadraturePoint& point : points) {
       const Vec3 lambda = slave_coordinates(d, point.xi), on_master = chi.at(point.xi);
       const Real measured = measure(part, point);
@@ -34,9 +36,10 @@ Moments Integration::over(const Part& part) const {
       const Shape phi_m = shape_functions(d, quadratic, on_master);
       of_cell += weighted * Eigen::Map<const Eigen::Matrix<Real, 1, 6>>(phi_m.data());
       moments.vertices += weighted * lambda.transpose();
-      Vec3 offset = Vec3::Zero();
-      if (options_.smooth)
-        offset = master_.at(cell.master, on_master) - slave_.at(part.facet, lambda);
+      const Vec3 theirs = master_.at(cell.master, on_master), own = slave_.at(part.facet, lambda);
+      const Vec3 offset = options_.smooth ? Vec3(theirs - own) : Vec3(Vec3::Zero());
+      moments.bulge = std::max(
+          moments.bulge, std::abs(plane.normal.dot(theirs)) + std::abs(plane.normal.dot(own)));
       moments.offset += weighted * offset.transpose();
       const Real distance = chi.distance(point.xi) + plane.normal.dot(offset);
       for (int k = 0; k < edges_of_facet(d); ++k) {

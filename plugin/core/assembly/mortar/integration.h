@@ -20,6 +20,9 @@ struct Moments {
   Eigen::Matrix3d offset = Eigen::Matrix3d::Zero();    ///< ... delta_m(chi) - delta_s, row v
   std::vector<Eigen::Matrix<Real, 3, 6>> master;       ///< ... phi^m_l(chi), one per cell
   Vec3 distance = Vec3::Zero();                        ///< of phi_e times the distance
+  /// Along the slave's normal: the least distance of the facets, and by how much curved surfaces
+  /// lie beside them.
+  Real least = infinity, bulge = 0;
 };
 
 /// Multipliers of one slave facet, biorthogonal over its covered part c:   Wohlmuth; Popp et al.

@@ -23,8 +23,9 @@ constexpr Real narrowest = 1e-3, wider = 4;
 constexpr Real closed = 0.01;
 
 /// Weights move by up to `narrow` of a barycentric coordinate, which is about the gap over the
-/// height of the element; what asks for more fades out towards `widest`.
-constexpr Real narrow = 0.4, widest = 0.6;
+/// height of the element; what asks for more fades out towards `widest`. A node beyond the master's
+/// corner sees it by up to 0.7 of an element, a thin ring's beside coarse chords by 0.2.
+constexpr Real narrow = 0.8, widest = 1.2;
 
 /// From the node i of row k of G to the mean point that the row sees, and what it is summed of.
 struct Arm {

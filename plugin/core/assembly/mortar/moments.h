@@ -66,8 +66,9 @@ struct Crossing {
 };
 using Crossings = std::vector<std::vector<Crossing>>;  ///< per contact node
 
-/// Facets without a vertex behind them, or of two bodies but for a path and for nodes that `turns` names, of two bodies that are free to turn as one, and elements with a
-/// vertex that has a law of this pair or a later one, add nothing; shares are those of the others.
+/// Facets without a vertex behind them, or of two bodies but for a path and for nodes that `turns`
+/// names, of two bodies that are free to turn as one, and elements with a vertex that has a law of
+/// this pair or a later one, add nothing; shares are those of the others.
 Crossings crossings(const Matrix& G, const std::vector<SlaveNode>& nodes, const Nodes& all,
                     const std::vector<char>& turns, const FacedFacets& faced);
 
@@ -84,16 +85,16 @@ Crossings crossings(const Matrix& G, const std::vector<SlaveNode>& nodes, const 
 ///   P_il += sum_m s_im grad lambda_l . e,   so that sum_l G_il (X_l - X_i) = 0
 ///
 /// in every component: the sums of rows stay, and forces and their moments balance. Along a path
-/// the gap is closed where there are forces, and what smooth surfaces have between their facets, and
-/// bent edges of P2 beside theirs, is left of e: friction would take work of two bodies that stick
-/// and turn together. There
+/// the gap is closed where there are forces, and what smooth surfaces have between their facets,
+/// and bent edges of P2 beside theirs, is left of e: friction would take work of two bodies that
+/// stick and turn together. There
 ///
 ///   e = sum_l G_il (X_l - X_i) + g_i n_i
 ///
 /// so that an open gap changes nothing. s_im is the share of facet m in the row: a row goes from
 /// facet to facet without a jump as bodies slide. The change, of about |e| over the height of the
-/// element, is an error of the stress there: what is crossed fades out between 0.4 of it and
-/// 0.6. Weights of the facet's nodes alone could not move a point across the gap: they lie in one
+/// element, is an error of the stress there: what is crossed fades out between 0.8 of it and
+/// 1.2. Weights of the facet's nodes alone could not move a point across the gap: they lie in one
 /// plane.
 Matrix across_gap(const Matrix& P, const Matrix& G, const std::vector<SlaveNode>& nodes,
                   const std::vector<Vec3>& X, const Crossings& crossings);

@@ -43,6 +43,7 @@ class Assembly {
         slopes_(nodes_.X, options.force, ownership_.normal),
         D_(Vector::Zero(size())),
         offset_(nodes_.X.size(), Vec3::Zero()),
+        least_(nodes_.X.size(), infinity),
         faced_(nodes_.X.size()) {
     for (std::size_t p = 0; p < of.pairs.size(); ++p)
       add_pair(static_cast<Index>(p), of.slaves[p], of.masters[p], of.covers[p]);
@@ -117,6 +118,8 @@ class Assembly {
                       const Moments& moments, const std::array<bool, 3>& kept) {
     const int d = part.slave.d, nodes_m = nodes_of_facet(d, part.master.surface.quadratic);
     offset_[i] += (psi * moments.offset).transpose();
+    const Real along = ownership_.normal[i].dot(part.slave.planes[part.facet].normal);
+    least_[i] = std::min(least_[i], along * moments.least - moments.bulge);
     for (int v = 0; v < d; ++v)
       if (!kept[v]) removed_.emplace_back(i, part.node(v), psi.dot(moments.vertices.col(v)));
     for (int k = 0; part.slave.surface.quadratic && k < edges_of_facet(d); ++k)
@@ -187,12 +190,15 @@ class Assembly {
     }
     return differ ? Vec3(sum.normalized()) : own;
   }
-  /// g_i = n_i.( -(G X)_i + int psi_i (delta_m(chi) - delta_s) / D_i ), X seen from X_i.
+  /// g_i = n_i.( -(G X)_i + int psi_i (delta_m(chi) - delta_s) / D_i ), X seen from X_i, but no
+  /// less than the distance is anywhere: psi_i has negative parts, and before a kink of the master
+  /// would see an overlap that is not there.
   void set_gaps(Mortar& mortar) const {
     for (std::size_t k = 0; k < mortar.nodes_.size(); ++k) {
       SlaveNode& node = mortar.nodes_[k];
       const Vec3 way = relative(mortar.G_, static_cast<Index>(k), node.node, nodes_.X);
       node.gap = node.normal.dot(offset_[node.node] / node.weight - way);
+      if (!takes_removed_[node.node]) node.gap = std::max(node.gap, least_[node.node]);
     }
   }
   /// Of where the vertices are: rows that lean on nodes of their patch are of where these end.
@@ -257,6 +263,7 @@ class Assembly {
   std::set<std::pair<Index, Index>> leaning_;  ///< nodes beyond, and those of their facets before
   std::vector<char> takes_removed_;            ///< per node
   std::vector<Vec3> offset_;                   ///< int psi_i (delta_m(chi) - delta_s)
+  std::vector<Real> least_;                    ///< distance along n_i, at most by the offset less
   FacedFacets faced_;                          ///< per node
   std::map<Index, Index> number_of_edge_;      ///< in edges_, by node
   std::vector<MidEdge> edges_;
@@ -318,10 +325,13 @@ std::vector<Vec3> straightened(int d, const std::vector<Pair>& pairs, std::vecto
 
 Mortar::Mortar(const Nodes& all, const std::vector<Pair>& given, const Options& options) {
   const int d = all.dimension;
+  const bool quadratic = std::any_of(given.begin(), given.end(), [](const Pair& p) {
+    return p.slave.quadratic || p.master.quadratic;
+  });
   const auto straight = [&](const std::vector<Vec3>& places) {
     Nodes nodes = all;
     nodes.X = straightened(d, given, places);
-    nodes.bent = places;
+    if (quadratic) nodes.bent = places;
     return nodes;
   };
   const Nodes nodes = all.reference.empty() ? all : straight(all.X);
@@ -353,7 +363,8 @@ Mortar::Mortar(const Nodes& all, const std::vector<Pair>& given, const Options& 
   Mortar old;
   if (options.normals.empty()) Assembly(begun, plain).finish(old);
   make(&begun);
-  if (options.normals.empty()) slip_ = slip_beside(*this, nodes.where_forces_act(), old, nodes.before);
+  if (options.normals.empty())
+    slip_ = slip_beside(*this, nodes.where_forces_act(), old, nodes.before);
 }
 
 Vector Mortar::weighted(const std::vector<NodeGap>& given) const {
@@ -361,15 +372,15 @@ Vector Mortar::weighted(const std::vector<NodeGap>& given) const {
   for (std::size_t p = given.size(); p-- > 0;) first[given[p].node] = p;
   const auto seen = [&](const SlaveNode& from, Index i) {
     const std::vector<long>& face = labels_[from.pair];
-    std::size_t best = first[i];
-    bool on_face = false;
-    for (std::size_t p = first[i]; p < given.size() && given[p].node == i; ++p) {
-      if (given[p].label == from.label) return given[p].gap;
-      if (on_face || std::find(face.begin(), face.end(), given[p].label) == face.end()) continue;
-      on_face = true;
-      best = p;
-    }
-    return best < given.size() ? given[best].gap : 0;
+    const auto begin = given.begin() + static_cast<std::ptrdiff_t>(first[i]);
+    const auto end =
+        std::find_if(begin, given.end(), [i](const NodeGap& g) { return g.node != i; });
+    auto at = std::find_if(begin, end, [&](const NodeGap& g) { return g.label == from.label; });
+    if (at == end)
+      at = std::find_if(begin, end, [&face](const NodeGap& g) {
+        return std::find(face.begin(), face.end(), g.label) != face.end();
+      });
+    return at == end ? begin->gap : at->gap;
   };
   Vector gap = Vector::Zero(S_.rows());
   for (Index k = 0; k < gap.size(); ++k)

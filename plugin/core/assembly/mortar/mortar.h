@@ -9,8 +9,8 @@ std::vector<Vec3> straightened(int d, const std::vector<Pair>& pairs, std::vecto
 
 /// The nodes that facets name.
 struct Nodes {
-  int dimension = 2;                ///< 2 or 3
-  std::vector<Vec3> X;              ///< position [length]; P2's mid-edges may lie beside their edges
+  int dimension = 2;    ///< 2 or 3
+  std::vector<Vec3> X;  ///< position [length]; P2's mid-edges may lie beside their edges
   std::vector<unsigned char> held;  ///< bit c: component c has a Dirichlet condition; empty: none
   std::vector<char> taken = {};     ///< obeys an obstacle, and no law of a pair; empty: none
   /// Where the bodies are not deformed, which tells edges from smooth surfaces; empty: X.
@@ -18,7 +18,8 @@ struct Nodes {
   /// Where the increment began, which decides what faces what and who carries the laws
   /// (cover.h, ownership.h); empty: X.
   std::vector<Vec3> before = {};
-  /// X, where that has been straightened: forces act there; empty: X.
+  /// Of the Mortar, with P2 and a reference: as X was given, which then is straight. Forces act
+  /// there.   empty: X
   std::vector<Vec3> bent = {};
   const std::vector<Vec3>& where_forces_act() const { return bent.empty() ? X : bent; }
 };
@@ -160,10 +161,10 @@ class Mortar {
 
   Index size_ = 0;
   std::vector<SlaveNode> nodes_;
-  std::vector<MidEdge> edges_;          ///< of C
-  Matrix N_, P_;                        ///< nodes x nodes, rows of contact nodes
-  Matrix S_, G_;                        ///< m x nodes: (I + N) C^-1, and S - P
-  std::vector<Statistics> statistics_;  ///< per pair
+  std::vector<MidEdge> edges_;             ///< of C
+  Matrix N_, P_;                           ///< nodes x nodes, rows of contact nodes
+  Matrix S_, G_;                           ///< m x nodes: (I + N) C^-1, and S - P
+  std::vector<Statistics> statistics_;     ///< per pair
   std::vector<std::vector<long>> labels_;  ///< of the slaves, per pair
   std::vector<Vec3> slip_;
   Real told_ = 0;

@@ -105,10 +105,15 @@ struct Facing {
   Real same = 0;               ///< before what the slave's normal counts in any case
   Real other_turn = 0;         ///< from the facets; 0 of what is flat
   bool other_first = false;    ///< of two sides that let as many motions slip
-  bool at_chamfer = false;     ///< before the flat that the chamfer keeps off
+  /// Before the flat that the chamfer keeps off: along its own normal it would wedge what slides,
+  /// along the flat's it never does.
+  bool at_chamfer = false;
 
-  /// The normal of the slave that the master's means, where that may count.
-  Vec3 of_master() const { return (same * own.normal - theirs).normalized(); }
+  /// The normal of the slave that the master's means, where that may count. Beside a chamfer the
+  /// own one leans over the kink, once bodies have been deformed.
+  Vec3 of_master() const {
+    return at_chamfer ? Vec3(-theirs.normalized()) : (same * own.normal - theirs).normalized();
+  }
 };
 
 /// Nodes of one body before one other.
@@ -116,13 +121,11 @@ struct Group {
   std::map<Index, Facing> nodes;
   /// The surfaces, the master's where one is flat and one is not, or where flats lean.
   std::vector<PointNormal> other;
-  /// Along its own normal a chamfer would wedge what slides: along the flat's it never does.
-  static bool takes_flats(const Facing& here) { return here.at_chamfer; }
   std::vector<PointNormal> own() const {
     std::vector<PointNormal> points;
     for (const auto& [i, here] : nodes) {
       points.push_back(here.own);
-      if (!takes_flats(here)) continue;
+      if (!here.at_chamfer) continue;
       points.back().normal = here.of_master();
       points.back().turn = 0;
     }
@@ -313,7 +316,7 @@ std::map<TwoBodies, Group> facing_nodes(const Sides& of, std::size_t p, const Ow
       for (int v = 0; v < slave.d; ++v) {
         const Index i = slave.facet(f).node[v];
         if (!owns(p, f, i)) continue;
-        Group& group = groups[{body[i], body[before.node[0]]}];
+        Group& group = groups[bodies];
         Facing& here = group.nodes[i];
         here.at_chamfer = here.at_chamfer || chamfer;
         here.own.x = X[i];
@@ -456,8 +459,8 @@ CommonNormals choose_common_normals(const Sides& of, const Options& options, con
       if (!chamfers) chamfers.emplace(of, freedom->body);
       chamfers->mark(p, shapes);
     }
-    const bool curved = !shapes.chamfered.empty() || is_curved(of.slaves[p]) ||
-                        is_curved(of.masters[p]);
+    const bool curved =
+        !shapes.chamfered.empty() || is_curved(of.slaves[p]) || is_curved(of.masters[p]);
     if (begun ? shapes.slave.empty() : !curved) continue;
     ask_freedom();
     const auto groups = facing_nodes(of, p, owns, freedom->body, normal, shapes);
@@ -494,7 +497,7 @@ CommonNormals choose_common_normals(const Sides& of, const Options& options, con
       std::size_t k = 0;
       for (const auto& [i, here] : group.nodes) {
         normal[i] = points[k++].normal;
-        common.of_master[i] |= choice.master || group.takes_flats(here);
+        common.of_master[i] |= choice.master || here.at_chamfer;
       }
     }
   }
