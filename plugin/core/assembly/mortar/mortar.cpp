@@ -198,7 +198,10 @@ class Assembly {
       SlaveNode& node = mortar.nodes_[k];
       const Vec3 way = relative(mortar.G_, static_cast<Index>(k), node.node, nodes_.X);
       node.gap = node.normal.dot(offset_[node.node] / node.weight - way);
-      if (!takes_removed_[node.node]) node.gap = std::max(node.gap, least_[node.node]);
+      bool leans = takes_removed_[node.node] != 0;  // on others, before which it has a part
+      for (Matrix::InnerIterator it(mortar.N_, node.node); it; ++it)
+        leans = leans || number_of_edge_.count(it.col()) == 0;
+      if (!leans) node.gap = std::max(node.gap, least_[node.node]);
     }
   }
   /// Of where the vertices are: rows that lean on nodes of their patch are of where these end.
