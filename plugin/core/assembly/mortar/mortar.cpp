@@ -302,6 +302,14 @@ std::vector<Vec3> slip_beside(const Mortar& now, const std::vector<Vec3>& x, con
   return c;
 }
 
+/// Whether all of the slaves is before a master.
+bool covers_whole(const Sides& sides) {
+  return std::all_of(sides.covers.begin(), sides.covers.end(), [](const Cover& cover) {
+    return std::all_of(cover.fraction.begin(), cover.fraction.end(),
+                       [](Real part) { return part >= 1 - uncovered; });
+  });
+}
+
 /// The pairs of X with their nodes at Y: outside stays outside.
 std::vector<Pair> carried(int d, std::vector<Pair> pairs, const std::vector<Vec3>& X,
                           const std::vector<Vec3>& Y) {
@@ -337,7 +345,7 @@ Mortar::Mortar(const Nodes& all, const std::vector<Pair>& given, const Options& 
     if (quadratic) nodes.bent = places;
     return nodes;
   };
-  const Nodes nodes = all.reference.empty() ? all : straight(all.X);
+  Nodes nodes = all.reference.empty() ? all : straight(all.X);
   for (const Pair& pair : given) labels_.push_back(pair.slave.labels);
   SlaveFacets slaves;
   const auto part = [&](const std::vector<Pair>& pairs) {
@@ -353,7 +361,7 @@ Mortar::Mortar(const Nodes& all, const std::vector<Pair>& given, const Options& 
     make(nullptr);
     return;
   }
-  const Nodes then = straight(nodes.before);
+  Nodes then = straight(nodes.before);
   const std::vector<Pair> given_then = carried(d, given, nodes.X, then.X);
   find_slaves(then, given_then, options.maxgap, slaves);
   find_slaves(nodes, given, options.maxgap, slaves);  // of what faces itself now alone
@@ -363,11 +371,12 @@ Mortar::Mortar(const Nodes& all, const std::vector<Pair>& given, const Options& 
   if (!options.normals.empty()) plain.freedom = nullptr;
   plain.normals.clear();
   Arrangement begun(then, given, part(given_then), plain);
+  // Beside the ends of a master edges bend so that steps which follow them do not end.
+  if (!covers_whole(begun)) nodes.bent = then.bent = {};
   Mortar old;
   if (options.normals.empty()) Assembly(begun, plain).finish(old);
   make(&begun);
-  if (options.normals.empty())
-    slip_ = slip_beside(*this, nodes.where_forces_act(), old, nodes.before);
+  if (options.normals.empty()) slip_ = slip_beside(*this, all.X, old, nodes.before);
 }
 
 Vector Mortar::weighted(const std::vector<NodeGap>& given) const {
