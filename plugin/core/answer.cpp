@@ -8,9 +8,6 @@ namespace frictioncg {
 
 namespace {
 
-/// Residuals up to this many times what rounding leaves are its work.
-constexpr Real rounding_margin = 10;
-
 /// Neither a load nor a penetration, on any process: the body stays where it is, whatever else
 /// could move it.
 bool at_rest(const ContactProblem& problem) {
@@ -29,8 +26,7 @@ Status concluded(Status status, const Certificate& certificate, const Settings& 
   if (status == Status::converged) return settings.stop_on_step > 0 ? status : Status::stagnated;
   const bool blames_method = status == Status::max_iterations || status == Status::regularized ||
                              status == Status::fixed_point_diverged;
-  const bool by_rounding = certificate.residual <= rounding_margin * certificate.attainable;
-  return blames_method && by_rounding ? Status::stagnated : status;
+  return blames_method && may_be_rounding(certificate) ? Status::stagnated : status;
 }
 
 Solution answer(const ContactProblem& problem, const Settings& settings,

@@ -313,11 +313,10 @@ LocalIncrement increment(const Vectors& vectors, const Scene& scene, PointLaws l
   return now;
 }
 
-bool is_rounding(const Solution& s, Real contrast, const Arguments& args, bool at) {
+bool passes_by_rounding(const Solution& s, Real contrast, const Arguments& args, bool at) {
   constexpr Real little = 1e-6;  // beyond it a field is too far from the laws to pass unasked
-  const Certificate& c = s.certificate;
-  if (!(contrast < felt_contrast) || c.residual > 10 * c.attainable) return false;
-  return at || (!args.has(p_tol) && c.residual <= little);
+  if (!(contrast < felt_contrast) || !may_be_rounding(s.certificate)) return false;
+  return at || (!args.has(p_tol) && s.certificate.residual <= little);
 }
 
 Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws) {
@@ -341,7 +340,7 @@ Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws)
     Solution s = scene.solver->solve(now.increment, settings, x0,
                                      call.verb > 0 || out.history ? &progress : nullptr);
     if (s.status == Status::stagnated &&
-        is_rounding(s, contrast(*scene.system->system()), call.args, scene.at != nullptr))
+        passes_by_rounding(s, contrast(*scene.system->system()), call.args, scene.at != nullptr))
       s.status = Status::converged;
     return s;
   };

@@ -48,7 +48,7 @@ LocalIncrement increment(const Vectors& vectors, const Scene& scene, PointLaws l
 /// what the last one has left: nothing, where bodies have parted. Elsewhere it is little, as with
 /// P2 on slender bodies, and the call names no `tol`. With a large contrast of A, as of a node of
 /// which next to nothing faces the master, rounding may be anything.
-bool is_rounding(const Solution& s, Real contrast, const Arguments& args, bool at);
+bool passes_by_rounding(const Solution& s, Real contrast, const Arguments& args, bool at);
 
 /// The field of one increment, on a posed scene.
 Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws);

@@ -49,7 +49,7 @@ std::string remedy(const Solution& solution, const Settings& s) {
                             "have none; apply it in increments, give start= a field near the "
                             "answer, such as that without friction, or raise nbiter";
     case Status::stagnated:
-      if (c.residual <= 10 * c.attainable) {
+      if (may_be_rounding(c)) {
         std::ostringstream m;
         m << "rounding leaves about " << c.attainable
           << " of it in any case; raise tol, or, of two bodies, let the softer one be the slave";

@@ -176,8 +176,8 @@ inline Vector solve_together(Stack stack, const Call& call, SharedScene& shared,
     Solution s =
         solve_together(shared, problem, settings, x0, out.history || speaks ? &progress : nullptr);
     if (s.status == Status::stagnated &&
-        is_rounding(s, domain.largest(contrast(*shared.scene->system->system())), call.args,
-                    shared.scene->at != nullptr))
+        passes_by_rounding(s, domain.largest(contrast(*shared.scene->system->system())), call.args,
+                           shared.scene->at != nullptr))
       s.status = Status::converged;
     return s;
   };

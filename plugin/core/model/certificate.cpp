@@ -61,6 +61,10 @@ Real scale_of(const ContactProblem& problem, const Vector& x, const Vector& r, R
 
 }  // namespace
 
+bool may_be_rounding(const Certificate& certificate) {
+  return certificate.residual <= rounding_margin * certificate.attainable;
+}
+
 Real forces_at_work(Real load, Real contact) {
   return std::hypot(contact > 0 ? load_share * load : load, contact);
 }

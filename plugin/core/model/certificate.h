@@ -32,6 +32,9 @@ struct Certificate {
   Vector r;              ///< n, F - Ax: minus the force of the obstacle on the body [force]
 };
 
+/// Whether the residual may be the work of rounding alone.
+bool may_be_rounding(const Certificate& certificate);
+
 /// The forces at work, in norm_D, of an external load and of the contact forces of closed nodes.
 Real forces_at_work(Real load, Real contact);
 

@@ -114,11 +114,6 @@ class GapRow {
     for (Index j : near_) slope[j] = slope_of_arm(j, X);
     std::map<Index, Sloped> change;
     for (const Crossing& crossing : crossings) {
-      for (const auto& [c, weight] : G_)
-        for (std::size_t v = 0; v < crossing.vertices.size() && bends; ++v)
-          bent_.try_emplace({crossing.vertices[v], c}, Vec3::Zero()).first->second -=
-              weight.value * crossing.share *
-              crossing.gradients.row(static_cast<Index>(v)).transpose();
       near_.insert(crossing.vertices.begin(), crossing.vertices.end());
       const DenseMatrix along = crossing.share * crossing.gradients;
       const Vec3 e = crossing.e(left, n_, g_);
@@ -127,6 +122,10 @@ class GapRow {
         Sloped& of_vertex = change[crossing.vertices[v]];
         const Vec3 by = along.row(static_cast<Index>(v)).transpose();
         of_vertex.value += by.dot(e);
+        if (bends)
+          for (const auto& [i, weight] : G_)
+            bent_.try_emplace({crossing.vertices[v], i}, Vec3::Zero()).first->second -=
+                weight.value * by;
         for (const auto& [j, of_arm] : slope) {
           of_vertex.at(j) += of_arm.transpose() * by;
           if (!crossing.one_body)  // and of g n

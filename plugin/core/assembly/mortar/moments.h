@@ -91,11 +91,11 @@ Crossings crossings(const Matrix& G, const std::vector<SlaveNode>& nodes, const 
 ///
 ///   e = sum_l G_il (X_l - X_i) + g_i n_i
 ///
-/// so that an open gap changes nothing. s_im is the share of facet m in the row: a row goes from
-/// facet to facet without a jump as bodies slide. The change, of about |e| over the height of the
-/// element, is an error of the stress there: what is crossed fades out between 0.8 of it and
-/// 1.2. Weights of the facet's nodes alone could not move a point across the gap: they lie in one
-/// plane.
+/// so that an open gap changes nothing but by how edges bend. s_im is the share of facet m in the
+/// row: a row goes from facet to facet without a jump as bodies slide. The change, of about |e|
+/// over the height of the element, is an error of the stress there: what is crossed fades out
+/// between 0.8 of it and 1.2. Weights of the facet's nodes alone could not move a point across the
+/// gap: they lie in one plane.
 Matrix across_gap(const Matrix& P, const Matrix& G, const std::vector<SlaveNode>& nodes,
                   const std::vector<Vec3>& X, const Crossings& crossings);
 

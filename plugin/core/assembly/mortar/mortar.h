@@ -43,8 +43,8 @@ struct Options {
   /// The body of each of the slave's nodes, 0, 1, ...; asked for curved slaves; without it all are
   /// one.
   std::function<std::vector<Index>()> bodies;
-  /// Asked for where a flat face is before a curved one, or a chamfer leans on a flat; without it
-  /// the slave's normals count.
+  /// Asked for where a flat face is before a curved one, or a part of a pair lies flat and another
+  /// may not; without it the slave's normals count.
   std::function<Freedom()> freedom;
   /// How many facet-connected groups the elements around a node form; asked for nodes that are both
   /// slave and master: one at the tip of a crack, more where meshes were merged.

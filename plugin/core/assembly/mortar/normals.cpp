@@ -254,8 +254,9 @@ class Chamfers {
   std::vector<Faces> faces(const std::vector<Side>& sides) const {
     std::vector<Faces> found;
     for (const Side& side : sides) {
-      const Side rest = side.is_moved ? side.at_rest(of_.nodes.X, X_) : side;
-      found.push_back({rest, shapes_of(rest, X_, SmoothSide(rest, X_))});
+      Faces& here =
+          found.emplace_back(Faces{side.is_moved ? side.at_rest(of_.nodes.X, X_) : side, {}});
+      here.shapes = shapes_of(here.side, X_, SmoothSide(here.side, X_));
     }
     return found;
   }
