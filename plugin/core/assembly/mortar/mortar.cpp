@@ -371,8 +371,8 @@ Mortar::Mortar(const Nodes& all, const std::vector<Pair>& given, const Options& 
   if (!options.normals.empty()) plain.freedom = nullptr;
   plain.normals.clear();
   Arrangement begun(then, given, part(given_then), plain);
-  // Beside the ends of a master edges bend so that steps which follow them do not end.
-  if (!covers_whole(begun)) nodes.bent = then.bent = {};
+  // In 3D edges beside the ends of a master bend so that steps which follow them do not end.
+  if (d == 3 && !covers_whole(begun)) nodes.bent = then.bent = {};
   Mortar old;
   if (options.normals.empty()) Assembly(begun, plain).finish(old);
   make(&begun);

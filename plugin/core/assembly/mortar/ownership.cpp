@@ -12,6 +12,10 @@ namespace {
 /// One vertex stands for a facet of which less than this share is covered; from twice as much on
 /// each has its part, and between the two both ways share it: nothing jumps as bodies slide.
 constexpr Real barely = 1e-3;
+/// Along a path a node beyond keeps the law that it begins with down to `barely_kept`, and gets one
+/// from `for_a_law` on: on a sliver that is as hard as any other, and pushes a corner back over its
+/// vertex.
+constexpr Real barely_kept = 1e-5, for_a_law = 0.02;
 
 Index label_position(const Surface& surface, long label) {
   const auto at = std::find(surface.labels.begin(), surface.labels.end(), label);
@@ -79,7 +83,8 @@ Ownership::Ownership(Sides& of, const Options& options, const Arrangement* begun
   if (!nodes.held.empty()) remove_held(of, undeformed_normals(of, options, owns, normal));
   if (begun) take_off_slaves(of);
   for (std::size_t p = 0; p < of.slaves.size(); ++p)
-    choose_carriers(static_cast<Index>(p), of.slaves[p], of.covers[p]);
+    choose_carriers(static_cast<Index>(p), of.slaves[p], of.covers[p],
+                    begun ? &begun->ownership->carriers[p] : nullptr);
   break_rings(of);
 }
 
@@ -228,7 +233,8 @@ void Ownership::remove_held(const Sides& of, const std::vector<Vec3>& deciding) 
         }
 }
 
-void Ownership::choose_carriers(Index p, const Side& slave, const Cover& cover) {
+void Ownership::choose_carriers(Index p, const Side& slave, const Cover& cover,
+                                const std::vector<Carriers>* begun) {
   carriers.emplace_back(slave.facets());
   std::vector<char> has_own(patches, 0);
   for (Index f = 0; f < slave.facets(); ++f) {
@@ -241,15 +247,21 @@ void Ownership::choose_carriers(Index p, const Side& slave, const Cover& cover) 
     has_own[rank[p][f]] = 1;
   }
   find_beyond(p, slave, cover);
-  for (Index f = 0; f < slave.facets(); ++f)
-    if (carriers[p][f].any_kept()) thin_out(slave.facet(f), cover.fraction[f], carriers[p][f]);
+  if (begun) put_off(p, slave, cover, *begun);
+  for (Index f = 0; f < slave.facets(); ++f) {
+    Carriers& of = carriers[p][f];
+    if (!of.any_kept()) continue;
+    const auto keeps = [&](int v) { return begun && of.beyond[v] && (*begun)[f].kept[v]; };
+    const bool any_keeps = keeps(0) || keeps(1) || keeps(2);
+    thin_out(slave.facet(f), cover.fraction[f] / (any_keeps ? barely_kept : barely), of);
+  }
   find_stand_ins(p, slave, true);
   // A patch without nodes of its own leaves its traction to the nodes it shares with others.
   for (Index f = 0; f < slave.facets(); ++f) {
     if (cover.cells[f].empty() || has_own[rank[p][f]]) continue;
     for (int v = 0; v < slave.d; ++v)
       carriers[p][f].kept[v] = state[slave.facet(f).node[v]] == State::kept;
-    thin_out(slave.facet(f), 1, carriers[p][f]);  // to know the strongest
+    thin_out(slave.facet(f), 2, carriers[p][f]);  // to know the strongest
   }
   find_stand_ins(p, slave, false);
 }
@@ -290,11 +302,33 @@ void Ownership::find_beyond(Index p, const Side& slave, const Cover& cover) {
   }
 }
 
+/// Nodes beyond that have begun without a law have none where less than for_a_law is covered of
+/// each facet around them.
+void Ownership::put_off(Index p, const Side& slave, const Cover& cover,
+                        const std::vector<Carriers>& begun) {
+  std::map<Index, Real> most;
+  const auto for_each_vertex_of = [&](Index f, const auto& visit) {
+    for (int v = 0; v < slave.d; ++v) visit(v, slave.facet(f).node[v], carriers[p][f]);
+  };
+  for (Index f = 0; f < slave.facets(); ++f)
+    for_each_vertex_of(f, [&](int v, Index i, const Carriers& of) {
+      const Real part = begun[f].kept[v] ? 1 : cover.fraction[f];
+      if (of.beyond[v]) most[i] = std::max(most[i], part);
+    });
+  for (Index f = 0; f < slave.facets(); ++f)
+    for_each_vertex_of(f, [&](int v, Index i, Carriers& of) {
+      const auto at = most.find(i);
+      if (at == most.end() || at->second >= for_a_law) return;
+      of.kept[v] = of.beyond[v] = false;
+      state[i] = State::uncovered;
+    });
+}
+
 /// No law is extrapolated from a sliver: of its kept vertices the one before which most is
 /// covered, by lambda_i, stands for all, and among equals that of the highest number. Such an order
 /// has no circle, so that removed nodes cannot depend on each other in one.
-void Ownership::thin_out(const Facet& facet, Real fraction, Carriers& of_facet) const {
-  const Real alone = std::clamp<Real>(2 - fraction / barely, 0, 1);
+void Ownership::thin_out(const Facet& facet, Real part, Carriers& of_facet) const {
+  const Real alone = std::clamp<Real>(2 - part, 0, 1);
   int most = -1;
   const auto strength = [&](int v) {
     return std::make_pair(covered[facet.node[v]], facet.node[v]);

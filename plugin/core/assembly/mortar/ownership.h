@@ -96,9 +96,12 @@ struct Ownership : Ranked {
   bool on_master(Index i, Index p) const;
   void take_off_slaves(Sides& of) const;
   void remove_held(const Sides& of, const std::vector<Vec3>& deciding);
-  void choose_carriers(Index p, const Side& slave, const Cover& cover);
+  void choose_carriers(Index p, const Side& slave, const Cover& cover,
+                       const std::vector<Carriers>* begun);
+  void put_off(Index p, const Side& slave, const Cover& cover, const std::vector<Carriers>& begun);
   void find_beyond(Index p, const Side& slave, const Cover& cover);
-  void thin_out(const Facet& facet, Real fraction, Carriers& of_facet) const;
+  /// part: what is covered, over what is barely so
+  void thin_out(const Facet& facet, Real part, Carriers& of_facet) const;
   void find_stand_ins(Index p, const Side& slave, bool within_patch);
   void break_rings(const Sides& of);
 
