@@ -20,7 +20,7 @@ namespace frictioncg::mortar {
 ///
 /// Ranks, owners, nodes that lie on a master, how many motions slip and where masters' normals
 /// count are those of where the increment began; of a node that nothing was before there they are
-/// found here, by rank alone.
+/// found here, by rank alone. A vertex beyond that had no law there gets one from for_a_law on.
 struct Ownership : Ranked {
   /// begun: where the increment began; null: here. A cell whose master did not face anything there
   /// is taken off the covers where a node lies on it that would be removed: that is no master in
