@@ -85,6 +85,7 @@ class Assembly {
 
  private:
   Index size() const { return static_cast<Index>(nodes_.X.size()); }
+  bool is_mid_edge(Index i) const { return number_of_edge_.count(i) > 0; }
   bool is_held(const Facet& facet) const {
     return std::all_of(facet.node.begin(), facet.node.begin() + nodes_.dimension,
                        [this](Index i) { return ownership_.state[i] == Ownership::State::held; });
@@ -200,7 +201,7 @@ class Assembly {
       node.gap = node.normal.dot(offset_[node.node] / node.weight - way);
       bool leans = takes_removed_[node.node] != 0;  // on others, before which it has a part
       for (Matrix::InnerIterator it(mortar.N_, node.node); it; ++it)
-        leans = leans || number_of_edge_.count(it.col()) == 0;
+        leans = leans || !is_mid_edge(it.col());
       if (!leans) node.gap = std::max(node.gap, least_[node.node]);
     }
   }
@@ -215,7 +216,7 @@ class Assembly {
           const bool other = leaning_.count({node.node, it.col()}) > 0;
           on_others = on_others || other;
           if (other) rest -= it.value() * distance[it.col()];
-          if (!other && number_of_edge_.count(it.col()) == 0) own += it.value();
+          if (!other && !is_mid_edge(it.col())) own += it.value();
         }
         if (on_others == leans) distance[node.node] = node.distance = rest / own;
       }
@@ -371,7 +372,7 @@ Mortar::Mortar(const Nodes& all, const std::vector<Pair>& given, const Options& 
   if (!options.normals.empty()) plain.freedom = nullptr;
   plain.normals.clear();
   Arrangement begun(then, given, part(given_then), plain);
-  // In 3D edges beside the ends of a master bend so that steps which follow them do not end.
+  // In 3D laws beside the ends of a master come and go with edges that bend there.
   if (d == 3 && !covers_whole(begun)) nodes.bent = then.bent = {};
   Mortar old;
   if (options.normals.empty()) Assembly(begun, plain).finish(old);

@@ -98,8 +98,8 @@ struct Ownership : Ranked {
   void remove_held(const Sides& of, const std::vector<Vec3>& deciding);
   void choose_carriers(Index p, const Side& slave, const Cover& cover,
                        const std::vector<Carriers>* begun);
-  void put_off(Index p, const Side& slave, const Cover& cover, const std::vector<Carriers>& begun);
   void find_beyond(Index p, const Side& slave, const Cover& cover);
+  void put_off(Index p, const Side& slave, const Cover& cover, const std::vector<Carriers>& begun);
   /// part: what is covered, over what is barely so
   void thin_out(const Facet& facet, Real part, Carriers& of_facet) const;
   void find_stand_ins(Index p, const Side& slave, bool within_patch);
