@@ -48,6 +48,21 @@ Vector limits_of_stick(const ContactProblem& problem) {
 constexpr Real near_limits = 0.1;
 constexpr int most_limits = 15;
 
+/// Bodies that have to buckle so many times as far as they are bent until something holds them have
+/// no answer to small displacements.
+constexpr Real farthest = 1000;
+
+/// Steps p from x until something touches.
+Real step_to_contact(const ContactProblem& problem, const Vector& x, const Vector& p) {
+  Real step = infinity;
+  for (Index i = 0; i < problem.nodes(); ++i) {
+    const Index N = problem.system->first[i];
+    const Real way = problem.increment.gap[i] - x[N];
+    if (way > 0 && p[N] > 0) step = std::min(step, way / p[N]);
+  }
+  return step;
+}
+
 /// s has taken what t, after it, has.
 void count(Solution& s, const Solution& t) {
   s.iterations = t.iterations;
@@ -226,13 +241,44 @@ Solution Solver::by_condensation(const Request& request) {
 /// factor, which a nearly singular A spoils. It takes what the condensed route has left of the
 /// bound on the iterations.
 void Solver::try_without_factor(const Request& request, Solution& s) {
-  const bool has_negative_energy = s.status == Status::not_positive_definite;  // where laws hold
-  if (decided(s) || (has_negative_energy && s.certificate.residual <= request.settings.tol)) return;
+  if (decided(s)) return;
+  const bool at_laws = s.certificate.residual <= request.settings.tol || is_rounding(s.certificate);
+  if (at_laws && s.status == Status::not_positive_definite) {
+    if (request.settings.buckles) buckle(request, s);
+    return;
+  }
   if (is_rounding(s.certificate)) return decide_on_equilibrium(request.problem, s);
   const Request rest = what_remains(without_factor(request), s);
   if (rest.settings.nbiter <= 0) return;
   const Status last = replace_if_better(s, by_gradients(rest));
   if (!decided(s) && last == Status::not_positive_definite) s.status = last;
+}
+
+/// From a field at which the laws hold, but where bodies have not buckled, to the first contact on
+/// the way down, and on from there: first the way that the load pushes, then the other one. Where
+/// it pushes neither way, rounding would choose.
+void Solver::buckle(const Request& request, Solution& s) {
+  constexpr Real by_rounding = 1e-9;  // of F.p, over what it is summed of
+  const ContactProblem& problem = request.problem;
+  const Vector x = s.x, p = s.negative *
+                            (x.lpNorm<Eigen::Infinity>() / s.negative.lpNorm<Eigen::Infinity>());
+  const Vector work = problem.increment.F.cwiseProduct(p);
+  const Real push = work.sum();
+  if (std::abs(push) <= by_rounding * work.lpNorm<1>()) return;
+  for (const Real way : {std::copysign(1., push), -std::copysign(1., push)}) {
+    const Real step = step_to_contact(problem, x, way * p);
+    Request rest = what_remains(without_factor(request), s);
+    if (!(step < farthest) || rest.settings.nbiter <= 0) continue;
+    rest.x0 = x + step * way * p;
+    Solution t = after(s, by_gradients(rest));
+    const bool at_laws = t.status == Status::converged || may_be_rounding(t.certificate);
+    if (at_laws) condensed_->look_for_negative_energy(problem, t);
+    if (at_laws && t.status != Status::not_positive_definite) {
+      s = std::move(t);
+      return;
+    }
+    count(s, t);
+  }
 }
 
 /// The paper's methods: the fixed point on the sliding limit, and at each limit the method of the

@@ -48,6 +48,7 @@ class Solver {
   Solution by_route(const Request& request);
   Solution by_condensation(const Request& request);
   void try_without_factor(const Request& request, Solution& s);
+  void buckle(const Request& request, Solution& s);
   Solution by_gradients(const Request& request);
   void decide_on_equilibrium(const ContactProblem& problem, Solution& s);
   Solution by_multigrid(const Request& request);

@@ -276,12 +276,13 @@ TEST(Solver, AnAnswerHasNoNegativeEnergyOnOpenNodes) {
           s.j.push_back(j);
           s.a.push_back(i == j ? 1 : i % 2 == 1 && j % 2 == 1 ? 1.2 : i % 2 == j % 2 ? 0.1 : 0);
         }
+      constexpr Real out_of_reach = 1e6;
       const auto with = [&](Real gap) {
-        s.gap = Vector::Constant(2, 10);
+        s.gap = Vector::Constant(2, out_of_reach);
         s.gap[1] = gap;
         return s.system();
       };
-      const Posed held = with(0), loose = with(10);
+      const Posed held = with(0), loose = with(out_of_reach);
       Solver solver(held.problem().system);
       Settings settings{method};
       for (bool is_held : {true, false, true, false}) {

@@ -62,7 +62,8 @@ Solution CondensedSolver::solve(const Request& request, const PathOnA& path) {
     s.x = Vector::Zero(problem.dofs());
     s.certificate = certify(problem, s.x);
   }
-  if (s.status == Status::converged && !run.positive) look_for_negative_energy(run);
+  const bool may_pass = s.status == Status::converged || may_be_rounding(s.certificate);
+  if (may_pass && !run.positive) look_for_negative_energy(problem, s);
   if (s.status != Status::no_equilibrium) settle(run);
   s.times += elimination_.take_times();
   return std::move(run.s);
@@ -246,12 +247,9 @@ const DenseMatrix& CondensedSolver::rigid_motions_of_A(Run& run) {
   return run.rigid;
 }
 
-/// An answer at which A has negative energy, in a motion of open nodes or one that slip goes on
-/// with, is none: it is where a body that buckles has not buckled. Nodes that slip and would turn
-/// back are held by friction.
-void CondensedSolver::look_for_negative_energy(Run& run) {
-  const Branches branches = branches_of(run.problem, run.s.x, run.s.certificate);
-  const Stopwatch watch(run.s.times.contact);
+void CondensedSolver::look_for_negative_energy(const ContactProblem& problem, Solution& s) {
+  const Branches branches = branches_of(problem, s.x, s.certificate);
+  const Stopwatch watch(s.times.contact);
   std::vector<char> all(system_->nodes());
   for (Index k = 0; k < system_->nodes(); ++k) all[k] = !branches[k].stick;
   const Vector first = negative_energy_of(branches, all);
@@ -261,8 +259,8 @@ void CondensedSolver::look_for_negative_energy(Run& run) {
     while (p.size() > 0 && hold_turning_back(branches, backwards ? Vector(-p) : p, slips))
       p = negative_energy_of(branches, slips);
     if (p.size() == 0) continue;
-    run.s.status = Status::not_positive_definite;
-    run.s.negative = p;
+    s.status = Status::not_positive_definite;
+    s.negative = p;
     return;
   }
 }

@@ -31,6 +31,11 @@ class CondensedSolver {
   /// factored.
   Solution solve(const Request& request, const PathOnA& path = {});
 
+  /// An answer at which A has negative energy, in a motion of open nodes or one that slip goes on
+  /// with, is none: it is where a body that buckles has not buckled. Nodes that slip and would turn
+  /// back are held by friction.   s: not_positive_definite there
+  void look_for_negative_energy(const ContactProblem& problem, Solution& s);
+
   const Elimination& elimination() const { return elimination_; }
 
  private:
@@ -44,7 +49,6 @@ class CondensedSolver {
   bool unheld(Run& run, const std::optional<Vector>& motion);
   bool unheld_by_anything(Run& run, const CondensedProblem& condensed);
   const DenseMatrix& rigid_motions_of_A(Run& run);
-  void look_for_negative_energy(Run& run);
   Vector negative_energy_of(const Branches& branches, const std::vector<char>& slips);
   bool hold_turning_back(const Branches& branches, const Vector& p, std::vector<char>& slips) const;
   void settle(Run& run);
