@@ -5,8 +5,52 @@ namespace frictioncg::mortar {
 namespace {
 
 /// A joint that turns so many times as much as the joints beside it is a kink between straight
-/// flanks, and no part of an arc.
-constexpr Real kink = 4;
+/// flanks, and no part of an arc. One of less than 10 degrees may be of an arc whose chords are
+/// split in two: it is a kink where its flanks are straighter, for so many facets or to where the
+/// surface ends.
+constexpr Real kink = 4, flat_kink = 20;
+constexpr int straight_facets = 3;
+
+/// The joints of a line of facets, and how it turns there.
+class Line {
+ public:
+  explicit Line(const Side& side) : side_(side), of_facet_(side.facets(), {-1, -1}) {
+    for (std::size_t k = 0; k < side.joints.size(); ++k) {
+      turn_.push_back(std::acos(std::clamp(side.joints[k].cosine, -1.0, 1.0)));
+      for (Index f : side.joints[k].facet)
+        of_facet_[f][of_facet_[f][0] < 0 ? 0 : 1] = static_cast<Index>(k);
+    }
+  }
+  bool is_kink(Index k) const {
+    if (side_.joints[k].cosine < one_surface) return is_straight(k, kink, 1, 1);
+    return turn_[k] > rounding && is_straight(k, flat_kink, straight_facets, 2);
+  }
+
+ private:
+  static constexpr Real rounding = 1e-6;  // turns by less are none: cosines tell 1e-8
+
+  /// Whether both flanks turn by less than 1/`share` of joint k, for `most` facets or to an end of
+  /// the surface after at least `least`.
+  bool is_straight(Index k, Real share, int most, int least) const {
+    const auto& ends = side_.joints[k].facet;
+    return std::all_of(ends.begin(), ends.end(), [&](Index f) {
+      Index last = k;
+      for (int facets = 1;; ++facets) {
+        const Index next = of_facet_[f][of_facet_[f][0] == last ? 1 : 0];
+        if (next < 0 || !side_.joints[next].goes_on) return facets >= least;
+        if (turn_[k] <= share * turn_[next]) return false;
+        if (facets == most) return true;
+        const auto& beyond = side_.joints[next].facet;
+        f = beyond[beyond[0] == f ? 1 : 0];
+        last = next;
+      }
+    });
+  }
+
+  const Side& side_;
+  std::vector<Real> turn_;
+  std::vector<std::array<Index, 2>> of_facet_;
+};
 
 /// Tells of each joint whether the surface goes on over it. It does not over the edges of the body,
 /// and in 2D not over a kink between straight flanks, where it does not go on turning.
@@ -14,22 +58,9 @@ std::vector<char> smooth_joints(const Side& side) {
   std::vector<char> smooth;
   for (const Joint& joint : side.joints) smooth.push_back(joint.goes_on);
   if (side.d == 3) return smooth;
-  std::vector<Real> turn;
-  std::vector<std::array<Index, 2>> of_facet(side.facets(), {-1, -1});
-  for (std::size_t k = 0; k < side.joints.size(); ++k) {
-    turn.push_back(std::acos(std::clamp(side.joints[k].cosine, -1.0, 1.0)));
-    for (Index f : side.joints[k].facet)
-      of_facet[f][of_facet[f][0] < 0 ? 0 : 1] = static_cast<Index>(k);
-  }
-  for (std::size_t k = 0; k < side.joints.size(); ++k) {
-    if (side.joints[k].cosine >= one_surface) continue;
-    Real beside = 0;
-    for (Index f : side.joints[k].facet)
-      for (Index other : of_facet[f])
-        if (other >= 0 && other != static_cast<Index>(k) && side.joints[other].goes_on)
-          beside = std::max(beside, turn[other]);
-    if (turn[k] > kink * beside) smooth[k] = false;
-  }
+  const Line line(side);
+  for (std::size_t k = 0; k < smooth.size(); ++k)
+    if (line.is_kink(static_cast<Index>(k))) smooth[k] = false;
   return smooth;
 }
 
