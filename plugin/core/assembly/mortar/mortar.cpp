@@ -207,19 +207,25 @@ class Assembly {
   }
   /// Of where the vertices are: rows that lean on nodes of their patch are of where these end.
   void set_distances(Mortar& mortar) const {
+    constexpr int chain = 4;  // of nodes that lean on such as are reached better, and lean, too
     std::vector<Real> distance(nodes_.X.size(), 0);
-    for (const bool leans : {false, true})
-      for (SlaveNode& node : mortar.nodes_) {
-        bool on_others = false;
-        Real rest = node.gap, own = 1;
-        for (Matrix::InnerIterator it(mortar.N_, node.node); it; ++it) {
-          const bool other = leaning_.count({node.node, it.col()}) > 0;
-          on_others = on_others || other;
-          if (other) rest -= it.value() * distance[it.col()];
-          if (!other && !is_mid_edge(it.col())) own += it.value();
-        }
-        if (on_others == leans) distance[node.node] = node.distance = rest / own;
+    std::vector<SlaveNode*> leaning;
+    const auto set_distance = [&](SlaveNode& node) {
+      bool leans = false;
+      Real rest = node.gap, own = 1;
+      for (Matrix::InnerIterator it(mortar.N_, node.node); it; ++it) {
+        const bool other = leaning_.count({node.node, it.col()}) > 0;
+        leans = leans || other;
+        if (other) rest -= it.value() * distance[it.col()];
+        if (!other && !is_mid_edge(it.col())) own += it.value();
       }
+      distance[node.node] = node.distance = rest / own;
+      return leans;
+    };
+    for (SlaveNode& node : mortar.nodes_)
+      if (set_distance(node)) leaning.push_back(&node);
+    for (int link = 0; link < chain; ++link)
+      for (SlaveNode* node : leaning) set_distance(*node);
   }
   /// g_e = (g_a + g_b)/2 + int phi_e (g - sum_v lambda_v g_v) / int phi_e: as exact on parts of a
   /// facet as on the whole. Where vertices carry no law, the mean of g, weighted by phi_e.

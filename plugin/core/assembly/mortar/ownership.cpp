@@ -84,7 +84,7 @@ Ownership::Ownership(Sides& of, const Options& options, const Arrangement* begun
   if (begun) take_off_slaves(of);
   for (std::size_t p = 0; p < of.slaves.size(); ++p)
     choose_carriers(static_cast<Index>(p), of.slaves[p], of.covers[p],
-                    begun ? &begun->ownership->carriers[p] : nullptr);
+                    begun ? &*begun->ownership : nullptr);
   break_rings(of);
 }
 
@@ -234,7 +234,7 @@ void Ownership::remove_held(const Sides& of, const std::vector<Vec3>& deciding) 
 }
 
 void Ownership::choose_carriers(Index p, const Side& slave, const Cover& cover,
-                                const std::vector<Carriers>* begun) {
+                                const Ownership* begun) {
   carriers.emplace_back(slave.facets());
   std::vector<char> has_own(patches, 0);
   for (Index f = 0; f < slave.facets(); ++f) {
@@ -246,12 +246,14 @@ void Ownership::choose_carriers(Index p, const Side& slave, const Cover& cover,
     if (!carriers[p][f].any_kept()) continue;
     has_own[rank[p][f]] = 1;
   }
-  find_beyond(p, slave, cover);
-  if (begun) put_off(p, slave, cover, *begun);
+  find_beyond(p, slave, cover, begun);
+  if (begun) put_off(p, slave, cover, begun->carriers[p]);
   for (Index f = 0; f < slave.facets(); ++f) {
     Carriers& of = carriers[p][f];
     if (!of.any_kept()) continue;
-    const auto keeps = [&](int v) { return begun && of.beyond[v] && (*begun)[f].kept[v]; };
+    const auto keeps = [&](int v) {
+      return begun && of.beyond(v) && begun->carriers[p][f].kept[v];
+    };
     const bool any_keeps = keeps(0) || keeps(1) || keeps(2);
     thin_out(slave.facet(f), cover.fraction[f] / (any_keeps ? barely_kept : barely), of);
   }
@@ -269,36 +271,45 @@ void Ownership::choose_carriers(Index p, const Side& slave, const Cover& cover,
 /// A law at a vertex that nothing faces would be that of a surface which goes on where it has
 /// ended: a body would stand on it up to a facet beyond its edge. Round faces that let motions slip
 /// keep it: between vertices their normals are not known so well.
-void Ownership::find_beyond(Index p, const Side& slave, const Cover& cover) {
-  constexpr Real at_vertex = 1 - 1e-6;
+///
+/// Which laws lean on which does not jump within an increment: a vertex with a law where that began
+/// counts as faced only if it was so there, and less and less as its facets are left.
+void Ownership::find_beyond(Index p, const Side& slave, const Cover& cover,
+                            const Ownership* begun) {
+  constexpr Real at_vertex = 1 - 1e-6, fading = 0.2;  // of a facet
+  reached_.resize(state.size(), 0);
   const bool slips = std::any_of(slipping.begin(), slipping.end(), [p](const auto& of_body) {
     return of_body.first[0] == p && of_body.second > 0;
   });
   if (slips) return;
-  std::vector<Index> reached;  // nodes that something faces
   const auto for_each_point = [&](Index f, const auto& visit) {
     for (const Cell& cell : cover.cells[f])
       for (const Vec2& xi : cell.part) visit(slave_coordinates(slave.d, xi));
   };
   for (Index f = 0; f < slave.facets(); ++f)
     for_each_point(f, [&](const Vec3& lambda) {
-      for (int v = 0; v < slave.d; ++v)
-        if (carriers[p][f].kept[v] && lambda[v] > at_vertex)
-          reached.push_back(slave.facet(f).node[v]);
+      for (int v = 0; v < slave.d; ++v) {
+        const Index i = slave.facet(f).node[v];
+        if (!carriers[p][f].kept[v]) continue;
+        const bool touched = common.of_master[i] || lambda[v] > at_vertex;
+        reached_[i] = touched ? 1 : std::max(reached_[i], 1 - (1 - lambda[v]) / fading);
+      }
     });
-  sort_once(reached);
   for (Index f = 0; f < slave.facets(); ++f) {
     Carriers& of = carriers[p][f];
-    bool any_faces = false;
+    Vec3 now = Vec3::Zero(), kept_up = Vec3::Zero();
     for (int v = 0; v < slave.d; ++v) {
       const Index i = slave.facet(f).node[v];
-      of.beyond[v] = of.kept[v] && !common.of_master[i] &&
-                     !std::binary_search(reached.begin(), reached.end(), i);
-      any_faces = any_faces || (of.kept[v] && !of.beyond[v]);
+      if (!of.kept[v]) continue;
+      now[v] = kept_up[v] = reached_[i] == 1;
+      if (begun && begun->carriers[p][f].kept[v])
+        kept_up[v] = begun->reached_[i] == 1 ? reached_[i] : 0;
     }
-    if (!any_faces) of.beyond = {};
-    of.reach.setZero();
+    if (!kept_up.isZero(0)) now = kept_up;
+    of.reach = now;
     for_each_point(f, [&](const Vec3& lambda) { of.reach = of.reach.cwiseMax(lambda); });
+    for (int v = 0; v < 3 && !now.isZero(0); ++v)
+      if (of.kept[v]) of.reached[v] = now[v];
   }
 }
 
@@ -313,13 +324,14 @@ void Ownership::put_off(Index p, const Side& slave, const Cover& cover,
   for (Index f = 0; f < slave.facets(); ++f)
     for_each_vertex_of(f, [&](int v, Index i, const Carriers& of) {
       const Real part = begun[f].kept[v] ? 1 : cover.fraction[f];
-      if (of.beyond[v]) most[i] = std::max(most[i], part);
+      if (of.beyond(v)) most[i] = std::max(most[i], part);
     });
   for (Index f = 0; f < slave.facets(); ++f)
     for_each_vertex_of(f, [&](int v, Index i, Carriers& of) {
       const auto at = most.find(i);
       if (at == most.end() || at->second >= for_a_law) return;
-      of.kept[v] = of.beyond[v] = false;
+      of.kept[v] = false;
+      of.reached[v] = 1;
       state[i] = State::uncovered;
     });
 }

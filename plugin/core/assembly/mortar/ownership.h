@@ -43,8 +43,9 @@ struct Ownership : Ranked {
     /// covered has that one alone.
     Real alone = 0;
     std::array<bool, 3> strongest{};
-    std::array<bool, 3> beyond{};  ///< of the kept: nothing faces them, but others of the facet
-    Vec3 reach = Vec3::Ones();     ///< how near what is covered comes to these: largest lambda_v
+    /// Of the kept: 1 where something faces them, 0 where nothing near them does, but others of the
+    /// facet; reach: how near what is covered comes to them, the largest lambda_v.
+    Vec3 reached = Vec3::Ones(), reach = Vec3::Ones();
     Eigen::Matrix3d takes = Eigen::Matrix3d::Zero();  ///< (v, r): 1 where v takes r
 
     bool any_kept() const { return kept[0] || kept[1] || kept[2]; }
@@ -62,24 +63,36 @@ struct Ownership : Ranked {
     /// What of the multipliers of the other kept vertices those of a vertex k beyond take, so that
     /// their law is that of where what is covered ends, or a hair beyond it on slivers:
     ///
-    ///   psi_k + gamma_k sum_i psi_i,   d_k / (d_k + gamma_k sum_i d_i) = max(reach_k, least)
-    Vec3 gamma(const DualBasis& dual) const {
+    ///   psi_k + sum_i (k, i) psi_i,   d_k / (d_k + sum_i (k, i) d_i) = max(reach_k, least)
+    ///
+    /// i: by how much they are reached better than k, so that these, too, come and go without a
+    /// jump.
+    Eigen::Matrix3d taken(const DualBasis& dual) const {
       constexpr Real least = 0.05;  // its inverse is by how much these laws depend on the others
-      Vec3 gamma = Vec3::Zero();
-      Real others = 0;
-      for (int v = 0; v < 3; ++v) others += beyond[v] ? 0 : dual.d[v];
-      for (int v = 0; v < 3 && leans() && others > 0; ++v)
-        if (beyond[v]) gamma[v] = dual.d[v] * (1 / std::max(reach[v], least) - 1) / others;
-      return gamma / std::max(1., gamma.sum());
+      Eigen::Matrix3d taken = Eigen::Matrix3d::Zero();
+      if (!leans()) return taken;
+      for (int k = 0; k < 3; ++k) {
+        for (int i = 0; i < 3; ++i)
+          if (leans_on(k, i)) taken(k, i) = reached[i] - reached[k];
+        const Real others = taken.row(k).dot(dual.d), best = taken.row(k).maxCoeff();
+        if (others > 0)
+          taken.row(k) *=
+              best / (1 - reached[k]) * dual.d[k] * (1 / std::max(reach[k], least) - 1) / others;
+      }
+      return taken / std::max(1., taken.colwise().sum().maxCoeff());
     }
-    bool leans() const { return (beyond[0] || beyond[1] || beyond[2]) && takes.isZero(0); }
-    bool leans_on(int v, int w) const { return leans() && beyond[v] && kept[w] && !beyond[w]; }
+    bool beyond(int v) const { return reached[v] < 1; }
+    bool leans() const { return reached.minCoeff() < 1 && takes.isZero(0); }
+    bool leans_on(int v, int w) const {
+      return leans() && kept[v] && kept[w] && reached[v] < reached[w];
+    }
     /// Whether r is removed beside a multiplier of v. On slivers, where r is beyond, that is next
     /// to nothing.
     bool depends(int v, int r) const {
-      if (leans() && beyond[r]) return false;
+      if (leans_on(v, r)) return true;
+      if (leans() && beyond(r)) return false;
       const bool one_for_all = alone > 0 || !takes.isZero(0);
-      return !kept[r] || leans_on(v, r) || (one_for_all && strongest[v]);
+      return !kept[r] || (one_for_all && strongest[v]);
     }
   };
   std::vector<std::vector<Carriers>> carriers;  ///< per pair and slave facet
@@ -96,15 +109,16 @@ struct Ownership : Ranked {
   bool on_master(Index i, Index p) const;
   void take_off_slaves(Sides& of) const;
   void remove_held(const Sides& of, const std::vector<Vec3>& deciding);
-  void choose_carriers(Index p, const Side& slave, const Cover& cover,
-                       const std::vector<Carriers>* begun);
-  void find_beyond(Index p, const Side& slave, const Cover& cover);
+  void choose_carriers(Index p, const Side& slave, const Cover& cover, const Ownership* begun);
+  void find_beyond(Index p, const Side& slave, const Cover& cover, const Ownership* begun);
   void put_off(Index p, const Side& slave, const Cover& cover, const std::vector<Carriers>& begun);
   /// part: what is covered, over what is barely so
   void thin_out(const Facet& facet, Real part, Carriers& of_facet) const;
   void find_stand_ins(Index p, const Side& slave, bool within_patch);
   void break_rings(const Sides& of);
 
+  /// Per node with a law: 1 where something faces it, else how near that comes, from 0 to 1.
+  std::vector<Real> reached_;
   std::set<std::pair<Index, Index>> on_own_;  ///< nodes of slaves on masters, and their pairs
   std::map<Index, Index> on_faced_;  ///< of those on facets that face something: the first pair
 };
@@ -117,17 +131,14 @@ void for_each_multiplier(const Part& part, const Moments& moments,
                          const Ownership::Carriers& carriers, const Visit& visit) {
   const int d = part.slave.d;
   const auto of_vertices = [&](const DualBasis& dual, const std::array<bool, 3>& kept, Real share) {
-    const Vec3 gamma = carriers.gamma(dual);
-    Eigen::RowVector3d of_others = Eigen::RowVector3d::Zero();
-    for (int v = 0; v < d; ++v)
-      if (!carriers.beyond[v]) of_others += dual.psi.row(v);
+    const Eigen::Matrix3d taken = carriers.taken(dual);
     for (int v = 0; v < d; ++v) {
       if (!kept[v]) continue;
-      const bool leans = gamma[v] > 0;
-      const Real left = carriers.beyond[v] ? 1 : 1 - gamma.sum();
-      const Eigen::RowVector3d psi = left * dual.psi.row(v) + gamma[v] * of_others;
-      visit(part.node(v), Eigen::RowVector3d(share * psi), leans ? carriers.beyond : kept,
-            share * left * dual.d[v]);
+      const Real left = 1 - taken.col(v).sum();
+      const Eigen::RowVector3d psi = left * dual.psi.row(v) + taken.row(v) * dual.psi;
+      std::array<bool, 3> beside = kept;
+      for (int w = 0; w < d; ++w) beside[w] = kept[w] && taken(v, w) == 0;
+      visit(part.node(v), Eigen::RowVector3d(share * psi), beside, share * left * dual.d[v]);
     }
   };
   const DualBasis dual = dual_basis(d, moments.vertices, carriers.kept);
