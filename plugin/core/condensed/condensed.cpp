@@ -316,7 +316,7 @@ void CondensedSolver::settle(Run& run) {
   Solution& s = run.s;
   const Branches branches = branches_of(run.problem, s.x, s.certificate);
   if (run.undetermined || system_->border.cols() > 0 || may_be_idle(branches) ||
-      touches_without_force(run.problem, s.x, s.certificate))
+      between_branches(run.problem, s.x, s.certificate, branches))
     s.undetermined = left_free(rigid_motions_of_A(run), run.problem, branches);
   else
     s.undetermined = elimination_.floating();

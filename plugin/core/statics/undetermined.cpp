@@ -79,6 +79,10 @@ Branches branches_of(const ContactProblem& problem, const Vector& x,
     const bool coheres = law.coheres() && shear > none * std::sqrt(system.weight[N + size - 1]);
     branches[i] = branch_at(law, coheres ? closing - touch : std::max(closing, touch),
                             x.segment(N, size), r.segment(N, size), system.weight[N + size - 1]);
+    Branch& b = branches[i];
+    if (!b.stick || shear < b.g - none * std::sqrt(system.weight[N + size - 1])) continue;
+    b.stick = false;
+    b.d.head(size - 1) = r.segment(N + 1, size - 1) / shear;
   }
   return branches;
 }
@@ -129,13 +133,16 @@ bool hold_more(const std::vector<std::vector<Index>>& bodies, const Vector& limi
   });
 }
 
-bool touches_without_force(const ContactProblem& problem, const Vector& x,
-                           const Certificate& certificate) {
+bool between_branches(const ContactProblem& problem, const Vector& x,
+                      const Certificate& certificate, const Branches& branches) {
+  const System& system = *problem.system;
   const Real none = no_force(certificate);
   for (Index i = 0; i < problem.nodes(); ++i) {
-    const Index N = problem.system->first[i];
-    const Real touch = none * std::sqrt(problem.system->weight[N]);
+    const Index N = system.first[i], t = problem.tangents(i);
+    const Real touch = none * std::sqrt(system.weight[N]);
     if (std::abs(problem.closing(i, x)) <= touch && certificate.r[N] <= touch) return true;
+    const bool slips = t > 0 && branches[i].closed && !branches[i].stick && branches[i].g > 0;
+    if (slips && x.segment(N + 1, t).norm() <= none / std::sqrt(system.weight[N + t])) return true;
   }
   return false;
 }

@@ -9,15 +9,15 @@ namespace frictioncg {
 DenseMatrix left_free(const DenseMatrix& W, const ContactProblem& problem,
                       const Branches& branches);
 
-/// The branches that an answer is on. A node that touches without a force is open: nothing keeps it
-/// there. Shear alone, by cohesion, does.
+/// The branches that an answer is on. A node that touches without a force is open, and one that
+/// sticks at its limit slips: nothing keeps it there. Shear alone, by cohesion, keeps one closed.
 Branches branches_of(const ContactProblem& problem, const Vector& x,
                      const Certificate& certificate);
 
-/// Whether a node is closed without a force: a method may have kept it so, and what it alone held
-/// is free.
-bool touches_without_force(const ContactProblem& problem, const Vector& x,
-                           const Certificate& certificate);
+/// Whether a node is closed without a force, or at rest at its limit: a method may have kept it so,
+/// and what it alone held is free.
+bool between_branches(const ContactProblem& problem, const Vector& x,
+                      const Certificate& certificate, const Branches& branches);
 
 /// The sliding limits of all nodes at an answer [force].   m
 Vector limits_at(const ContactProblem& problem, const Solution& s);

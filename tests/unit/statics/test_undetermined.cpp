@@ -312,12 +312,16 @@ TEST(Undetermined, ItsSlipTellsASlidingNodeFromAStuckOne) {
   Certificate c;
   c.r = Vector::Zero(p.dofs());
   c.r[N] = std::sqrt(p.system->weight[N]);
-  c.r[N + 1] = -p.increment.mu[0] * c.r[N] * (1 - 1e-14);  // rounded into the disc
+  const Real limit = p.increment.mu[0] * c.r[N];
   Vector x = Vector::Zero(p.dofs());
+  c.r[N + 1] = -limit * (1 - 1e-4);
   EXPECT_TRUE(branches_of(p, x, c)[0].stick);
-  x[N + 1] = -1;
-  EXPECT_FALSE(branches_of(p, x, c)[0].stick);
-  EXPECT_EQ(branches_of(p, x, c)[0].d[0], -1);
+  for (Real slip : {0., -1.}) {         // at the limit it may slip
+    c.r[N + 1] = -limit * (1 - 1e-14);  // rounded into the disc
+    x[N + 1] = slip;
+    EXPECT_FALSE(branches_of(p, x, c)[0].stick);
+    EXPECT_EQ(branches_of(p, x, c)[0].d[0], -1);
+  }
 }
 
 TEST(Undetermined, ContactLetsGoOfWhatPressedAtTheStart) {
