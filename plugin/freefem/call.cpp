@@ -190,6 +190,8 @@ Triplets assemble(Stack stack, const Arguments& args, const Expression A, Scene&
     }
   }
   with_components_in_words(scene, [&] { scene.assemble(matrix, before, alone); });
+  refuse_component_blocks(scene, matrix);
+  refuse_skew_penalties(scene);
   return matrix;
 }
 

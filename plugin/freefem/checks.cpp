@@ -180,25 +180,34 @@ struct BlockFit {
   bool fails() const { return rotated < translated; }
 };
 
-/// The dofs of two spaces, of as many dofs each, with the places of their nodes.
+/// The dofs of a call with the places of their nodes, and another order of them: of two spaces, of
+/// as many dofs each, the second first; of one, each component of all nodes after the last.
 class BlockOrder {
  public:
   BlockOrder(const std::vector<NodePlace>& places, int d, const DofCount& dofs)
-      : first_(dofs.first), component_(dofs.count, -1), x_(dofs.count) {
+      : pair_(dofs.first > 0),
+        d_(d),
+        first_(pair_ ? dofs.first : dofs.count / 2),
+        component_(dofs.count, -1),
+        x_(dofs.count) {
     for (const NodePlace& n : places)
       for (int c = 0; c < d; ++c) {
         component_[n.dof[c]] = c;
         x_[n.dof[c]] = n.x;
       }
   }
-  /// Whether the blocks are those of the spaces in the other order, and not in this one.
+  /// Whether both halves of A have the other order, and not this one.
   bool exchanged(const Triplets& A) const {
     const std::array<BlockFit, 2> some = fits(A, true, 1 + first_ / 100);  // mostly they tell
     if (some[0].fails() || some[1].fails()) return false;
     const std::array<BlockFit, 2> given = fits(A, false, 1), other = fits(A, true, 1);
     return other[0].holds() && other[1].holds() && !given[0].holds() && !given[1].holds();
   }
-  long elsewhere(long dof) const { return dof < first_ ? dof + first_ : dof - first_; }
+  long elsewhere(long dof) const {
+    if (pair_) return dof < first_ ? dof + first_ : dof - first_;
+    const long nodes = static_cast<long>(component_.size()) / d_;
+    return d_ * (dof % nodes) + dof / nodes;
+  }
 
  private:
   struct Row {
@@ -232,7 +241,9 @@ class BlockOrder {
     return fit;
   }
 
-  long first_;
+  bool pair_;
+  int d_;
+  long first_;  ///< the dofs of the first half
   std::vector<int> component_;
   std::vector<Vec3> x_;
 };
@@ -377,6 +388,42 @@ void check_load_for_data(const Scene& scene, const Vector& b, long verb) {
                << " prescribes a displacement at an end of label " << label.second
                << ", where a load ends too, and 0 elsewhere: if it is none, " << why << std::endl;
     }
+}
+
+void refuse_component_blocks(const Scene& scene, const Triplets& A) {
+  if (scene.dofs.first > 0 || scene.dofs.count % scene.d != 0) return;
+  std::vector<char> on_boundary(scene.dofs.count, 0);
+  for (const LabelledNode& n : scene.labelled())
+    for (Index dof : n.dof)
+      if (dof >= 0) on_boundary[dof] = 1;
+  const Dirichlet& held = scene.system->dirichlet();
+  bool inside = held.size() == 0;
+  for (Index i = 0; i < scene.dofs.count && !inside; ++i) inside = held.holds(i) && !on_boundary[i];
+  if (!inside) return;  // on() holds nodes of labels alone
+  if (!BlockOrder(scene.places(), scene.d, scene.dofs).exchanged(A)) return;
+  throw IllegalInput(
+      "A has the displacements one after the other, as [[A11, A12], [A12', A22]] of scalar spaces "
+      "makes it, where the space of the call has those of each node together; assemble A and b by "
+      "a "
+      "varf([u1, u2], [v1, v2]) on that space");
+}
+
+void refuse_skew_penalties(const Scene& scene) {
+  const System& system = *scene.system->system();
+  const Index k = skew_penalty(system);
+  if (k < 0) return;
+  Index i = 0;
+  scene.system->to_global(Vector::Unit(system.dofs(), k)).cwiseAbs().maxCoeff(&i);
+  std::string at;
+  for (const NodePlace& n : scene.places())
+    if (std::find(n.dof.begin(), n.dof.end(), i) != n.dof.end())
+      at = " at " + mortar::place(scene.d, n.x);
+  std::ostringstream m;
+  m << "A(" << i << "," << i << ") = " << system.D[k] << at
+    << " is of a penalty along a direction between the axes, so large that A has rounded away what "
+       "the body resists across it; take 1e8 times the stiffness, which holds as well, or on() "
+       "along an axis";
+  throw IllegalInput(m.str());
 }
 
 bool are_exchanged(const Scene& scene, const Triplets& A) {

@@ -23,6 +23,14 @@ void check_one_value(const Scene& scene, const Vector& b, long verb);
 /// told.
 void check_load_for_data(const Scene& scene, const Vector& b, long verb);
 
+/// Refuses A of one space whose rows are those of scalar spaces, one component after the other:
+/// where its supports lie inside of the body, or it has none, and translations and rotations leave
+/// its rows without a force in that order alone.
+void refuse_component_blocks(const Scene& scene, const Triplets& A);
+
+/// Refuses penalties of skew_penalty().
+void refuse_skew_penalties(const Scene& scene);
+
 /// Whether the blocks of A are those of two spaces, of as many dofs each, in the other order.
 bool are_exchanged(const Scene& scene, const Triplets& A);
 

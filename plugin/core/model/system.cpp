@@ -229,6 +229,26 @@ Vector node_weights(const System& system) {
   return weight;
 }
 
+Index skew_penalty(const System& system) {
+  constexpr Real lost = 1e13;  // over the usual stiffness: no three digits of that are left
+  constexpr Real aslant = 1e-6;
+  const Vector stiffness = node_stiffness(system);
+  const Penalties found = penalties(system, stiffness);
+  const auto same_node = [&](Index k, Index l) {
+    return !system.mesh_node.empty() && system.mesh_node[k] == system.mesh_node[l];
+  };
+  for (Index k : found.dofs) {
+    if (system.D[k] < lost * (found.most / penalty)) continue;
+    for (Matrix::InnerIterator a(system.entries(), k); a; ++a) {
+      const Index l = static_cast<Index>(a.col());
+      const Real both = system.D[k] * system.D[l], square = a.value() * a.value();
+      if (l != k && same_node(k, l) && square > coupled * both && both - square < aslant * both)
+        return k;
+    }
+  }
+  return -1;
+}
+
 Real contrast(const System& system) {
   Vector stiffness = node_stiffness(system);
   if (stiffness.size() == 0) return 1;

@@ -130,6 +130,10 @@ Vector magnitude(const Matrix& A, const Vector& x);
 /// all others.
 Vector node_weights(const System& system);
 
+/// A dof that a penalty holds along a direction between the axes, and so that its entries have
+/// rounded away what the body resists across it; -1: there is none.
+Index skew_penalty(const System& system);
+
 /// How many times as stiff A is at one node as at another, nodes aside that penalties hold.
 Real contrast(const System& system);
 
