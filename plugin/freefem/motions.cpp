@@ -163,8 +163,9 @@ DenseMatrix weakly_resisted(const System& system, const DenseMatrix& V, const Ve
   DenseMatrix K = V.transpose().lazyProduct(AV);
   system.sum(K.data(), static_cast<Index>(K.size()));
   const Eigen::Index others = V.cols() - 1;
+  constexpr Real none = 1e-9;  // over what resists most: below it is rounding of A
   const Vector of_turn = K.col(0).tail(others),
-               along = least_squares(K.bottomRightCorner(others, others), of_turn);
+               along = least_squares(K.bottomRightCorner(others, others), of_turn, none);
   const Vector q = V.col(0) - V.rightCols(others) * along;
   const Real energy = K(0, 0) - along.dot(of_turn), work = system.sum(q.dot(r));
   return theta * energy < std::abs(work) ? DenseMatrix(q) : DenseMatrix(V.rows(), 0);
