@@ -31,7 +31,7 @@ class GapRow {
     for (const auto& [j, by] : turns_) near_.insert(j);
     for (const auto& [j, by] : row.offset.slope) near_.insert(j);
     set_gap(row);
-    balance(row.theirs, choice.rank);
+    balance(row.theirs, choice);
     cross(crossings, nodes.where_forces_act(), !nodes.bent.empty());
   }
   /// Of the force y
@@ -71,13 +71,13 @@ class GapRow {
     }
     inverse_ = least_squares(M, Mat3::Identity(), singular(rank));
   }
-  void balance(const std::map<Index, Sloped>& theirs, Index rank) {
-    place_master(theirs, rank);
+  void balance(const std::map<Index, Sloped>& theirs, const RowChoice& choice) {
+    place_master(theirs, choice.rank);
     b_ = inverse_ * arm_;
-    Real largest = most_change;
+    Real largest = choice.most_change;
     for (const auto& [l, p] : at_)
       if (const Real change = std::abs(b_.dot(p.q)); change > largest) largest = change, most_ = l;
-    part_ = most_change / largest;
+    part_ = choice.most_change / largest;
     for (Index j : near_) balance_slopes(theirs, j);
     for (const auto& [l, p] : at_) G_[l].value -= part_ * p.w * b_.dot(p.q);
   }

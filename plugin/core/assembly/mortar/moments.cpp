@@ -70,9 +70,10 @@ Matrix balanced(const Matrix& P, const Matrix& G, const std::vector<SlaveNode>& 
     const Vec3& n = nodes[k].normal;
     q = (Eigen::Matrix3d::Identity() - n * n.transpose()) * (q.colwise() - mean);
     const Eigen::Matrix3d M = q * w.asDiagonal() * q.transpose();
-    Index& rank = choices[nodes[k].node].rank;
+    RowChoice& choice = choices[nodes[k].node];
+    Index& rank = choice.rank;
     const Vector change = q.transpose() * least_squares(M, arm.aside, singular(rank), &rank);
-    const Real part = std::min(1., most_change / change.lpNorm<Eigen::Infinity>());
+    const Real part = std::min(1., choice.most_change / change.lpNorm<Eigen::Infinity>());
     Eigen::Map<Vector>(result.valuePtr() + first, size) += part * w.cwiseProduct(change);
   }
   return result;

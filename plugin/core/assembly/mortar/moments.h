@@ -5,11 +5,13 @@
 namespace frictioncg::mortar {
 
 /// A weight changes by no more than this share of it. Fits change by 1e-2 and less; what asks for
-/// more lies further away than a facet is long, and gets a part.
-constexpr Real most_change = 0.3;
+/// more lies further away than a facet is long, and gets a part. A law that takes on itself what
+/// removed nodes move by acts beside them by up to that.
+constexpr Real most_change = 0.3, most_where_taken = 3;
 
 /// What is decided of a contact node's row where the increment began.
 struct RowChoice {
+  Real most_change = mortar::most_change;
   std::optional<bool> along_normal;  ///< whether one with the master's normal sees it along that
   Index rank = 0;                    ///< of M below; 0: not asked for
 };

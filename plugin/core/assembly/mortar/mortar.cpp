@@ -70,6 +70,7 @@ class Assembly {
     set_gaps(mortar);  // from the integrals as they are
     set_distances(mortar);
     set_distances_of_edges(mortar);
+    for (const auto& [i, r] : ownership_.taken) of_.choices[i].most_change = most_where_taken;
     take(balanced(mortar.P_, mortar.G_, mortar.nodes_, nodes_.X, of_.choices));
     take(along_normals(mortar.P_, mortar.G_, mortar.nodes_, ownership_.common.of_master,
                        of_.masters, nodes_.X, of_.choices));
