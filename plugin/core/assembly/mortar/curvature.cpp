@@ -6,61 +6,72 @@ namespace {
 
 /// A joint that turns so many times as much as the joints beside it is a kink between straight
 /// flanks, and no part of an arc. One of less than 10 degrees may be of an arc whose chords are
-/// split in two: it is a kink where its flanks are straighter, for so many facets or to where the
-/// surface ends.
+/// split in two: it is a kink where its flanks are straighter, and go on for longer.
 constexpr Real kink = 4, flat_kink = 20;
-constexpr int straight_facets = 3;
 
-/// The joints of a line of facets, and how it turns there.
-class Line {
+/// The kinks among the joints of a surface.
+class Kinks {
  public:
-  explicit Line(const Side& side) : side_(side), of_facet_(side.facets(), {-1, -1}) {
+  explicit Kinks(const Side& side) : side_(side), of_facet_(side.facets()) {
     for (std::size_t k = 0; k < side.joints.size(); ++k) {
       turn_.push_back(std::acos(std::clamp(side.joints[k].cosine, -1.0, 1.0)));
-      for (Index f : side.joints[k].facet)
-        of_facet_[f][of_facet_[f][0] < 0 ? 0 : 1] = static_cast<Index>(k);
+      for (Index f : side.joints[k].facet) of_facet_[f].push_back(static_cast<Index>(k));
     }
   }
-  bool is_kink(Index k) const {
-    if (side_.joints[k].cosine < one_surface) return is_straight(k, kink, 1, 1);
-    return turn_[k] > rounding && is_straight(k, flat_kink, straight_facets, 2);
+  bool has(Index k) const {
+    const bool in_3D = side_.d == 3;  // two triangles to a chord, or more
+    if (side_.joints[k].cosine < one_surface) return is_straight(k, kink, in_3D ? 4 : 1, 1);
+    return turn_[k] > rounding && is_straight(k, flat_kink, in_3D ? 6 : 3, in_3D ? 3 : 2);
   }
 
  private:
   static constexpr Real rounding = 1e-6;  // turns by less are none: cosines tell 1e-8
 
-  /// Whether both flanks turn by less than 1/`share` of joint k, for `most` facets or to an end of
-  /// the surface after at least `least`.
-  bool is_straight(Index k, Real share, int most, int least) const {
+  /// Whether both flanks turn by less than 1/`share` of joint k, over facets one after the other,
+  /// `most` of them, or to an end of the surface that leaves at least `least` in all.
+  bool is_straight(Index k, Real share, int most, std::size_t least) const {
     const auto& ends = side_.joints[k].facet;
     return std::all_of(ends.begin(), ends.end(), [&](Index f) {
-      Index last = k;
-      for (int facets = 1;; ++facets) {
-        const Index next = of_facet_[f][of_facet_[f][0] == last ? 1 : 0];
-        if (next < 0 || !side_.joints[next].goes_on) return facets >= least;
-        if (turn_[k] <= share * turn_[next]) return false;
-        if (facets == most) return true;
-        const auto& beyond = side_.joints[next].facet;
-        f = beyond[beyond[0] == f ? 1 : 0];
-        last = next;
+      std::vector<Index> flank{f};
+      for (std::size_t from = 0, layer = 1;; ++layer) {
+        const std::size_t to = flank.size();
+        for (; from < to; ++from)
+          for (Index j : of_facet_[flank[from]]) {
+            if (!side_.joints[j].goes_on || is_same_ridge(j, k)) continue;
+            if (turn_[k] <= share * turn_[j]) return false;
+            for (Index g : side_.joints[j].facet)
+              if (std::find(flank.begin(), flank.end(), g) == flank.end()) flank.push_back(g);
+          }
+        if (flank.size() == to) return to >= least;
+        if (layer == static_cast<std::size_t>(most)) return true;
       }
     });
+  }
+  /// Joint k, or in 3D one that goes on along its line: between the same planes.
+  bool is_same_ridge(Index j, Index k) const {
+    if (j == k || side_.d == 2) return j == k;
+    constexpr Real alike = 0.25;  // of the turn
+    const auto [a, b] = side_.joints[j].facet;
+    const auto [p, q] = side_.joints[k].facet;
+    const auto close = [&](Index f, Index g) {
+      const Vec3 way = side_.planes[f].normal - side_.planes[g].normal;
+      return way.norm() < alike * turn_[k];
+    };
+    return (close(a, p) && close(b, q)) || (close(a, q) && close(b, p));
   }
 
   const Side& side_;
   std::vector<Real> turn_;
-  std::vector<std::array<Index, 2>> of_facet_;
+  std::vector<std::vector<Index>> of_facet_;
 };
 
 /// Tells of each joint whether the surface goes on over it. It does not over the edges of the body,
-/// and in 2D not over a kink between straight flanks, where it does not go on turning.
+/// nor over a kink between straight flanks, where it does not go on turning.
 std::vector<char> smooth_joints(const Side& side) {
+  const Kinks kinks(side);
   std::vector<char> smooth;
-  for (const Joint& joint : side.joints) smooth.push_back(joint.goes_on);
-  if (side.d == 3) return smooth;
-  const Line line(side);
-  for (std::size_t k = 0; k < smooth.size(); ++k)
-    if (line.is_kink(static_cast<Index>(k))) smooth[k] = false;
+  for (const Joint& joint : side.joints)
+    smooth.push_back(joint.goes_on && !kinks.has(static_cast<Index>(smooth.size())));
   return smooth;
 }
 

@@ -43,7 +43,7 @@ Turns turns_of_normal(Index i, const Vec3& n, const std::vector<Index>& facets, 
 ///   q = (n_b - n_a).(X_b - X_a) / 2
 ///
 /// n: normals at the vertices, of each of the smooth surfaces that meet there: an edge of the body
-/// (a sharp ridge, labels that meet at an angle, in 2D a kink between straight flanks) parts them,
+/// (a sharp ridge, labels that meet at an angle, a kink between straight flanks) parts them,
 /// and each has its own.
 class CurvedOffset {
  public:
