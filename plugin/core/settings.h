@@ -32,8 +32,8 @@ struct Settings {
   bool newton = true;   ///< condensed: semismooth Newton on the unregularized laws
   double memory = 8e9;  ///< [bytes] that a factor and the dense matrices may take
   Index threads = 0;    ///< of multigrid; 0: as many as OpenMP has
-  /// Where A has negative energy at an answer, one downhill of it. Not of a Newton step's tangent,
-  /// which tells that a path leads past the point where bodies buckle.
+  /// Where A has negative energy at a field, look for an answer downhill of it. Not of a Newton
+  /// step's tangent, which tells that a path leads past the point where bodies buckle.
   bool buckles = true;
   Regularization reg = Regularization::polynomial;
   Real regeps = 0;  ///< [length]; 0: from the scene, 1e-8 max|x| and less if tol asks for it

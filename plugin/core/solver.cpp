@@ -48,17 +48,19 @@ Vector limits_of_stick(const ContactProblem& problem) {
 constexpr Real near_limits = 0.1;
 constexpr int most_limits = 15;
 
-/// Bodies that have to buckle so many times as far as they are bent until something holds them have
-/// no answer to small displacements.
+/// What bodies buckle by until something holds them, over what they have moved before: beyond,
+/// displacements are not small.
 constexpr Real farthest = 1000;
 
-/// Steps p from x until something touches.
+/// Steps p from x until something touches that does not yet.
 Real step_to_contact(const ContactProblem& problem, const Vector& x, const Vector& p) {
+  constexpr Real touch = 1e-9;
+  const Real little = touch * x.lpNorm<Eigen::Infinity>();
   Real step = infinity;
   for (Index i = 0; i < problem.nodes(); ++i) {
     const Index N = problem.system->first[i];
     const Real way = problem.increment.gap[i] - x[N];
-    if (way > 0 && p[N] > 0) step = std::min(step, way / p[N]);
+    if (way > little && p[N] > 0) step = std::min(step, way / p[N]);
   }
   return step;
 }
@@ -242,7 +244,8 @@ Solution Solver::by_condensation(const Request& request) {
 /// bound on the iterations.
 void Solver::try_without_factor(const Request& request, Solution& s) {
   if (decided(s)) return;
-  const bool at_laws = s.certificate.residual <= request.settings.tol || is_rounding(s.certificate);
+  const bool at_laws =
+      s.certificate.residual <= request.settings.tol || may_be_rounding(s.certificate);
   if (at_laws && s.status == Status::not_positive_definite) {
     if (request.settings.buckles) buckle(request, s);
     return;

@@ -367,7 +367,6 @@ Settings read_settings(Stack stack, const Arguments& args) {
   if (args.has(p_nbiter)) s.nbiter = bound_on_iterations(args.value(stack, p_nbiter, 0.0));
   s.memory = 1e9 * args.value(stack, p_memory, s.memory / 1e9);
   s.threads = read_threads(stack, args);
-  s.buckles = !args.has(p_at);
   require(!args.has(p_regeps) || s.regeps != 0, p_regeps, 0, "leave it out to have the default");
   require(!args.has(p_omega) || s.omega != 0, p_omega, 0, "leave it out to have the default");
   refuse_without_effect(args, s);

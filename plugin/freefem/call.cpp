@@ -190,8 +190,6 @@ Triplets assemble(Stack stack, const Arguments& args, const Expression A, Scene&
     }
   }
   with_components_in_words(scene, [&] { scene.assemble(matrix, before, alone); });
-  refuse_component_blocks(scene, matrix);
-  refuse_skew_penalties(scene);
   return matrix;
 }
 
@@ -324,6 +322,8 @@ bool passes_by_rounding(const Solution& s, Real contrast, const Arguments& args,
 Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws) {
   const double start = cpu_seconds();
   const Outputs out{stack, call.args};
+  Settings asked = call.settings;
+  asked.buckles = !scene.at;
   check_vectors(call, scene.dofs);
   Vectors vectors(call, scene);
   LocalIncrement now = increment(vectors, scene, laws);
@@ -346,8 +346,8 @@ Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws)
       s.status = Status::converged;
     return s;
   };
-  Solution solution = answer(call.settings);
-  const Settings rest = what_remains(problem, call.settings, solution);
+  Solution solution = answer(asked);
+  const Settings rest = what_remains(problem, asked, solution);
   if (solution.status != Status::converged && scene.stiffened && rest.nbiter > 0) {
     report_plain(call.verb);
     {
@@ -360,8 +360,8 @@ Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws)
     solution = after(solution, answer(rest));
   }
   if (scene.pairing && scene.stiffened && solution.status == Status::converged)
-    solution = newton_step(std::move(solution), now.u0, call.settings, scene, vectors.b,
-                           vectors.u_old, laws);
+    solution =
+        newton_step(std::move(solution), now.u0, asked, scene, vectors.b, vectors.u_old, laws);
   const Vector moved = scene.system->to_global(solution.x, now.u0),
                field = moved.head(scene.ndof());
   const std::string turned = runaway(scene, problem, solution, field);

@@ -420,8 +420,9 @@ void refuse_skew_penalties(const Scene& scene) {
       at = " at " + mortar::place(scene.d, n.x);
   std::ostringstream m;
   m << "A(" << i << "," << i << ") = " << system.D[k] << at
-    << " is of a penalty along a direction between the axes, so large that A has rounded away what "
-       "the body resists across it; take 1e8 times the stiffness, which holds as well, or on() "
+    << " is of a penalty along a direction between the axes (at contact nodes, between normal and "
+       "tangents), so large that A has rounded away what the body resists across it; take 1e8 "
+       "times the stiffness, which holds as well, or on() "
        "along an axis";
   throw IllegalInput(m.str());
 }

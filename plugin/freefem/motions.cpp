@@ -163,7 +163,7 @@ DenseMatrix weakly_resisted(const System& system, const DenseMatrix& V, const Ve
   DenseMatrix K = V.transpose().lazyProduct(AV);
   system.sum(K.data(), static_cast<Index>(K.size()));
   const Eigen::Index others = V.cols() - 1;
-  constexpr Real none = 1e-9;  // over what resists most: below it is rounding of A
+  constexpr Real none = 1e-9;  // over what resists most: below, rounding of a body on soft springs
   const Vector of_turn = K.col(0).tail(others),
                along = least_squares(K.bottomRightCorner(others, others), of_turn, none);
   const Vector q = V.col(0) - V.rightCols(others) * along;

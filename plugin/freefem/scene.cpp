@@ -5,6 +5,7 @@
 #include "../core/assembly/triplets.h"
 #include "../core/assembly/turning_normals.h"
 #include "../core/clock.h"
+#include "checks.h"
 
 namespace frictioncg {
 
@@ -133,6 +134,8 @@ void Scene::assemble(const Triplets& A, Scene* before, bool alone) {
     for (Matrix::InnerIterator e(basis.T, i); e; ++e)
       if (e.col() < basis.local_dofs() && e.value() != 0) held[i] = 0;
   unit_load_.resize(0);
+  refuse_component_blocks(*this, A);
+  refuse_skew_penalties(*this);
   if (alone) before->solver->renew(system->system());
   solver = alone ? std::move(before->solver) : std::make_unique<Solver>(system->system());
 }

@@ -87,9 +87,7 @@ void LocalSystem::assemble(const Triplets& A, int dimension, const std::vector<I
     const Index i = basis_->origin[p];
     if (has_squares(system->D[p]) || !A.is_whole(i)) continue;
     refuse("A(", i, ",", i, ") = ", system->D[p], "; a stiffness lies between ", smallest, " and ",
-           largest,
-           " (squares must not overflow): check the coefficients, or choose other units; "
-           "a penalty along a direction between the axes is at most 1e8 times the stiffness");
+           largest, " (squares must not overflow): check the coefficients, or choose other units");
   }
   if (!A.half) check_symmetry(A, system->A, system->D, basis_->origin);
   if (!mesh_node.empty()) {

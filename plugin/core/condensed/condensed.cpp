@@ -62,7 +62,8 @@ Solution CondensedSolver::solve(const Request& request, const PathOnA& path) {
     s.x = Vector::Zero(problem.dofs());
     s.certificate = certify(problem, s.x);
   }
-  const bool may_pass = s.status == Status::converged || may_be_rounding(s.certificate);
+  const bool may_pass = s.status == Status::converged ||
+                        (s.status != Status::no_equilibrium && may_be_rounding(s.certificate));
   if (may_pass && !run.positive) look_for_negative_energy(problem, s);
   if (s.status != Status::no_equilibrium) settle(run);
   s.times += elimination_.take_times();

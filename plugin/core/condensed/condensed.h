@@ -33,7 +33,7 @@ class CondensedSolver {
 
   /// An answer at which A has negative energy, in a motion of open nodes or one that slip goes on
   /// with, is none: it is where a body that buckles has not buckled. Nodes that slip and would turn
-  /// back are held by friction.   s: not_positive_definite there
+  /// back are held by friction. s: not_positive_definite there, with s.negative
   void look_for_negative_energy(const ContactProblem& problem, Solution& s);
 
   const Elimination& elimination() const { return elimination_; }

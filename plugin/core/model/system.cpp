@@ -230,7 +230,7 @@ Vector node_weights(const System& system) {
 }
 
 Index skew_penalty(const System& system) {
-  constexpr Real lost = 1e13;  // over the usual stiffness: no three digits of that are left
+  constexpr Real lost = 1e7;  // over where penalties begin: of the usual stiffness no three digits
   constexpr Real aslant = 1e-6;
   const Vector stiffness = node_stiffness(system);
   const Penalties found = penalties(system, stiffness);
@@ -238,12 +238,11 @@ Index skew_penalty(const System& system) {
     return !system.mesh_node.empty() && system.mesh_node[k] == system.mesh_node[l];
   };
   for (Index k : found.dofs) {
-    if (system.D[k] < lost * (found.most / penalty)) continue;
+    if (system.D[k] < lost * found.most) continue;
     for (Matrix::InnerIterator a(system.entries(), k); a; ++a) {
       const Index l = static_cast<Index>(a.col());
       const Real both = system.D[k] * system.D[l], square = a.value() * a.value();
-      if (l != k && same_node(k, l) && square > coupled * both && both - square < aslant * both)
-        return k;
+      if (l != k && same_node(k, l) && both - square < aslant * both) return k;
     }
   }
   return -1;

@@ -130,8 +130,9 @@ Vector magnitude(const Matrix& A, const Vector& x);
 /// all others.
 Vector node_weights(const System& system);
 
-/// A dof that a penalty holds along a direction between the axes, and so that its entries have
-/// rounded away what the body resists across it; -1: there is none.
+/// A dof that a penalty holds along one direction between the axes of its node, and so that its
+/// entries have rounded away what the body resists across it; -1: there is none, or mesh_node is
+/// not known.
 Index skew_penalty(const System& system);
 
 /// How many times as stiff A is at one node as at another, nodes aside that penalties hold.

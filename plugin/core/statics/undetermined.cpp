@@ -76,11 +76,12 @@ Branches branches_of(const ContactProblem& problem, const Vector& x,
     const Real touch = none * std::sqrt(system.weight[N]);
     const NodeLaw law = law_of(problem.increment, i);
     const Real shear = r.segment(N + 1, size - 1).norm();
-    const bool coheres = law.coheres() && shear > none * std::sqrt(system.weight[N + size - 1]);
+    const Real no_shear = none * std::sqrt(system.weight[N + size - 1]);
+    const bool coheres = law.coheres() && shear > no_shear;
     branches[i] = branch_at(law, coheres ? closing - touch : std::max(closing, touch),
                             x.segment(N, size), r.segment(N, size), system.weight[N + size - 1]);
     Branch& b = branches[i];
-    if (!b.stick || shear < b.g - none * std::sqrt(system.weight[N + size - 1])) continue;
+    if (!b.stick || shear <= no_shear || shear < b.g - no_shear) continue;
     b.stick = false;
     b.d.head(size - 1) = r.segment(N + 1, size - 1) / shear;
   }

@@ -10,7 +10,8 @@ DenseMatrix left_free(const DenseMatrix& W, const ContactProblem& problem,
                       const Branches& branches);
 
 /// The branches that an answer is on. A node that touches without a force is open, and one that
-/// sticks at its limit slips: nothing keeps it there. Shear alone, by cohesion, keeps one closed.
+/// sticks at its limit slips: neither resists going on that way. Shear alone, by cohesion, keeps
+/// one closed.
 Branches branches_of(const ContactProblem& problem, const Vector& x,
                      const Certificate& certificate);
 

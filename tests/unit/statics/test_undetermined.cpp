@@ -306,7 +306,7 @@ TEST(Undetermined, AForceThatIsNoMoreThanRoundingHoldsNothing) {
   }
 }
 
-TEST(Undetermined, ItsSlipTellsASlidingNodeFromAStuckOne) {
+TEST(Undetermined, ANodeAtItsLimitMayGoOnSlippingAndOneBelowIsStuck) {
   const ContactProblem p = problem_of(BlockOptions());
   const Index N = p.system->first[0];
   Certificate c;
@@ -321,6 +321,20 @@ TEST(Undetermined, ItsSlipTellsASlidingNodeFromAStuckOne) {
     x[N + 1] = slip;
     EXPECT_FALSE(branches_of(p, x, c)[0].stick);
     EXPECT_EQ(branches_of(p, x, c)[0].d[0], -1);
+  }
+}
+
+TEST(Undetermined, ShearThatIsNoMoreThanRoundingLeavesANodeStuck) {
+  const ContactProblem p = problem_of(BlockOptions());
+  const Index N = p.system->first[0];
+  Certificate c;
+  c.attainable = 1e-4;
+  c.r = Vector::Zero(p.dofs());
+  c.r[N] = 2e-3 * std::sqrt(p.system->weight[N]);  // its limit is below what rounding leaves
+  for (Real shear : {0., 1e-4}) {
+    c.r[N + 1] = shear * std::sqrt(p.system->weight[N + 1]);
+    const Branch b = branches_of(p, Vector::Zero(p.dofs()), c)[0];
+    EXPECT_TRUE(b.closed && b.stick);
   }
 }
 

@@ -8,6 +8,7 @@ namespace {
 /// flanks, and no part of an arc. One of less than 10 degrees may be of an arc whose chords are
 /// split in two: it is a kink where its flanks are straighter, and go on for longer.
 constexpr Real kink = 4, flat_kink = 20;
+constexpr Real rounding = 1e-6;  ///< turns by less are none: cosines tell 1e-8
 
 /// The kinks among the joints of a surface.
 class Kinks {
@@ -25,8 +26,6 @@ class Kinks {
   }
 
  private:
-  static constexpr Real rounding = 1e-6;  // turns by less are none: cosines tell 1e-8
-
   /// Whether both flanks turn by less than 1/`share` of joint k, over facets one after the other,
   /// `most` of them, or to an end of the surface that leaves at least `least` in all.
   bool is_straight(Index k, Real share, int most, std::size_t least) const {
@@ -51,13 +50,11 @@ class Kinks {
   bool is_same_ridge(Index j, Index k) const {
     if (j == k || side_.d == 2) return j == k;
     constexpr Real alike = 0.25;  // of the turn
-    const auto [a, b] = side_.joints[j].facet;
-    const auto [p, q] = side_.joints[k].facet;
-    const auto close = [&](Index f, Index g) {
-      const Vec3 way = side_.planes[f].normal - side_.planes[g].normal;
-      return way.norm() < alike * turn_[k];
-    };
-    return (close(a, p) && close(b, q)) || (close(a, q) && close(b, p));
+    const auto& [a, b] = side_.joints[j].normal;
+    const auto& [p, q] = side_.joints[k].normal;
+    const Real most = alike * turn_[k];
+    return ((a - p).norm() < most && (b - q).norm() < most) ||
+           ((a - q).norm() < most && (b - p).norm() < most);
   }
 
   const Side& side_;
@@ -68,10 +65,16 @@ class Kinks {
 /// Tells of each joint whether the surface goes on over it. It does not over the edges of the body,
 /// nor over a kink between straight flanks, where it does not go on turning.
 std::vector<char> smooth_joints(const Side& side) {
-  const Kinks kinks(side);
   std::vector<char> smooth;
-  for (const Joint& joint : side.joints)
-    smooth.push_back(joint.goes_on && !kinks.has(static_cast<Index>(smooth.size())));
+  bool flat = true;
+  for (const Joint& joint : side.joints) {
+    smooth.push_back(joint.goes_on);
+    flat = flat && (!joint.goes_on || joint.cosine >= 1 - rounding * rounding / 2);
+  }
+  if (flat) return smooth;
+  const Kinks kinks(side);
+  for (std::size_t k = 0; k < smooth.size(); ++k)
+    if (smooth[k] && kinks.has(static_cast<Index>(k))) smooth[k] = false;
   return smooth;
 }
 

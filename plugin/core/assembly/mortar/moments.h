@@ -6,12 +6,13 @@ namespace frictioncg::mortar {
 
 /// A weight changes by no more than this share of it. Fits change by 1e-2 and less; what asks for
 /// more lies further away than a facet is long, and gets a part. A law that takes on itself what
-/// removed nodes move by acts beside them by up to that.
+/// removed nodes move by (Ownership::takes) has its force beside them, by up to a facet: its row
+/// follows by up to three times its weights, by 1.1 where corners of cubes on unlike meshes meet.
 constexpr Real most_change = 0.3, most_where_taken = 3;
 
 /// What is decided of a contact node's row where the increment began.
 struct RowChoice {
-  Real most_change = mortar::most_change;
+  Real most_change = mortar::most_change;  ///< or most_where_taken
   std::optional<bool> along_normal;  ///< whether one with the master's normal sees it along that
   Index rank = 0;                    ///< of M below; 0: not asked for
 };

@@ -208,7 +208,6 @@ class Assembly {
   }
   /// Of where the vertices are: rows that lean on nodes of their patch are of where these end.
   void set_distances(Mortar& mortar) const {
-    constexpr int chain = 4;  // of nodes that lean on such as are reached better, and lean, too
     std::vector<Real> distance(nodes_.X.size(), 0);
     std::vector<SlaveNode*> leaning;
     const auto set_distance = [&](SlaveNode& node) {
@@ -225,8 +224,16 @@ class Assembly {
     };
     for (SlaveNode& node : mortar.nodes_)
       if (set_distance(node)) leaning.push_back(&node);
-    for (int link = 0; link < chain; ++link)
-      for (SlaveNode* node : leaning) set_distance(*node);
+    // those that lean on such as lean, too, once these are settled
+    bool changed = true;
+    for (std::size_t link = 0; link < leaning.size() && changed; ++link) {
+      changed = false;
+      for (SlaveNode* node : leaning) {
+        const Real before = node->distance;
+        set_distance(*node);
+        changed = changed || node->distance != before;
+      }
+    }
   }
   /// g_e = (g_a + g_b)/2 + int phi_e (g - sum_v lambda_v g_v) / int phi_e: as exact on parts of a
   /// facet as on the whole. Where vertices carry no law, the mean of g, weighted by phi_e.

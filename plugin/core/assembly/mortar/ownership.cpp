@@ -298,17 +298,20 @@ void Ownership::find_beyond(Index p, const Side& slave, const Cover& cover,
   for (Index f = 0; f < slave.facets(); ++f) {
     Carriers& of = carriers[p][f];
     Vec3 now = Vec3::Zero(), kept_up = Vec3::Zero();
+    bool was_faced = false;
     for (int v = 0; v < slave.d; ++v) {
       const Index i = slave.facet(f).node[v];
       if (!of.kept[v]) continue;
       now[v] = kept_up[v] = reached_[i] == 1;
-      if (begun && begun->carriers[p][f].kept[v])
-        kept_up[v] = begun->reached_[i] == 1 ? reached_[i] : 0;
+      if (!begun || !begun->carriers[p][f].kept[v]) continue;
+      kept_up[v] = begun->reached_[i] == 1 ? reached_[i] : 0;
+      was_faced = was_faced || begun->reached_[i] == 1;
     }
-    if (!kept_up.isZero(0)) now = kept_up;
+    if (was_faced || !kept_up.isZero(0)) now = kept_up;
     of.reach = now;
     for_each_point(f, [&](const Vec3& lambda) { of.reach = of.reach.cwiseMax(lambda); });
-    for (int v = 0; v < 3 && !now.isZero(0); ++v)
+    if (now.isZero(0)) continue;
+    for (int v = 0; v < 3; ++v)
       if (of.kept[v]) of.reached[v] = now[v];
   }
 }

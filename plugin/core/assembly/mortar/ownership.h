@@ -60,26 +60,25 @@ struct Ownership : Ranked {
         }
       return larger;
     }
-    /// What of the multipliers of the other kept vertices those of a vertex k beyond take, so that
-    /// their law is that of where what is covered ends, or a hair beyond it on slivers:
+    /// (k, i): what the multiplier of a vertex k beyond takes of that of another kept vertex i, so
+    /// that its law is that of where what is covered ends, or a hair beyond it on slivers:
     ///
     ///   psi_k + sum_i (k, i) psi_i,   d_k / (d_k + sum_i (k, i) d_i) = max(reach_k, least)
     ///
-    /// i: by how much they are reached better than k, so that these, too, come and go without a
-    /// jump.
-    Eigen::Matrix3d taken(const DualBasis& dual) const {
+    /// shared out by how much i is reached better than k. It takes less where no i is fully
+    /// reached, so that these, too, come and go without a jump, and no more than all of psi_i.
+    Eigen::Matrix3d borrowed(const DualBasis& dual) const {
       constexpr Real least = 0.05;  // its inverse is by how much these laws depend on the others
-      Eigen::Matrix3d taken = Eigen::Matrix3d::Zero();
-      if (!leans()) return taken;
+      Eigen::Matrix3d by = Eigen::Matrix3d::Zero();
+      if (!leans()) return by;
       for (int k = 0; k < 3; ++k) {
         for (int i = 0; i < 3; ++i)
-          if (leans_on(k, i)) taken(k, i) = reached[i] - reached[k];
-        const Real others = taken.row(k).dot(dual.d), best = taken.row(k).maxCoeff();
-        if (others > 0)
-          taken.row(k) *=
-              best / (1 - reached[k]) * dual.d[k] * (1 / std::max(reach[k], least) - 1) / others;
+          if (leans_on(k, i)) by(k, i) = reached[i] - reached[k];
+        const Real others = by.row(k).dot(dual.d), best = by.row(k).maxCoeff();
+        const Real lacking = dual.d[k] * (1 / std::max(reach[k], least) - 1);
+        by.row(k) *= others > 0 ? best / (1 - reached[k]) * lacking / others : 0;
       }
-      return taken / std::max(1., taken.colwise().sum().maxCoeff());
+      return by / std::max(1., by.colwise().sum().maxCoeff());
     }
     bool beyond(int v) const { return reached[v] < 1; }
     bool leans() const { return reached.minCoeff() < 1 && takes.isZero(0); }
@@ -131,13 +130,13 @@ void for_each_multiplier(const Part& part, const Moments& moments,
                          const Ownership::Carriers& carriers, const Visit& visit) {
   const int d = part.slave.d;
   const auto of_vertices = [&](const DualBasis& dual, const std::array<bool, 3>& kept, Real share) {
-    const Eigen::Matrix3d taken = carriers.taken(dual);
+    const Eigen::Matrix3d borrowed = carriers.borrowed(dual);
     for (int v = 0; v < d; ++v) {
       if (!kept[v]) continue;
-      const Real left = 1 - taken.col(v).sum();
-      const Eigen::RowVector3d psi = left * dual.psi.row(v) + taken.row(v) * dual.psi;
+      const Real left = 1 - borrowed.col(v).sum();
+      const Eigen::RowVector3d psi = left * dual.psi.row(v) + borrowed.row(v) * dual.psi;
       std::array<bool, 3> beside = kept;
-      for (int w = 0; w < d; ++w) beside[w] = kept[w] && taken(v, w) == 0;
+      for (int w = 0; w < d; ++w) beside[w] = kept[w] && borrowed(v, w) == 0;
       visit(part.node(v), Eigen::RowVector3d(share * psi), beside, share * left * dual.d[v]);
     }
   };

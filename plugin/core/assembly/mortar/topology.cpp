@@ -78,7 +78,7 @@ void Side::find_joints(const std::vector<Plane>& at) {
     for (std::size_t q = k + 1; q < next; ++q) {
       const Index f = ridges[q - 1].second, g = ridges[q].second;
       const Real cosine = next == k + 2 ? at[f].normal.dot(at[g].normal) : -1;
-      joints.push_back({{f, g}, vertex, cosine});
+      joints.push_back({{f, g}, vertex, cosine, {at[f].normal, at[g].normal}});
     }
   }
   std::map<Index, Real> bends;  // once some joint asks for them

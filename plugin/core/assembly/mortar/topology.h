@@ -15,6 +15,7 @@ struct Joint {
   std::array<Index, 2> facet;
   std::array<Index, 2> vertex;  ///< ridge_of
   Real cosine;                  ///< of the angle between the normals; -1 where more facets meet
+  std::array<Vec3, 2> normal;   ///< of the facets, by which the cosine is
   bool goes_on = false;         ///< the surface, over the ridge; else that is an edge of the body
 };
 
