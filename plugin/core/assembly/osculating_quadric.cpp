@@ -7,7 +7,9 @@ namespace {
 
 /// The vertices leave some of the curvature open where the least diagonal of R is below this share
 /// of the largest; a third and twice of it do as well on random triangulations and single layers.
-constexpr Real open = 1e-2;
+/// Two circles of a cone leave the last open, but for how they lean: they are those of a sphere,
+/// too.
+constexpr Real open = 1e-2, last_open = 6e-2;
 /// The normal has arrived where the slope left in its frame is below this: rounding.
 constexpr Real arrived = 1e-14;
 /// Two curvatures are one where they differ by less than this share.
@@ -94,10 +96,10 @@ class Fit {
     const int rest = std::clamp(static_cast<int>(points_.size()) - slopes, 0, bends);
     Bends rows = R_.template block<bends, bends>(slopes, slopes);
     rows.bottomRows(bends - rest).setZero();  // of no point
-    const int rank = rank_of(rows);
+    const auto [rank, between] = rank_of(rows);
     if (rank < bends) {
       found_.template tail<bends>() =
-          least_squares(rows, R_.template block<bends, 1>(slopes, unknowns), open);
+          least_squares(rows, R_.template block<bends, 1>(slopes, unknowns), between);
       if (d == 3 && rank == 2) develop(rows);
     }
     for (int k = (rank < bends ? slopes : unknowns) - 1; k >= 0; --k) {
@@ -108,20 +110,23 @@ class Fit {
     q_.head<bends>() = found_.template tail<bends>();
     k_ = along_normal(q_[0], q_[1] / M_SQRT2, q_[2]);
   }
-  /// By what each column adds to those before, the largest first.
-  static int rank_of(Bends rows) {
-    Real first = 0;
+  /// By what each column adds to those before, the largest first; and a share of the largest
+  /// between that of the last which counts and the next.
+  static std::pair<int, Real> rank_of(Bends rows) {
+    Real first = 0, last = 0;
     for (int rank = 0; rank < bends; ++rank) {
       int largest = 0;
       for (int c = 1; c < bends; ++c)
         if (rows.col(c).squaredNorm() > rows.col(largest).squaredNorm()) largest = c;
       const Real size = rows.col(largest).norm();
       if (rank == 0) first = size;
-      if (!(size > open * first)) return rank;
+      if (!(size > (rank == 2 ? last_open : open) * first))
+        return {rank, std::sqrt(last * size) / first};
+      last = size;
       const Eigen::Matrix<Real, bends, 1> direction = rows.col(largest) / size;
       rows -= direction * (direction.transpose() * rows);
     }
-    return bends;
+    return {bends, 0};
   }
   /// Two rows of vertices leave one curvature open: that which makes c f = d^2, as on a cylinder or
   /// a cone. q + t v, v what is open.
