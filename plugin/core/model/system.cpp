@@ -230,7 +230,7 @@ Vector node_weights(const System& system) {
 }
 
 Index skew_penalty(const System& system) {
-  constexpr Real lost = 1e7;  // over where penalties begin: of the usual stiffness no three digits
+  constexpr Real lost = 1e4;  // over where penalties begin: a hundred times more costs 7 %
   constexpr Real aslant = 1e-6;
   const Vector stiffness = node_stiffness(system);
   const Penalties found = penalties(system, stiffness);
