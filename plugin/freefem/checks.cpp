@@ -392,20 +392,19 @@ void check_load_for_data(const Scene& scene, const Vector& b, long verb) {
 
 void refuse_component_blocks(const Scene& scene, const Triplets& A) {
   if (scene.dofs.first > 0 || scene.dofs.count % scene.d != 0) return;
+  const Dirichlet& held = scene.system->dirichlet();
+  bool inside = held.size() == 0;
   std::vector<char> on_boundary(scene.dofs.count, 0);
   for (const LabelledNode& n : scene.labelled())
     for (Index dof : n.dof)
       if (dof >= 0) on_boundary[dof] = 1;
-  const Dirichlet& held = scene.system->dirichlet();
-  bool inside = held.size() == 0;
   for (Index i = 0; i < scene.dofs.count && !inside; ++i) inside = held.holds(i) && !on_boundary[i];
   if (!inside) return;  // on() holds nodes of labels alone
   if (!BlockOrder(scene.places(), scene.d, scene.dofs).exchanged(A)) return;
   throw IllegalInput(
       "A has the displacements one after the other, as [[A11, A12], [A12', A22]] of scalar spaces "
-      "makes it, where the space of the call has those of each node together; assemble A and b by "
-      "a "
-      "varf([u1, u2], [v1, v2]) on that space");
+      "makes it, where the space of the call has those of each node together; assemble A and b "
+      "by a varf([u1, u2], [v1, v2]) on that space");
 }
 
 void refuse_skew_penalties(const Scene& scene) {
@@ -422,8 +421,7 @@ void refuse_skew_penalties(const Scene& scene) {
   m << "A(" << i << "," << i << ") = " << system.D[k] << at
     << " is of a penalty along a direction between the axes (at contact nodes, between normal and "
        "tangents), so large that A has rounded away what the body resists across it; take 1e8 "
-       "times the stiffness, which holds as well, or on() "
-       "along an axis";
+       "times the stiffness, which holds as well, or on() along an axis";
   throw IllegalInput(m.str());
 }
 

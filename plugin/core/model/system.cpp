@@ -232,17 +232,15 @@ Vector node_weights(const System& system) {
 Index skew_penalty(const System& system) {
   constexpr Real lost = 1e4;  // over where penalties begin: a hundred times more costs 7 %
   constexpr Real aslant = 1e-6;
-  const Vector stiffness = node_stiffness(system);
-  const Penalties found = penalties(system, stiffness);
-  const auto same_node = [&](Index k, Index l) {
-    return !system.mesh_node.empty() && system.mesh_node[k] == system.mesh_node[l];
-  };
+  const std::vector<Index>& node = system.mesh_node;
+  if (node.empty()) return -1;
+  const Penalties found = penalties(system, node_stiffness(system));
   for (Index k : found.dofs) {
     if (system.D[k] < lost * found.most) continue;
     for (Matrix::InnerIterator a(system.entries(), k); a; ++a) {
       const Index l = static_cast<Index>(a.col());
       const Real both = system.D[k] * system.D[l], square = a.value() * a.value();
-      if (l != k && same_node(k, l) && both - square < aslant * both) return k;
+      if (l != k && node[k] == node[l] && both - square < aslant * both) return k;
     }
   }
   return -1;
