@@ -19,8 +19,9 @@ constexpr Real on_edge = 1e-9;
 /// Columns to search, as a share of the widest one, and how they grow: what is met costs little.
 constexpr Real narrowest = 1e-3, wider = 4;
 /// Gaps of two bodies that turn as one are closed up to this share of an element: beyond, forces
-/// would act within the master for want of friction.
-constexpr Real closed = 0.01;
+/// would act within the master for want of friction. Two surfaces between vertices of one curved
+/// face are apart by that much on coarse meshes.
+constexpr Real closed = 0.03;
 
 /// Weights move by up to `narrow` of a barycentric coordinate, which is about the gap over the
 /// height of the element; what asks for more fades out towards `widest`. A node beyond the master's
@@ -202,26 +203,45 @@ Crossings crossings(const Matrix& G, const std::vector<SlaveNode>& nodes, const 
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const auto& [i, pair, label, n, D, g, distance] = nodes[k];
     const Vec3 arm = Arm(G, k, nodes[k], all.where_forces_act()).sum;
+    const auto later = [&, of = pair](Index l) { return pair_of[l] >= of; };
+    const auto by = [&, i = i](const Facet& facet, Index behind) {
+      Crossing c;
+      c.vertices.assign(facet.node.begin(), facet.node.begin() + all.dimension);
+      c.vertices.push_back(behind);
+      c.gradients = gradients_of(c.vertices, all.X);
+      c.one_body = facet.one_body || (!apart && turns[i]);
+      return c;
+    };
+    const auto change = [&, &n = n, g = g](const Crossing& c) {
+      return (c.gradients * c.e(arm, n, g)).lpNorm<Eigen::Infinity>();
+    };
+    const auto is_open = [&, &n = n, g = g](const Facet& facet, const Crossing& c) {
+      return !apart && !facet.one_body && g * (c.gradients * n).lpNorm<Eigen::Infinity>() > closed;
+    };
     Real whole = 0;
     for (const auto& [facet, weight] : faced[i]) {
-      const bool one_body = facet->one_body || (!apart && turns[i]);
-      if (facet->behind < 0 || !(apart || one_body)) continue;
-      std::vector<Index> vertices(facet->node.begin(), facet->node.begin() + all.dimension);
-      vertices.push_back(facet->behind);
-      const auto later = [&, of = pair](Index l) { return pair_of[l] >= of; };
-      if (std::any_of(vertices.begin(), vertices.end(), later)) continue;
-      const DenseMatrix gradients = gradients_of(vertices, all.X);
-      const bool open = g * (gradients * n).lpNorm<Eigen::Infinity>() > closed;
-      if (!apart && !facet->one_body && open) continue;
+      if (facet->behind < 0 || !(apart || facet->one_body || turns[i])) continue;
+      Crossing here = by(*facet, facet->behind);
+      if (std::any_of(here.vertices.begin(), here.vertices.end(), later)) continue;
+      // the vertex of a flat element may lie on the face, too: the deepest one does better
+      if (!apart && (change(here) > narrow || is_open(*facet, here))) {
+        const Plane face = plane_of(all.dimension, *facet, all.X);
+        const auto depth = [&](Index l) { return face.normal.dot(face.origin - all.X[l]); };
+        Index deepest = facet->behind;
+        for (const auto& [beside, theirs] : faced[i])
+          if (const Index l = beside->behind; l >= 0 && !later(l) && depth(l) > depth(deepest))
+            deepest = l;
+        here = by(*facet, deepest);
+      }
+      if (is_open(*facet, here)) continue;
       whole += weight;
-      Crossing& here =
-          found[k].emplace_back(Crossing{std::move(vertices), gradients, one_body, weight});
-      const Real change = (gradients * here.e(arm, n, g)).lpNorm<Eigen::Infinity>();
-      here.share *= std::clamp<Real>((widest - change) / (widest - narrow), 0, 1);
+      here.share = weight * std::clamp<Real>((widest - change(here)) / (widest - narrow), 0, 1);
+      if (here.share > 0) found[k].push_back(std::move(here));
     }
-    for (Crossing& crossing : found[k]) crossing.share /= whole;
-    const auto fades = [](const Crossing& crossing) { return crossing.share == 0; };
-    found[k].erase(std::remove_if(found[k].begin(), found[k].end(), fades), found[k].end());
+    // what fades out is left to the others, as long as these are half of all
+    const auto add = [](Real sum, const Crossing& c) { return sum + c.share; };
+    const Real kept = std::accumulate(found[k].begin(), found[k].end(), Real(0), add);
+    for (Crossing& c : found[k]) c.share /= std::max(kept, whole / 2);
   }
   return found;
 }

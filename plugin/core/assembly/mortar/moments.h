@@ -59,8 +59,8 @@ using FacedFacets = std::vector<std::map<const Facet*, Real>>;
 struct Crossing {
   std::vector<Index> vertices;
   DenseMatrix gradients;  ///< of their barycentric coordinates, as rows [1/length]
-  bool one_body;          ///< with the slave, or as good as one
-  Real share;             ///< of the facet in the row, times what does not fade out
+  bool one_body = false;  ///< with the slave, or as good as one
+  Real share = 0;         ///< of the facet in the row, times what does not fade out
 
   /// g: the node's gap along n; arm: sum_l G_il (X_l - X_i)
   Vec3 e(const Vec3& arm, const Vec3& n, Real g) const {
@@ -97,8 +97,8 @@ Crossings crossings(const Matrix& G, const std::vector<SlaveNode>& nodes, const 
 /// so that an open gap changes nothing but by how edges bend. s_im is the share of facet m in the
 /// row: a row goes from facet to facet without a jump as bodies slide. The change, of about |e|
 /// over the height of the element, is an error of the stress there: what is crossed fades out
-/// between 0.8 of it and 1.2. Weights of the facet's nodes alone could not move a point across the
-/// gap: they lie in one plane.
+/// between 0.8 of it and 1.2, and is left to the facets beside it. Weights of the facet's nodes
+/// alone could not move a point across the gap: they lie in one plane.
 Matrix across_gap(const Matrix& P, const Matrix& G, const std::vector<SlaveNode>& nodes,
                   const std::vector<Vec3>& X, const Crossings& crossings);
 
