@@ -1,7 +1,5 @@
 #include "cost.h"
 
-#include "statics/rigid_motions.h"
-
 namespace frictioncg {
 
 namespace {
@@ -33,13 +31,15 @@ Costs estimate_costs(const System& system) {
   const bool solid = system.dimension == 3;
   costs.condensed = laws + ordered + (solid ? of_factor * n * n : planar);
   const bool known = system.rigid_modes && !system.mesh_node.empty();
+  const auto is_slender = [&] {
+    return system.slenderness && system.slenderness() >= (solid ? slender : slender_2d);
+  };
   costs.multigrid = costs.path = costs.sparse = std::numeric_limits<double>::infinity();
   if (known) costs.multigrid = of_cycles * entries;
   const double on_A = solid ? steps_on_A * (ordered + of_sparse * std::pow(n, 1.5))
                             : steps_on_A_2d * (ordered + planar);
   const double on_S = costs.condensed + ((solid ? path_on_S : path_on_S_2d) - 1) * laws;
-  if (costs.multigrid < costs.condensed && slenderness(system) >= (solid ? slender : slender_2d))
-    costs.path = std::min(on_A, on_S);
+  if (costs.multigrid < costs.condensed && is_slender()) costs.path = std::min(on_A, on_S);
   if (costs.path == on_A) costs.sparse = on_A;
   costs.sparse_first = std::isfinite(costs.sparse) && !solid;
   return costs;

@@ -271,12 +271,12 @@ BoundaryNode Pairing::contact_node(Index i, const mortar::SlaveNode& m) const {
 
 std::unique_ptr<LocalSystem> Pairing::system(const Triplets& A, std::vector<ContactPoint> points,
                                              const std::vector<Index>& mesh_node,
-                                             const RigidModes& modes, const BodyModes& body_modes,
+                                             const BodyShape& shape,
                                              const LocalSystem* before) const {
   const Coupling coupling =
       mortar::couple(*mortar_, between_.d, between_.dof, *dirichlet_, A.n, taken_);
   return std::make_unique<LocalSystem>(A, between_.d, std::move(points), mesh_node, *dirichlet_,
-                                       coupling, modes, body_modes, before);
+                                       coupling, shape, before);
 }
 
 std::vector<BoundaryNode> Pairing::slave_nodes() const {

@@ -81,8 +81,8 @@ class Pairing {
   /// Node i of the slave with what a mortar makes of it.
   BoundaryNode contact_node(Index i, const mortar::SlaveNode& m) const;
   std::unique_ptr<LocalSystem> system(const Triplets& A, std::vector<ContactPoint> points,
-                                      const std::vector<Index>& mesh_node, const RigidModes& modes,
-                                      const BodyModes& body_modes, const LocalSystem* before) const;
+                                      const std::vector<Index>& mesh_node, const BodyShape& shape,
+                                      const LocalSystem* before) const;
   /// The slave's nodes.
   std::vector<BoundaryNode> slave_nodes() const;
   /// visit(i, node): the same for each label of theirs, where a gap is evaluated.

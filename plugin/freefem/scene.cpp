@@ -119,14 +119,15 @@ void Scene::assemble(const Triplets& A, Scene* before, bool alone) {
   std::vector<ContactPoint> points = points_of(nodes);
   const LocalSystem* const last = before ? before->system.get() : nullptr;
   const Index n = static_cast<Index>(ndof());
-  const auto modes = [places = places, d = d, n] { return rigid_modes(places(), d, n); };
-  const auto each = [places = places, d = d, n] { return body_modes(places(), d, n); };
+  BodyShape shape;
+  shape.rigid_modes = [places = places, d = d, n] { return rigid_modes(places(), d, n); };
+  shape.slenderness = [places = places, d = d] { return slenderness(places(), d); };
+  if (pairing || moving)
+    shape.body_modes = [places = places, d = d, n] { return body_modes(places(), d, n); };
   system = placed([&] {
-    if (pairing) return pairing->system(A, std::move(points), mesh_node, modes, each, last);
-    if (!moving)
-      return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, modes, last);
-    return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, modes, last,
-                                         moving->rigid, each);
+    if (pairing) return pairing->system(A, std::move(points), mesh_node, shape, last);
+    return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, shape, last,
+                                         moving ? moving->rigid : RigidObstacles());
   });
   const Basis& basis = system->basis();  // rows of dofs held have prescribed displacements alone
   held.assign(basis.T.rows(), 1);

@@ -2,11 +2,21 @@
 
 #include <Eigen/LU>
 
+#include "core/statics/nearest_motion.h"
+#include "core/statics/rigid_motions.h"
+
 namespace frictioncg::test {
 
 Posed Scene::system(const std::vector<Index>& mesh_node) const {
-  RigidModes known;
-  if (modes.cols() > 0) known = [m = modes] { return m; };
+  BodyShape known;
+  if (modes.cols() > 0) known.rigid_modes = [m = modes] { return m; };
+  if (modes.cols() > 0 && !mesh_node.empty())
+    known.slenderness = [m = modes, d = d, mesh_node] {
+      const Eigen::MatrixXd X = places_of(mesh_node, d, m);
+      std::vector<NodePlace> nodes(X.rows());
+      for (std::size_t p = 0; p < nodes.size(); ++p) nodes[p].x.head(d) = X.row(Index(p));
+      return slenderness(nodes, d);
+    };
   return {std::make_unique<const LocalSystem>(triplets(), d, points, mesh_node, known), b, u_old,
           laws()};
 }

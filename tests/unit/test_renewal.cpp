@@ -19,8 +19,8 @@ Solution solved(Solver& solver, const Posed& posed, Method method) {
 
 /// A scene as LocalSystem takes it, after another.
 std::unique_ptr<LocalSystem> posed_after(const SparseScene& s, const LocalSystem* before) {
-  return std::make_unique<LocalSystem>(
-      s.triplets(), s.d, s.points, s.node_of_dof, [M = s.modes] { return M; }, before);
+  const BodyShape shape{[M = s.modes] { return M; }};
+  return std::make_unique<LocalSystem>(s.triplets(), s.d, s.points, s.node_of_dof, shape, before);
 }
 
 /// An entry between two free dofs of the interior, and its mirror image.

@@ -10,8 +10,8 @@ namespace frictioncg {
 constexpr Real same_gap = 1e-9;
 
 LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
-                         std::vector<Index> mesh_node, RigidModes modes, const LocalSystem* before,
-                         const RigidObstacles& obstacles, BodyModes body_modes)
+                         std::vector<Index> mesh_node, BodyShape shape, const LocalSystem* before,
+                         const RigidObstacles& obstacles)
     : points_(std::move(points)), dirichlet_(A, points_) {
   make_basis(A, dimension);
   const Index n_q = obstacles.dofs();
@@ -26,23 +26,22 @@ LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPo
     const Index next = 1 + *std::max_element(mesh_node.begin(), mesh_node.end());
     for (Index k = 0; k < n_q; ++k) mesh_node.push_back(next + k);
   }
-  if (modes && n_q > 0)
-    modes = [n_q, of_bodies = std::move(modes)] {
+  if (shape.rigid_modes && n_q > 0)
+    shape.rigid_modes = [n_q, of_bodies = std::move(shape.rigid_modes)] {
       DenseMatrix M = of_bodies();
       M.conservativeResizeLike(DenseMatrix::Zero(M.rows() + n_q, M.cols()));
       return M;
     };
-  if (body_modes)
-    body_modes = [n_q, of_bodies = std::move(body_modes)] {
+  if (shape.body_modes)
+    shape.body_modes = [n_q, of_bodies = std::move(shape.body_modes)] {
       return with_obstacles(of_bodies(), n_q);
     };
-  assemble(A, dimension, mesh_node, std::move(modes), std::move(body_modes), before);
+  assemble(A, dimension, mesh_node, std::move(shape), before);
 }
 
 LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
                          const std::vector<Index>& mesh_node, Dirichlet dirichlet,
-                         const Coupling& coupling, RigidModes modes, BodyModes body_modes,
-                         const LocalSystem* before)
+                         const Coupling& coupling, BodyShape shape, const LocalSystem* before)
     : points_(std::move(points)), dirichlet_(std::move(dirichlet)) {
   make_basis(A, dimension);
   const auto of_u = std::make_shared<Basis>(*basis_);
@@ -50,7 +49,7 @@ LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPo
   of_u->W = basis_->W * coupling.W;
   of_u->rotated = basis_->rotated || coupling.T.nonZeros() > coupling.T.rows();
   basis_ = of_u;
-  assemble(A, dimension, mesh_node, std::move(modes), std::move(body_modes), before);
+  assemble(A, dimension, mesh_node, std::move(shape), before);
 }
 
 /// The frames of the contact points.
@@ -72,7 +71,7 @@ Matrix LocalSystem::border(Index n) const {
 
 /// The system in the basis.
 void LocalSystem::assemble(const Triplets& A, int dimension, const std::vector<Index>& mesh_node,
-                           RigidModes modes, BodyModes body_modes, const LocalSystem* before) {
+                           BodyShape shape, const LocalSystem* before) {
   const auto system = std::make_shared<AssembledSystem>();
   system->dimension = dimension;
   system->first = basis_->first;
@@ -94,8 +93,9 @@ void LocalSystem::assemble(const Triplets& A, int dimension, const std::vector<I
     system->mesh_node.reserve(basis_->origin.size());
     for (Index dof : basis_->origin) system->mesh_node.push_back(mesh_node[dof]);
   }
-  system->rigid_modes = in_local_dofs(std::move(modes));
-  system->body_modes = in_local_dofs(std::move(body_modes));
+  system->rigid_modes = in_local_dofs(std::move(shape.rigid_modes));
+  system->body_modes = in_local_dofs(std::move(shape.body_modes));
+  system->slenderness = std::move(shape.slenderness);
   system->weight = node_weights(*system);
   system->inertia = inertia_of(*system);
   system_ = system;

@@ -50,23 +50,20 @@ struct LocalIncrement {
 class LocalSystem {
  public:
   /// Copies A once, in O(nnz); A itself is not kept. mesh_node (n, or empty): which dofs share a
-  /// node of the mesh, so that the factorization orders nodes in place of dofs. modes, or empty:
-  /// the rigid motions in dofs of the script (n x k). before: the system of another matrix, or
-  /// null; its pattern is kept where that holds all of A. obstacles: those that move; n counts
-  /// their dofs, too, of which b has the load where they are free, and the motion where it is
-  /// given. body_modes: beside them, rigid motions of each body alone, of the dofs of the script.
+  /// node of the mesh, so that the factorization orders nodes in place of dofs. shape: motions in
+  /// dofs of the script (n x k). before: the system of another matrix, or null; its pattern is kept
+  /// where that holds all of A. obstacles: those that move; n counts their dofs, too, of which b
+  /// has the load where they are free, and the motion where it is given.
   /// Throws IllegalInput for what is not finite, not symmetric, or has a diagonal <= 0, and as
   /// with_obstacles.
   LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
-              std::vector<Index> mesh_node = {}, RigidModes modes = {},
-              const LocalSystem* before = nullptr, const RigidObstacles& obstacles = {},
-              BodyModes body_modes = {});
+              std::vector<Index> mesh_node = {}, BodyShape shape = {},
+              const LocalSystem* before = nullptr, const RigidObstacles& obstacles = {});
   /// With two bodies: frames and laws act on the relative displacements of the coupling, that knows
-  /// what `dirichlet` holds of A. body_modes: rigid motions of each body alone.
+  /// what `dirichlet` holds of A.
   LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
               const std::vector<Index>& mesh_node, Dirichlet dirichlet, const Coupling& coupling,
-              RigidModes modes = {}, BodyModes body_modes = {},
-              const LocalSystem* before = nullptr);
+              BodyShape shape = {}, const LocalSystem* before = nullptr);
   LocalSystem(const LocalSystem&) = delete;
   LocalSystem& operator=(const LocalSystem&) = delete;
 
@@ -101,7 +98,7 @@ class LocalSystem {
  private:
   void make_basis(const Triplets& A, int dimension);
   void assemble(const Triplets& A, int dimension, const std::vector<Index>& mesh_node,
-                RigidModes modes, BodyModes body_modes, const LocalSystem* before);
+                BodyShape shape, const LocalSystem* before);
   Matrix border(Index n) const;
   template <class Modes>
   std::function<Modes()> in_local_dofs(std::function<Modes()> modes) const;

@@ -10,11 +10,8 @@ namespace {
 /// Forces of a rigid motion below this, over diag(A) and the motion, are rounding.
 constexpr Real no_resistance = 1e-12;
 
-/// Whether A resists one of the motions, a sum of all of them, at more than half of the dofs.
-bool resists_everywhere(const System& system, const DenseMatrix& motions) {
-  Vector some(motions.cols());
-  for (Index k = 0; k < some.size(); ++k) some[k] = 1 / (1 + 0.3 * k);
-  const Vector w = motions.lazyProduct(some);
+/// Whether A resists the motion w at more than half of the dofs.
+bool resists_everywhere(const System& system, const Vector& w) {
   Vector Aw;
   system.multiply(w, Aw);
   const Real size = system.largest(w.lpNorm<Eigen::Infinity>());
@@ -36,9 +33,13 @@ Matrix of_each_body(const System& system, const DenseMatrix& motions) {
 }  // namespace
 
 Matrix inertia_of(const System& system) {
+  // Away from turned frames this is a translation, and far cheaper than the motions.
+  if (!resists_everywhere(system, Vector::Ones(system.dofs()))) return {};
   const DenseMatrix motions = system.rigid_modes ? system.rigid_modes() : DenseMatrix();
   if (system.largest(motions.rows() == system.dofs()) == 0) return {};
-  if (!resists_everywhere(system, motions)) return {};
+  Vector some(motions.cols());  // a sum of all of them
+  for (Index k = 0; k < some.size(); ++k) some[k] = 1 / (1 + 0.3 * k);
+  if (!resists_everywhere(system, motions.lazyProduct(some))) return {};
   const Matrix W = system.body_modes ? system.body_modes() : of_each_body(system, motions);
   EntryList entries;
   system.product(W, [&](Index i, const std::vector<Index>& columns, const Vector& values) {

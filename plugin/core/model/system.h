@@ -21,10 +21,18 @@ struct Bodies {
 };
 
 /// Candidates for rigid motions: n x k, made when asked for. None of them need be in the kernel of
-/// A: a support or a link may stand against it. An empty function: not known.
+/// A: a support or a link may stand against it.
 using RigidModes = std::function<Eigen::MatrixXd()>;
 /// The same of many bodies, most of whose rows are 0.
 using BodyModes = std::function<Matrix()>;
+/// What the places of the nodes tell. An empty function: not known.
+struct BodyShape {
+  RigidModes rigid_modes = {};  ///< of all bodies as if they were one
+  BodyModes body_modes = {};    ///< of each body alone, where a coupling joins them in A
+  /// Of all bodies together: the longest over the shortest radius of gyration of the mesh nodes,
+  /// about L/t of a beam or a plate.
+  std::function<Real()> slenderness = {};
+};
 /// Takes row i of a product: the columns that may not be 0, and all values, by column.
 using VisitRow =
     std::function<void(Index i, const std::vector<Index>& columns, const Vector& values)>;
@@ -37,7 +45,7 @@ using VisitRow =
 ///
 /// Several processes may share it: each owns some of the dofs and nodes, holds vectors and products
 /// of that size, and calls the same functions in the same order as all others.
-struct System {
+struct System : BodyShape {  // with motions in local frames
   virtual ~System() = default;
 
   int dimension = 2;         ///< 2 or 3
@@ -48,9 +56,7 @@ struct System {
   /// n x k, or empty: the last k interior dofs are at no place, but motions of obstacles, with
   /// dense rows in A. These columns move an obstacle along one of them alone, A border = 0.
   Matrix border;
-  RigidModes rigid_modes;  ///< of all bodies as if they were one, in local frames
-  BodyModes body_modes;    ///< of each body alone, where a coupling joins them in A; or empty
-  Matrix inertia;          ///< n x k, of inertia_of
+  Matrix inertia;  ///< n x k, of inertia_of
 
   Index dofs() const { return first.back(); }
   Index nodes() const { return static_cast<Index>(first.size()) - 1; }

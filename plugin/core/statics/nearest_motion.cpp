@@ -76,6 +76,14 @@ Eigen::MatrixXd rigid_modes(const std::vector<NodePlace>& nodes, int d, Index n)
   return rigid_modes(nodes, d, n, extent_of(nodes));
 }
 
+Real slenderness(const std::vector<NodePlace>& nodes, int d) {
+  const Vec3 mean = extent_of(nodes).mean;
+  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
+  for (const NodePlace& p : nodes) moments += (p.x - mean) * (p.x - mean).transpose();
+  const Vector extent = eigenpairs(moments.topLeftCorner(d, d)).values;
+  return extent[0] > 0 ? std::sqrt(extent.tail(1)[0] / extent[0]) : 1;
+}
+
 Index count_bodies(const std::vector<NodePlace>& nodes) {
   Index count = 0;
   for (const NodePlace& n : nodes) count = std::max(count, n.body + 1);

@@ -39,6 +39,9 @@ Eigen::MatrixXd rigid_modes(const std::vector<NodePlace>& nodes, int d, Index n,
                             const Extent& extent);
 Eigen::MatrixXd rigid_modes(const std::vector<NodePlace>& nodes, int d, Index n);
 
+/// See BodyShape.
+Real slenderness(const std::vector<NodePlace>& nodes, int d);
+
 /// How many bodies there are, numbered from 0.
 Index count_bodies(const std::vector<NodePlace>& nodes);
 

@@ -103,19 +103,4 @@ Eigen::MatrixXd places_of(const std::vector<Index>& mesh_node, int dimension,
   return (told.array() > 0).select(place.array() / told.array(), 0);
 }
 
-Real slenderness(const System& system) {
-  if (!system.rigid_modes || system.mesh_node.empty()) return 1;
-  const Eigen::MatrixXd modes = system.rigid_modes();
-  if (modes.rows() != system.dofs() || modes.cols() != rigid_components(system.dimension)) return 1;
-  const Eigen::MatrixXd places = places_of(system.mesh_node, system.dimension, modes);
-  std::vector<Index> whole, count(places.rows(), 0);  // where a support holds, a place may lack
-  for (const Index node : system.mesh_node)
-    if (++count[node] == system.dimension) whole.push_back(node);
-  if (whole.size() < 2) return 1;
-  Eigen::MatrixXd place = places(whole, Eigen::all);
-  place.rowwise() -= place.colwise().mean().eval();
-  const Vector extent = eigenpairs(place.transpose() * place).values;
-  return extent[0] > 0 ? std::sqrt(extent.tail(1)[0] / extent[0]) : 1;
-}
-
 }  // namespace frictioncg

@@ -18,8 +18,4 @@ DenseMatrix rigid_motions(const System& system, Index max_iterations);
 Eigen::MatrixXd places_of(const std::vector<Index>& mesh_node, int dimension,
                           const Eigen::MatrixXd& modes);
 
-/// How slender all bodies together are: the longest over the shortest radius of gyration of the
-/// mesh nodes, about L/t of a beam or a plate. 1 where the system does not tell its rigid modes.
-Real slenderness(const System& system);
-
 }  // namespace frictioncg

@@ -61,7 +61,7 @@ TEST(LocalSystem, RigidMotionsOfTheScriptDoNoWorkInLocalDofs) {
   const RigidModes short_by_one = [n = unknown.n] {
     return Eigen::MatrixXd(Eigen::MatrixXd::Ones(n - 1, 3));
   };
-  const LocalSystem other(unknown.triplets(), 2, unknown.points, {}, short_by_one);
+  const LocalSystem other(unknown.triplets(), 2, unknown.points, {}, {short_by_one});
   EXPECT_EQ(other.system()->rigid_modes().size(), 0);  // of another number of dofs: as none
 }
 

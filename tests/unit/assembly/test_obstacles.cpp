@@ -43,12 +43,13 @@ struct Moving {
   }
   void pose() {
     const Eigen::MatrixXd modes = scene.modes;
-    const RigidModes made = [modes] { return modes; };
-    const BodyModes each = [modes] { return Matrix(modes.sparseView()); };
+    BodyShape shape;
+    shape.rigid_modes = [modes] { return modes; };
+    shape.body_modes = [modes] { return Matrix(modes.sparseView()); };
     std::vector<Index> node(scene.n);
     for (Index i = 0; i < scene.n; ++i) node[i] = i / scene.d;
-    local = std::make_unique<LocalSystem>(scene.triplets(), scene.d, scene.points, node, made,
-                                          nullptr, obstacles, each);
+    local = std::make_unique<LocalSystem>(scene.triplets(), scene.d, scene.points, node, shape,
+                                          nullptr, obstacles);
   }
   Index each() const { return rigid_components(scene.d); }
   /// Of obstacle o at a point, by the cross product.
