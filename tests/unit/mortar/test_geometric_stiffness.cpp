@@ -141,6 +141,27 @@ Real error_of_gaps(const Surfaces& s, bool even = false, Real reach = within) {
   return worst / size;
 }
 
+/// The same of edges that bend: how far n.(G x) + g, which Newton's steps see, is off.
+Real error_of_bent_gaps(const Surfaces& s, const std::vector<Vec3>& along) {
+  const Mortar mortar = s.mortar();
+  const Mortar sloped = loaded(s, force(mortar, multipliers(s, mortar), mortar.nodes()));
+  const auto straight = straightened(s.nodes.dimension, s.pairs, along);
+  const Vector change = mortar::change(sloped, along, straight).gap;
+  const auto [high, low] = beside(s, along);
+  Real worst = 0, size = 0;
+  for (Index k = 0; k < change.size(); ++k) {
+    if (change[k] == 0) continue;
+    Real seen = 0;
+    for (Matrix::InnerIterator G(sloped.relative(), k); G; ++G)
+      seen += G.value() * sloped.nodes()[k].normal.dot(along[G.col()]);
+    const Real exact = (high.nodes()[k].gap - low.nodes()[k].gap) / (2 * way_aside);
+    worst = std::max(worst, std::abs(change[k] - seen - exact));
+    size = std::max(size, std::abs(exact));
+  }
+  EXPECT_GT(size, 0.1);
+  return worst / size;
+}
+
 /// Normals that stay, those of the mesh.
 Surfaces with_given_normals(Surfaces s) {
   const Mortar mortar = s.mortar();
@@ -184,6 +205,7 @@ TEST(GeometricStiffness, KnowsHowBentEdgesOfAPathAreSeenAcross) {
     EXPECT_LT(error(s, {bending}), 1e-7) << d;  // straight as yet
     for (std::size_t j = 0; j < bending.size(); ++j) s.nodes.X[j] += 0.005 * bending[j];
     EXPECT_LT(error(s, {bending}), 1e-7) << d;
+    EXPECT_LT(error_of_bent_gaps(s, bending), 1e-7) << d;
   }
 }
 

@@ -78,11 +78,10 @@ std::vector<char> smooth_joints(const Side& side) {
   return smooth;
 }
 
-/// q (n_a + n_b) / (1 + n_a.n_b)
-Vec3 arc(const Vec3& n_a, const Vec3& n_b, const Vec3& e) {
+/// (n_a + n_b) / (1 + n_a.n_b)
+Vec3 between(const Vec3& n_a, const Vec3& n_b) {
   const Real cosine = n_a.dot(n_b);
-  if (cosine < 0) return Vec3::Zero();
-  return (n_b - n_a).dot(e) / 2 / (1 + cosine) * (n_a + n_b);
+  return cosine < 0 ? Vec3(Vec3::Zero()) : Vec3((n_a + n_b) / (1 + cosine));
 }
 
 Mat3 cross(const Vec3& a) {
@@ -145,18 +144,34 @@ Turns turns_of_normal(Index i, const Vec3& n, const std::vector<Index>& facets, 
   return turns;
 }
 
-CurvedOffset::CurvedOffset(const Side& side, const std::vector<Vec3>& X)
+CurvedOffset::CurvedOffset(const Side& side, const std::vector<Vec3>& X,
+                           const std::vector<Vec3>& reference)
     : side_(side),
       X_(X),
       smooth_joints_(smooth_joints(side)),
       smooth_(side, X, smooth_joints_),
+      bow_(side.facets()),
       edge_(side.facets()),
+      of_reference_(!reference.empty()),
       d_(side.d) {
+  const auto set_bows = [&](const SmoothSide& smooth, const std::vector<Vec3>& at) {
+    for (Index f = 0; f < side.facets(); ++f)
+      for (int k = 0; k < edges_of_facet(d_); ++k) {
+        const auto [p, q] = edge_ends(d_, k);
+        const Vec3 e = at[side.facet(f).node[q]] - at[side.facet(f).node[p]];
+        bow_[f][k] = (smooth.at(f, q).normal - smooth.at(f, p).normal).dot(e) / 2;
+      }
+  };
+  if (of_reference_) {
+    const Side rest = side.at_rest(X, reference);
+    set_bows(SmoothSide(rest, reference, smooth_joints_), reference);
+  } else {
+    set_bows(smooth_, X);
+  }
   for (Index f = 0; f < side.facets(); ++f)
     for (int k = 0; k < edges_of_facet(d_); ++k) {
       const auto [p, q] = edge_ends(d_, k);
-      const Vec3 e = X[side.facet(f).node[q]] - X[side.facet(f).node[p]];
-      edge_[f][k] = arc(smooth_.at(f, p).normal, smooth_.at(f, q).normal, e);
+      edge_[f][k] = bow_[f][k] * between(smooth_.at(f, p).normal, smooth_.at(f, q).normal);
     }
 }
 
@@ -187,12 +202,15 @@ void CurvedOffset::add_slopes(Index facet, int k, const Vec3& y, Sloped& to, Ben
   const Real cosine = n_a.dot(n_b);
   if (cosine < 0) return;
   const Vec3 e = X_[b] - X_[a], turn = n_b - n_a;
-  const Real along = y.dot(n_a + n_b) / (1 + cosine), bow = turn.dot(e) / 2 / (1 + cosine);
+  const Real along = y.dot(n_a + n_b) / (1 + cosine), bow = bow_[facet][k] / (1 + cosine);
   const auto bend = [&](int v, const Vec3& by) {
     bends.try_emplace(smooth_.fan(facet, v), Vec3::Zero()).first->second += by;
   };
-  bend(p, bow * (y - along * n_b) - along / 2 * e);
-  bend(q, bow * (y - along * n_a) + along / 2 * e);
+  bend(p, bow * (y - along * n_b));
+  bend(q, bow * (y - along * n_a));
+  if (of_reference_) return;  // and so is q
+  bend(p, -along / 2 * e);
+  bend(q, along / 2 * e);
   to.at(a) -= along / 2 * turn;
   to.at(b) += along / 2 * turn;
 }

@@ -47,7 +47,10 @@ Turns turns_of_normal(Index i, const Vec3& n, const std::vector<Index>& facets, 
 /// and each has its own.
 class CurvedOffset {
  public:
-  CurvedOffset(const Side& side, const std::vector<Vec3>& X);
+  /// reference: where bodies are not deformed, of P2, whose edges bend as they do: what these lack
+  /// of the smooth surface is q of there. Empty: X.
+  CurvedOffset(const Side& side, const std::vector<Vec3>& X,
+               const std::vector<Vec3>& reference = {});
   Vec3 at(Index facet, const Vec3& lambda) const;
 
   /// d delta/d lambda_v, as columns.
@@ -67,7 +70,9 @@ class CurvedOffset {
   std::vector<char> smooth_joints_;
   SmoothSide smooth_;
   mutable std::map<Index, Turns> turns_;   ///< by fan, once it is asked for
+  std::vector<std::array<Real, 3>> bow_;   ///< per facet: q [length]
   std::vector<std::array<Vec3, 3>> edge_;  ///< per facet: q (n_a + n_b) / (1 + n_a.n_b) [length]
+  bool of_reference_;                      ///< q
   int d_;
 };
 

@@ -30,7 +30,8 @@ class GapRow {
     arm_ = arm(X_);
     for (const auto& [j, by] : turns_) near_.insert(j);
     for (const auto& [j, by] : row.offset.slope) near_.insert(j);
-    set_gap(row);
+    set_gap(row, nodes.where_forces_act());
+    for (const auto& [c, weight] : G_) along_gap_[c] = weight.value;
     balance(row.theirs, choice);
     cross(crossings, nodes.where_forces_act(), !nodes.bent.empty());
   }
@@ -46,6 +47,7 @@ class GapRow {
   }
   /// Of the gap n.(offset - arm)
   const std::map<Index, Vec3>& gap() const { return gap_; }
+  const std::map<Index, Real>& along_gap() const { return along_gap_; }
 
  private:
   struct Place {
@@ -81,11 +83,11 @@ class GapRow {
     for (Index j : near_) balance_slopes(theirs, j);
     for (const auto& [l, p] : at_) G_[l].value -= part_ * p.w * b_.dot(p.q);
   }
-  void set_gap(const SlopedRow& row) {
-    g_ = n_.dot(row.between - arm_);
+  void set_gap(const SlopedRow& row, const std::vector<Vec3>& X) {
+    const Vec3 way = row.between - arm(X);
+    g_ = n_.dot(way);
     for (Index j : near_)
-      gap_[j] = row.offset.by(j) - slope_of_arm(j, X_).transpose() * n_ +
-                turn(j).transpose() * (row.between - arm_);
+      gap_[j] = row.offset.by(j) - slope_of_arm(j, X).transpose() * n_ + turn(j).transpose() * way;
   }
   void balance_slopes(const std::map<Index, Sloped>& theirs, Index j) {
     const Mat3 dn = turn(j), dmean = slope_of_mean(theirs, j);
@@ -123,9 +125,11 @@ class GapRow {
         const Vec3 by = along.row(static_cast<Index>(v)).transpose();
         of_vertex.value += by.dot(e);
         if (bends)
-          for (const auto& [i, weight] : G_)
-            bent_.try_emplace({crossing.vertices[v], i}, Vec3::Zero()).first->second -=
-                weight.value * by;
+          for (const auto& [i, weight] : G_) {
+            Vec3& bent = bent_.try_emplace({crossing.vertices[v], i}, Vec3::Zero()).first->second;
+            bent -= weight.value * by;
+            if (!crossing.one_body) bent += along_gap_[i] * n_.dot(by) * n_;
+          }
         for (const auto& [j, of_arm] : slope) {
           of_vertex.at(j) += of_arm.transpose() * by;
           if (!crossing.one_body)  // and of g n
@@ -169,6 +173,7 @@ class GapRow {
   std::set<Index> near_;  ///< nodes that the row depends on
   std::map<Index, Place> at_;
   std::map<Index, Vec3> gap_;
+  std::map<Index, Real> along_gap_;  ///< weights by which the gap sees the places of nodes
   std::map<std::pair<Index, Index>, Vec3> bent_;  ///< slopes of weights, by mid-edges' way
   Real g_ = 0;
   Real sum_ = 0;     ///< of w
@@ -219,6 +224,8 @@ GeometricStiffness geometric_stiffness(const Mortar& mortar, const Arrangement& 
                         turns[at.node], crossings[k], of.nodes);
     sloped.add_to(found, y.col(k));
     for (const auto& [j, by] : sloped.gap()) found.gaps.push_back({{k, j}, by});
+    for (const auto& [c, weight] : sloped.along_gap())
+      if (!of.nodes.bent.empty()) found.bent_gaps.push_back({{k, c}, -weight * at.normal});
   }
   return found;
 }
@@ -229,6 +236,8 @@ Change change(const Mortar& mortar, const std::vector<Vec3>& v, const std::vecto
     found.force[ij.first] += block * x[ij.second];
   for (const auto& [ij, block] : mortar.stiffness().bent)
     found.force[ij.first] += block * (v[ij.second] - x[ij.second]);
+  for (const auto& [kj, slope] : mortar.stiffness().bent_gaps)
+    found.gap[kj.first] += slope.dot(v[kj.second] - x[kj.second]);
   Index last = -1;
   for (const auto& [kj, slope] : mortar.stiffness().gaps) {
     const auto [k, j] = kj;

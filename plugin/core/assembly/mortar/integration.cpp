@@ -4,9 +4,29 @@
 
 namespace frictioncg::mortar {
 
-Integration::Integration(const Side& slave, const Side& master, const std::vector<Vec3>& X,
+namespace {
+
+/// Where the bodies are not deformed, for facets whose edges bend.
+std::vector<Vec3> at_rest(const Side& side, const Nodes& nodes) {
+  return side.surface.quadratic && !nodes.bent.empty() ? nodes.reference : std::vector<Vec3>();
+}
+
+}  // namespace
+
+Integration::Integration(const Side& slave, const Side& master, const Nodes& nodes,
                          const Options& options)
-    : X_(X), options_(options), slave_(slave, X), master_(master, X) {}
+    : nodes_(nodes),
+      options_(options),
+      slave_(slave, nodes.X, at_rest(slave, nodes)),
+      master_(master, nodes.X, at_rest(master, nodes)) {}
+
+Real Integration::bend_of(const Facet& facet) const {
+  Real most = 0;
+  for (std::size_t k = nodes_.dimension; k < facet.node.size() && !nodes_.bent.empty(); ++k)
+    if (const Index e = facet.node[k]; e >= 0)
+      most = std::max(most, (nodes_.bent[e] - nodes_.X[e]).norm());
+  return most;
+}
 
 Real Integration::measure(const Part& part, const QuadraturePoint& point) const {
   const int d = part.slave.d;
@@ -23,8 +43,10 @@ Moments Integration::over(const Part& part) const {
   const Plane& plane = part.slave.planes[part.facet];
   Moments moments;
   std::vector<QuadraturePoint> points;
+  const Real bend = bend_of(part.slave.facet(part.facet));
   for (const Cell& cell : part.cells) {
-    const Projection chi = project(d, plane, part.master.facet(cell.master), X_);
+    const Real bends = bend + bend_of(part.master.facet(cell.master));
+    const Projection chi = project(d, plane, part.master.facet(cell.master), nodes_.X);
     Eigen::Matrix<Real, 3, 6> of_cell = Eigen::Matrix<Real, 3, 6>::Zero();
     quadrature(cell.part, points);
     for (const Vec2& corner : cell.part)
@@ -38,8 +60,8 @@ Moments Integration::over(const Part& part) const {
       moments.vertices += weighted * lambda.transpose();
       const Vec3 theirs = master_.at(cell.master, on_master), own = slave_.at(part.facet, lambda);
       const Vec3 offset = options_.smooth ? Vec3(theirs - own) : Vec3(Vec3::Zero());
-      moments.bulge = std::max(
-          moments.bulge, std::abs(plane.normal.dot(theirs)) + std::abs(plane.normal.dot(own)));
+      moments.bulge = std::max(moments.bulge, bends + std::abs(plane.normal.dot(theirs)) +
+                                                  std::abs(plane.normal.dot(own)));
       moments.offset += weighted * offset.transpose();
       const Real distance = chi.distance(point.xi) + plane.normal.dot(offset);
       for (int k = 0; k < edges_of_facet(d); ++k) {

@@ -42,8 +42,7 @@ DualBasis dual_basis(int d, const Eigen::Matrix3d& M, const std::array<bool, 3>&
 
 class Integration {
  public:
-  Integration(const Side& slave, const Side& master, const std::vector<Vec3>& X,
-              const Options& options);
+  Integration(const Side& slave, const Side& master, const Nodes& nodes, const Options& options);
   Moments over(const Part& part) const;
   /// Of a quadrature point, weighted.
   Real measure(const Part& part, const QuadraturePoint& point) const;
@@ -53,7 +52,10 @@ class Integration {
   const CurvedOffset* of_master() const { return options_.smooth ? &master_ : nullptr; }
 
  private:
-  const std::vector<Vec3>& X_;
+  /// How far a facet's edges bend beside straight ones.
+  Real bend_of(const Facet& facet) const;
+
+  const Nodes& nodes_;
   const Options& options_;  ///< not smooth: the offset of the curved surfaces is 0
   CurvedOffset slave_, master_;
 };

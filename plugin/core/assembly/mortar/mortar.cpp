@@ -92,7 +92,7 @@ class Assembly {
                        [this](Index i) { return ownership_.state[i] == Ownership::State::held; });
   }
   void add_pair(Index p, const Side& slave, const Side& master, const Cover& cover) {
-    const Integration integration(slave, master, nodes_.X, options_);
+    const Integration integration(slave, master, nodes_, options_);
     Statistics& s = statistics_.emplace_back();
     s.visited = cover.visited;
     for (Index f = 0; f < slave.facets(); ++f) {
@@ -198,7 +198,8 @@ class Assembly {
   void set_gaps(Mortar& mortar) const {
     for (std::size_t k = 0; k < mortar.nodes_.size(); ++k) {
       SlaveNode& node = mortar.nodes_[k];
-      const Vec3 way = relative(mortar.G_, static_cast<Index>(k), node.node, nodes_.X);
+      const Vec3 way =
+          relative(mortar.G_, static_cast<Index>(k), node.node, nodes_.where_forces_act());
       node.gap = node.normal.dot(offset_[node.node] / node.weight - way);
       bool leans = takes_removed_[node.node] != 0;  // on others, before which it has a part
       for (Matrix::InnerIterator it(mortar.N_, node.node); it; ++it)
@@ -317,12 +318,23 @@ std::vector<Vec3> slip_beside(const Mortar& now, const std::vector<Vec3>& x, con
   return c;
 }
 
-/// Whether all of the slaves is before a master.
-bool covers_whole(const Sides& sides) {
-  return std::all_of(sides.covers.begin(), sides.covers.end(), [](const Cover& cover) {
-    return std::all_of(cover.fraction.begin(), cover.fraction.end(),
-                       [](Real part) { return part >= 1 - uncovered; });
-  });
+/// Straightens edges of the slaves that hardly are before a master: in 3D laws beside its ends
+/// would come and go with edges that bend there.
+void straighten_beside_ends(const Sides& begun, Nodes& nodes) {
+  constexpr Real hardly = 0.02;
+  std::set<Index> all, facing;
+  const auto add = [d = nodes.dimension](const Facet& facet, std::set<Index>& to) {
+    to.insert(facet.node.begin() + d, facet.node.end());
+  };
+  for (std::size_t p = 0; p < begun.slaves.size(); ++p)
+    for (Index f = 0; f < begun.slaves[p].facets(); ++f) {
+      const Facet& slave = begun.slaves[p].facet(f);
+      add(slave, begun.covers[p].fraction[f] < hardly ? all : facing);
+      for (const Cell& cell : begun.covers[p].cells[f])
+        add(begun.masters[p].facet(cell.master), facing);
+    }
+  for (Index e : all)
+    if (e >= 0 && facing.count(e) == 0) nodes.bent[e] = nodes.X[e];
 }
 
 /// The pairs of X with their nodes at Y: outside stays outside.
@@ -386,8 +398,8 @@ Mortar::Mortar(const Nodes& all, const std::vector<Pair>& given, const Options& 
   if (!options.normals.empty()) plain.freedom = nullptr;
   plain.normals.clear();
   Arrangement begun(then, given, part(given_then), plain);
-  // In 3D laws beside the ends of a master come and go with edges that bend there.
-  if (d == 3 && !covers_whole(begun)) nodes.bent = then.bent = {};
+  if (quadratic && d == 3)
+    for (Nodes* at : {&nodes, &then}) straighten_beside_ends(begun, *at);
   Mortar old;
   if (options.normals.empty()) Assembly(begun, plain).finish(old);
   make(&begun);

@@ -19,7 +19,7 @@ struct Nodes {
   /// (cover.h, ownership.h); empty: X.
   std::vector<Vec3> before = {};
   /// Of the Mortar, with P2 and a reference: as X was given, which then is straight. Forces act
-  /// there.   empty: X
+  /// there, and gaps are between bent edges.   empty: X
   std::vector<Vec3> bent = {};
   const std::vector<Vec3>& where_forces_act() const { return bent.empty() ? X : bent; }
 };
@@ -88,6 +88,8 @@ struct GeometricStiffness {
   NodeBlocks bent;    ///< what it has more by the way of P2's mid-edges from their straight edges
   /// dg_k/dX_j by (k, j), of the contact nodes k that a force loads.
   std::vector<std::pair<std::pair<Index, Index>, Vec3>> gaps;
+  /// What these have more by the way of mid-edges from their straight edges.
+  std::vector<std::pair<std::pair<Index, Index>, Vec3>> bent_gaps;
 
   /// visit(i, a, j, b, s): the symmetric part, s between component a of node i and b of j, in
   /// terms.
