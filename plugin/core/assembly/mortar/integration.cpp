@@ -20,12 +20,15 @@ Integration::Integration(const Side& slave, const Side& master, const Nodes& nod
       slave_(slave, nodes.X, at_rest(slave, nodes)),
       master_(master, nodes.X, at_rest(master, nodes)) {}
 
-Real Integration::bend_of(const Facet& facet) const {
-  Real most = 0;
-  for (std::size_t k = nodes_.dimension; k < facet.node.size() && !nodes_.bent.empty(); ++k)
-    if (const Index e = facet.node[k]; e >= 0)
-      most = std::max(most, (nodes_.bent[e] - nodes_.X[e]).norm());
-  return most;
+Vec3 Integration::bend_at(const Facet& facet, const Vec3& lambda) const {
+  const int d = nodes_.dimension;
+  Vec3 bend = Vec3::Zero();
+  for (int k = 0; k < edges_of_facet(d) && !nodes_.bent.empty() && facet.node[d + k] >= 0; ++k) {
+    const auto [a, b] = edge_ends(d, k);
+    const Index e = facet.node[d + k];
+    bend += 4 * lambda[a] * lambda[b] * (nodes_.bent[e] - nodes_.X[e]);
+  }
+  return bend;
 }
 
 Real Integration::measure(const Part& part, const QuadraturePoint& point) const {
@@ -43,9 +46,7 @@ Moments Integration::over(const Part& part) const {
   const Plane& plane = part.slave.planes[part.facet];
   Moments moments;
   std::vector<QuadraturePoint> points;
-  const Real bend = bend_of(part.slave.facet(part.facet));
   for (const Cell& cell : part.cells) {
-    const Real bends = bend + bend_of(part.master.facet(cell.master));
     const Projection chi = project(d, plane, part.master.facet(cell.master), nodes_.X);
     Eigen::Matrix<Real, 3, 6> of_cell = Eigen::Matrix<Real, 3, 6>::Zero();
     quadrature(cell.part, points);
@@ -60,10 +61,12 @@ Moments Integration::over(const Part& part) const {
       moments.vertices += weighted * lambda.transpose();
       const Vec3 theirs = master_.at(cell.master, on_master), own = slave_.at(part.facet, lambda);
       const Vec3 offset = options_.smooth ? Vec3(theirs - own) : Vec3(Vec3::Zero());
-      moments.bulge = std::max(moments.bulge, bends + std::abs(plane.normal.dot(theirs)) +
-                                                  std::abs(plane.normal.dot(own)));
+      const Vec3 bend_m = bend_at(part.master.facet(cell.master), on_master),
+                 bend_s = bend_at(part.slave.facet(part.facet), lambda);
+      moments.bulge = std::max(moments.bulge, std::abs(plane.normal.dot(theirs + bend_m)) +
+                                                  std::abs(plane.normal.dot(own + bend_s)));
       moments.offset += weighted * offset.transpose();
-      const Real distance = chi.distance(point.xi) + plane.normal.dot(offset);
+      const Real distance = chi.distance(point.xi) + plane.normal.dot(offset + bend_m - bend_s);
       for (int k = 0; k < edges_of_facet(d); ++k) {
         const auto [a, b] = edge_ends(d, k);
         moments.edges.col(k) += 4 * lambda[a] * lambda[b] * weighted;

@@ -52,8 +52,8 @@ class Integration {
   const CurvedOffset* of_master() const { return options_.smooth ? &master_ : nullptr; }
 
  private:
-  /// How far a facet's edges bend beside straight ones.
-  Real bend_of(const Facet& facet) const;
+  /// From a point of a facet with straight edges to that with edges that bend.
+  Vec3 bend_at(const Facet& facet, const Vec3& lambda) const;
 
   const Nodes& nodes_;
   const Options& options_;  ///< not smooth: the offset of the curved surfaces is 0
