@@ -115,6 +115,19 @@ Vector moved_along_normals(const Scene& scene) {
 
 bool faces_away(const BoundaryNode& node, const Vec3& n) { return dot(node.mean, n) < -1e-6; }
 
+namespace {
+
+/// Whether another point of the node has the opposite normal, as at a tip midway between two
+/// plates, which faces both alike: one of them does.
+bool has_opposite(const std::vector<BoundaryNode>& points, const BoundaryNode& node) {
+  constexpr Real opposite = 1e-3;
+  for (auto p = points.rbegin(); p != points.rend() && p->point.dof == node.point.dof; ++p)
+    if (length(p->point.normal + node.point.normal) < opposite) return true;
+  return false;
+}
+
+}  // namespace
+
 void set_normals(Stack stack, const Arguments& args, Scene& scene) {
   const Parameter normal = scene.pairing ? p_obstaclenormal : p_normal;
   scene.given_normals = args.has(normal);
@@ -136,7 +149,7 @@ void set_normals(Stack stack, const Arguments& args, Scene& scene) {
       node.begun->point.normal = n.isZero(0) ? node.point.normal : n;
     }
     const BoundaryNode& deciding = node.deciding();
-    const bool away = faces_away(deciding, deciding.point.normal);
+    const bool away = faces_away(deciding, deciding.point.normal) || has_opposite(facing, node);
     (away ? scene.averted : facing).push_back(node);
   }
   scene.nodes = std::move(facing);
