@@ -124,10 +124,11 @@ void Scene::assemble(const Triplets& A, Scene* before, bool alone) {
   shape.slenderness = [places = places, d = d] { return slenderness(places(), d); };
   if (pairing || moving)
     shape.body_modes = [places = places, d = d, n] { return body_modes(places(), d, n); };
+  const RigidObstacles none;
   system = placed([&] {
     if (pairing) return pairing->system(A, std::move(points), mesh_node, shape, last);
     return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, shape, last,
-                                         moving ? moving->rigid : RigidObstacles());
+                                         moving ? moving->rigid : none);
   });
   const Basis& basis = system->basis();  // rows of dofs held have prescribed displacements alone
   held.assign(basis.T.rows(), 1);

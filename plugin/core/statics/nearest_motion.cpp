@@ -77,9 +77,8 @@ Eigen::MatrixXd rigid_modes(const std::vector<NodePlace>& nodes, int d, Index n)
 }
 
 Real slenderness(const std::vector<NodePlace>& nodes, int d) {
-  const Vec3 mean = extent_of(nodes).mean;
-  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
-  for (const NodePlace& p : nodes) moments += (p.x - mean) * (p.x - mean).transpose();
+  const Eigen::Matrix3d inertia = inertia_of(nodes, extent_of(nodes).mean);
+  const Eigen::Matrix3d moments = inertia.trace() / 2 * Eigen::Matrix3d::Identity() - inertia;
   const Vector extent = eigenpairs(moments.topLeftCorner(d, d)).values;
   return extent[0] > 0 ? std::sqrt(extent.tail(1)[0] / extent[0]) : 1;
 }

@@ -30,10 +30,9 @@ class GapRow {
     arm_ = arm(X_);
     for (const auto& [j, by] : turns_) near_.insert(j);
     for (const auto& [j, by] : row.offset.slope) near_.insert(j);
-    set_gap(row, nodes.where_forces_act());
-    for (const auto& [c, weight] : G_) along_gap_[c] = weight.value;
+    set_gap(row, nodes);
     balance(row.theirs, choice);
-    cross(crossings, nodes.where_forces_act(), !nodes.bent.empty());
+    cross(crossings, nodes);
   }
   /// Of the force y
   void add_to(GeometricStiffness& stiffness, const Vec3& y) const {
@@ -47,7 +46,8 @@ class GapRow {
   }
   /// Of the gap n.(offset - arm)
   const std::map<Index, Vec3>& gap() const { return gap_; }
-  const std::map<Index, Real>& along_gap() const { return along_gap_; }
+  /// What it has more by the way of mid-edges from their straight edges.
+  const std::map<Index, Vec3>& bent_gap() const { return bent_gap_; }
 
  private:
   struct Place {
@@ -83,11 +83,14 @@ class GapRow {
     for (Index j : near_) balance_slopes(theirs, j);
     for (const auto& [l, p] : at_) G_[l].value -= part_ * p.w * b_.dot(p.q);
   }
-  void set_gap(const SlopedRow& row, const std::vector<Vec3>& X) {
+  void set_gap(const SlopedRow& row, const Nodes& nodes) {
+    const std::vector<Vec3>& X = nodes.where_forces_act();
     const Vec3 way = row.between - arm(X);
     g_ = n_.dot(way);
     for (Index j : near_)
       gap_[j] = row.offset.by(j) - slope_of_arm(j, X).transpose() * n_ + turn(j).transpose() * way;
+    if (!nodes.bent.empty())
+      for (const auto& [c, weight] : G_) bent_gap_[c] = -weight.value * n_;
   }
   void balance_slopes(const std::map<Index, Sloped>& theirs, Index j) {
     const Mat3 dn = turn(j), dmean = slope_of_mean(theirs, j);
@@ -109,8 +112,9 @@ class GapRow {
       G_[l].at(j) -= part_ * (p.sign * b_.dot(p.q) * theirs.at(l).by(j) +
                               p.w * (db.transpose() * p.q + dq[l].transpose() * b_));
   }
-  void cross(const std::vector<Crossing>& crossings, const std::vector<Vec3>& X, bool bends) {
+  void cross(const std::vector<Crossing>& crossings, const Nodes& nodes) {
     if (crossings.empty()) return;
+    const std::vector<Vec3>& X = nodes.where_forces_act();
     const Vec3 left = arm(X);
     std::map<Index, Mat3> slope;
     for (Index j : near_) slope[j] = slope_of_arm(j, X);
@@ -124,11 +128,11 @@ class GapRow {
         Sloped& of_vertex = change[crossing.vertices[v]];
         const Vec3 by = along.row(static_cast<Index>(v)).transpose();
         of_vertex.value += by.dot(e);
-        if (bends)
+        if (!nodes.bent.empty())
           for (const auto& [i, weight] : G_) {
             Vec3& bent = bent_.try_emplace({crossing.vertices[v], i}, Vec3::Zero()).first->second;
             bent -= weight.value * by;
-            if (!crossing.one_body) bent += along_gap_[i] * n_.dot(by) * n_;
+            if (!crossing.one_body) bent -= n_.dot(by) * bent_gap_[i];
           }
         for (const auto& [j, of_arm] : slope) {
           of_vertex.at(j) += of_arm.transpose() * by;
@@ -173,7 +177,7 @@ class GapRow {
   std::set<Index> near_;  ///< nodes that the row depends on
   std::map<Index, Place> at_;
   std::map<Index, Vec3> gap_;
-  std::map<Index, Real> along_gap_;  ///< weights by which the gap sees the places of nodes
+  std::map<Index, Vec3> bent_gap_;
   std::map<std::pair<Index, Index>, Vec3> bent_;  ///< slopes of weights, by mid-edges' way
   Real g_ = 0;
   Real sum_ = 0;     ///< of w
@@ -224,8 +228,7 @@ GeometricStiffness geometric_stiffness(const Mortar& mortar, const Arrangement& 
                         turns[at.node], crossings[k], of.nodes);
     sloped.add_to(found, y.col(k));
     for (const auto& [j, by] : sloped.gap()) found.gaps.push_back({{k, j}, by});
-    for (const auto& [c, weight] : sloped.along_gap())
-      if (!of.nodes.bent.empty()) found.bent_gaps.push_back({{k, c}, -weight * at.normal});
+    for (const auto& [j, by] : sloped.bent_gap()) found.bent_gaps.push_back({{k, j}, by});
   }
   return found;
 }

@@ -192,6 +192,19 @@ DenseMatrix gradients_of(const std::vector<Index>& vertices, const std::vector<V
   return gradients;
 }
 
+/// Of the vertices behind a facet and behind those beside it, the deepest that is none of `later`.
+template <class Later>
+Index deepest_behind(const Facet& facet, const std::map<const Facet*, Real>& beside,
+                     const Later& later, const Nodes& all) {
+  const Plane face = plane_of(all.dimension, facet, all.X);
+  const auto depth = [&](Index l) { return face.normal.dot(face.origin - all.X[l]); };
+  Index deepest = facet.behind;
+  for (const auto& [other, weight] : beside)
+    if (const Index l = other->behind; l >= 0 && !later(l) && depth(l) > depth(deepest))
+      deepest = l;
+  return deepest;
+}
+
 }  // namespace
 
 Crossings crossings(const Matrix& G, const std::vector<SlaveNode>& nodes, const Nodes& all,
@@ -224,15 +237,8 @@ Crossings crossings(const Matrix& G, const std::vector<SlaveNode>& nodes, const 
       Crossing here = by(*facet, facet->behind);
       if (std::any_of(here.vertices.begin(), here.vertices.end(), later)) continue;
       // the vertex of a flat element may lie on the face, too: the deepest one does better
-      if (!apart && (change(here) > narrow || is_open(*facet, here))) {
-        const Plane face = plane_of(all.dimension, *facet, all.X);
-        const auto depth = [&](Index l) { return face.normal.dot(face.origin - all.X[l]); };
-        Index deepest = facet->behind;
-        for (const auto& [beside, theirs] : faced[i])
-          if (const Index l = beside->behind; l >= 0 && !later(l) && depth(l) > depth(deepest))
-            deepest = l;
-        here = by(*facet, deepest);
-      }
+      if (!apart && (change(here) > narrow || is_open(*facet, here)))
+        here = by(*facet, deepest_behind(*facet, faced[i], later, all));
       if (is_open(*facet, here)) continue;
       whole += weight;
       here.share = weight * std::clamp<Real>((widest - change(here)) / (widest - narrow), 0, 1);
