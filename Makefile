@@ -280,7 +280,7 @@ sanitize: ## unit and scripted tests under ASan and UBSan
 	@$(MAKE) --no-print-directory BUILD=$(BUILD)/sanitize LDFLAGS="-fsanitize=address,undefined" \
 	  CXXFLAGS="-O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined" \
 	  all $(BUILD)/sanitize/unit_tests
-	$(BUILD)/sanitize/unit_tests
+	ASAN_OPTIONS=alloc_dealloc_mismatch=0 $(BUILD)/sanitize/unit_tests
 	BUILD=$(BUILD)/sanitize \
 	LD_PRELOAD="$$($(CXX) -print-file-name=libasan.so) $$($(CXX) -print-file-name=libubsan.so)" \
 	ASAN_OPTIONS=detect_leaks=0:alloc_dealloc_mismatch=0 bash tests/run $(SCRIPTS)

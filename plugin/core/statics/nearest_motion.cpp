@@ -42,10 +42,8 @@ std::string describe_one(const std::vector<NodePlace>& nodes, int d, const Vecto
          components_of(displacement_at(most, d, u).normalized(), d, 1);
 }
 
-/// Rotation over strain, from which on a body hardly strains: loads that turn it far strain it. Of
-/// strains that are small in the units of the scene, and of others.
-constexpr Real stiff_turn = 8, stiff_in_any_units = 30;
-constexpr Real small_strain = 0.05;
+/// Rotation over strain, from which on a body hardly strains: loads that turn it far strain it.
+constexpr Real stiff_turn = 8;
 /// The same of a jam, which strains the body: 6 to 10 where its force is 2 to 15 times too large.
 constexpr Real stiff_jam = 3;
 /// Over its arm, the mean lever of the pressures on a body that is round: 0.2 with 16 facets, half
@@ -201,8 +199,7 @@ std::vector<LargeTurn> large_turns(const std::vector<NodePlace>& nodes, int d, c
     const Real turn = motion.w.norm();
     if (!(turn > jamming_turn)) continue;
     const Real strain = motion.misfit * largest_displacement(body, d, u) / motion.extent;
-    const Real stiff = strain < small_strain ? stiff_turn : stiff_in_any_units;
-    const bool large = turn > small_turn && turn > stiff * strain;
+    const bool large = turn > small_turn && turn > stiff_turn * strain;
     if (large || turn > stiff_jam * strain) turns.push_back({number, motion, strain, large});
   }
   return turns;

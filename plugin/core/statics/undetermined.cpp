@@ -216,7 +216,8 @@ void leave_least(const ContactProblem& problem, Real tol, Solution& s) {
   const Vector x = s.x - Z.lazyProduct(part);
   const auto take = [&](const Vector& other) {
     Certificate certificate = certify(problem, other);
-    if (!(certificate.residual <= std::max(tol, s.certificate.residual))) return false;
+    const bool rounded = s.certificate.residual > tol && may_be_rounding(certificate);
+    if (!(rounded || certificate.residual <= std::max(tol, s.certificate.residual))) return false;
     s.x = other;
     s.certificate = std::move(certificate);
     return true;

@@ -35,8 +35,8 @@ bool hold_more(const std::vector<std::vector<Index>>& bodies, const Vector& limi
                const Vector& others);
 
 /// Takes the undetermined motions of s out of s.x, as far as the laws allow it within tol: gaps
-/// stay open or close, and slip goes on. x is then the least that differs from it by them, in the
-/// product of D.
+/// stay open or close, and slip goes on; within rounding, where s.x is beyond tol. x is then the
+/// least that differs from it by them, in the product of D.
 void leave_least(const ContactProblem& problem, Real tol, Solution& s);
 
 /// Takes off a load F what works on motions that no normal resists, where that is no more than

@@ -524,6 +524,24 @@ TEST(Undetermined, TheLeastClosesNoGapBeyondContact) {
   EXPECT_LT((x - y).norm(), 1e-9 * x.norm());
 }
 
+TEST(Undetermined, TheLeastMayRoundWhereTheFieldDoes) {
+  BlockOptions o;
+  o.law = Law::frictionless;
+  o.shear = 0;
+  const ContactProblem p = problem_of(o);
+  Solution s = solve(p, Settings());
+  ASSERT_EQ(s.undetermined.cols(), 1);
+  const Vector least = s.x, x = least + 0.1 * least.norm() * s.undetermined;
+  const auto from = [&](Real residual, Real tol) {
+    s.x = x;
+    s.certificate.residual = residual;  // below what rounding leaves of any field
+    leave_least(p, tol, s);
+    return Real((s.x - least).norm());
+  };
+  EXPECT_LT(from(1e-30, 1e-31), 1e-9 * least.norm());
+  EXPECT_EQ(from(1e-30, 1e-30), (x - least).norm());  // within tol it stays
+}
+
 TEST(Undetermined, TheLeastTurnsNoSlipBack) {
   BlockOptions o;
   o.cells = 3;
