@@ -26,6 +26,10 @@ constexpr double few_flops = 60;
 /// which it solves few: they are left as soon as forces show that they are lifted.
 constexpr double far_dearer = 18, worth_a_try = 0.4;
 
+/// A gradient method that comes to the aid of the condensed route is nearer to the laws after so
+/// many iterations, or never: it turns and turns where friction does not hold the load.
+constexpr Index patience = 3000;
+
 /// Where no factor can be had, the alternative to multigrid is a gradient method: multigrid may
 /// then cost so many times what it does as a rule, which is more than it ever does.
 constexpr double only_gradients = 1e6;
@@ -251,9 +255,17 @@ void Solver::try_without_factor(const Request& request, Solution& s) {
     return;
   }
   if (is_rounding(s.certificate)) return decide_on_equilibrium(request.problem, s);
-  const Request rest = what_remains(without_factor(request), s);
+  Request rest = what_remains(without_factor(request), s);
   if (rest.settings.nbiter <= 0) return;
-  const Status last = replace_if_better(s, by_gradients(rest));
+  rest.settings.nbiter = std::min(rest.settings.nbiter, patience);
+  Solution t = by_gradients(rest);
+  Request more = what_remains(without_factor(request), after(s, t));
+  if (t.status == Status::max_iterations && more.settings.nbiter > 0 &&
+      t.certificate.residual < s.certificate.residual) {
+    more.x0 = t.x;
+    t = after(t, by_gradients(more));
+  }
+  const Status last = replace_if_better(s, std::move(t));
   if (!decided(s) && last == Status::not_positive_definite) s.status = last;
 }
 
