@@ -27,8 +27,9 @@ constexpr double few_flops = 60;
 constexpr double far_dearer = 18, worth_a_try = 0.4;
 
 /// A gradient method that comes to the aid of the condensed route is nearer to the laws after so
-/// many iterations, or never: it turns and turns where friction does not hold the load.
-constexpr Index patience = 3000;
+/// many iterations, or gives up: on hard random scenes it is so after 0.25 to 0.5 of those that it
+/// takes, and never where friction does not hold the load.
+constexpr Index patience = 5000;
 
 /// Where no factor can be had, the alternative to multigrid is a gradient method: multigrid may
 /// then cost so many times what it does as a rule, which is more than it ever does.
