@@ -256,11 +256,12 @@ void Solver::try_without_factor(const Request& request, Solution& s) {
     return;
   }
   if (is_rounding(s.certificate)) return decide_on_equilibrium(request.problem, s);
-  Request rest = what_remains(without_factor(request), s);
+  const Request rest = what_remains(without_factor(request), s);
   if (rest.settings.nbiter <= 0) return;
-  rest.settings.nbiter = std::min(rest.settings.nbiter, patience);
-  Solution t = by_gradients(rest);
-  Request more = what_remains(without_factor(request), after(s, t));
+  Request some = rest;
+  some.settings.nbiter = std::min(rest.settings.nbiter, patience);
+  Solution t = by_gradients(some);
+  Request more = what_remains(rest, t);
   if (t.status == Status::max_iterations && more.settings.nbiter > 0 &&
       t.certificate.residual < s.certificate.residual) {
     more.x0 = t.x;
