@@ -434,7 +434,7 @@ void refuse_exchanged_blocks(const Scene& scene, const Triplets& A) {
   if (!has_equal_blocks(scene.dofs)) return;
   const BlockOrder order(scene.places(), scene.d, scene.dofs);
   if (order.exchanged(A)) refuse_order(scene.dofs);
-  const Dirichlet held(A, {});
+  const Dirichlet held(A, scene.pairing->between().dof);
   Index here = 0, there = 0, all = 0;
   for (const BoundaryNode& n : scene.pairing->slave_nodes())
     for (int c = 0; c < scene.d; ++c) {

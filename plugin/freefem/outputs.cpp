@@ -39,7 +39,7 @@ NodeState state_in_corner(const Scene& scene, const std::vector<NodeState>& stat
 template <class Visit>
 void for_each_slave_edge(const Scene& scene, const Visit& visit) {
   if (!scene.pairing) return;
-  const mortar::NodeDofs& dof = scene.pairing->between().dof;
+  const NodeDofs& dof = scene.pairing->between().dof;
   for (const mortar::MidEdge& e : scene.pairing->faced().edges)
     visit(dof[e.node], dof[e.a], dof[e.b], e);
 }

@@ -214,7 +214,9 @@ std::vector<BoundaryNode> Pairing::face(const Triplets& A, mortar::Options optio
                                         const std::function<std::vector<NodePlace>()>& places,
                                         bool again) {
   const std::vector<ContactPoint> obstacle = points_of(on_obstacle);
-  dirichlet_ = std::make_shared<const Dirichlet>(A, obstacle);
+  NodeDofs may_touch = dofs_of(obstacle);
+  may_touch.insert(may_touch.end(), between_.dof.begin(), between_.dof.end());
+  dirichlet_ = std::make_shared<const Dirichlet>(A, may_touch);
   bool asked = false;
   options.element_groups = [this](Index i) { return between_.groups[i]; };
   options.bodies = between_.slave_bodies;

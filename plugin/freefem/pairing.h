@@ -11,7 +11,7 @@ struct Interface {
   std::vector<Vec3> X;
   std::vector<Vec3> moved;  ///< of each node: the displacement that X has already
   bool is_moved = false;
-  mortar::NodeDofs dof;
+  NodeDofs dof;
   std::vector<mortar::Pair> pairs;
   std::vector<SharedNode> slave;                     ///< the slaves' nodes
   std::function<std::vector<Index>()> slave_bodies;  ///< the body of each of them

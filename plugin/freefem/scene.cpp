@@ -215,7 +215,7 @@ void follow_free_motions(const Triplets& A, const std::vector<NodePlace>& places
   const std::vector<Index> body = body_of_points(scene, places);
   const Index bodies = static_cast<Index>(all.largest(count_bodies(places)));
   std::unique_ptr<const Dirichlet> dirichlet;
-  all.agree([&] { dirichlet = std::make_unique<Dirichlet>(A, points_of(scene.nodes)); });
+  all.agree([&] { dirichlet = std::make_unique<Dirichlet>(A, dofs_of(points_of(scene.nodes))); });
   const mortar::Freedom freedom =
       freedom_of(A, *dirichlet, places, scene.d, extent, body, bodies, all);
   const RigidGenerators& generators = freedom.generators;
@@ -252,7 +252,7 @@ std::unique_ptr<Stiffened> stiffened_by_force(const Triplets& A, const Scene& sc
   if (scene.force.size() == 0) return nullptr;
   EntryList entries = turning_forces(scene);
   if (!entries.empty()) {
-    const Dirichlet dirichlet(A, points_of(scene.nodes));
+    const Dirichlet dirichlet(A, dofs_of(points_of(scene.nodes)));
     const auto is_held = [&](const Eigen::Triplet<Real, Index>& e) {
       return dirichlet.holds(e.row()) || dirichlet.holds(e.col());
     };

@@ -68,11 +68,12 @@ class PartMatrix {
     part.agree([&] {
       given_ = matrix_of(stack, A, scene.dofs);
       if (are_exchanged(scene, given_)) refuse_order(scene.dofs);
-      own = std::make_unique<Dirichlet>(given_, std::vector<ContactPoint>{});
+      own = std::make_unique<Dirichlet>(given_, scene.pairing->between().dof);
     });
     patch_ = std::make_unique<PatchedMatrix>(part, given_, *own);
-    part.agree(
-        [&] { dirichlet_ = std::make_unique<Dirichlet>(triplets(), std::vector<ContactPoint>{}); });
+    part.agree([&] {
+      dirichlet_ = std::make_unique<Dirichlet>(triplets(), scene.pairing->between().dof);
+    });
   }
   Triplets triplets() const { return patch_->triplets(given_); }
   const Dirichlet& dirichlet() const { return *dirichlet_; }
@@ -123,7 +124,7 @@ inline void face_part(const NodeNumbers& numbers, const Domain& part,
                       const std::vector<BoundaryNode>& contact, SharedScene& shared) {
   Scene& scene = *shared.scene;
   const WholeInterface& faces = *shared.interface;
-  const mortar::NodeDofs& dof = scene.pairing->between().dof;
+  const NodeDofs& dof = scene.pairing->between().dof;
   std::unordered_map<Index, Index> here;  // first dof -> node of the part's interface
   for (std::size_t i = 0; i < dof.size(); ++i) here.emplace(dof[i][0], static_cast<Index>(i));
   const auto local = [&](Index node) -> Index {

@@ -125,7 +125,7 @@ inline void share(const Triplets& A, SharedScene& shared) {
   }
   add_ghost_points(domain, scene);
   std::unique_ptr<Dirichlet> own;
-  domain.agree([&] { own = std::make_unique<Dirichlet>(A, points_of(scene.nodes)); });
+  domain.agree([&] { own = std::make_unique<Dirichlet>(A, dofs_of(points_of(scene.nodes))); });
   shared.patch = std::make_unique<PatchedMatrix>(domain, A, *own);
   domain.agree([&] { scene.assemble(shared.patch->triplets(A)); });
   make_solver(shared);

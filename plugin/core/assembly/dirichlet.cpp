@@ -8,6 +8,9 @@ namespace {
 /// of stiffness stay below it; FreeFEM's smallest customary tgv, 1e10 times the coefficients, is
 /// above.
 constexpr Real huge_ratio = 1e10;
+/// ... unless it may touch, and its diagonal is less than so many times what is usual in A: a
+/// spring, or a mass, beside which couplings are small.
+constexpr Real unusual = 1e4;
 
 /// What the triplets say of each row.
 struct Rows {
@@ -53,13 +56,19 @@ struct Rows {
 
 }  // namespace
 
-Dirichlet::Dirichlet(const Triplets& A, const std::vector<ContactPoint>& points)
+NodeDofs dofs_of(const std::vector<ContactPoint>& points) {
+  NodeDofs dofs;
+  for (const ContactPoint& p : points) dofs.push_back(p.dof);
+  return dofs;
+}
+
+Dirichlet::Dirichlet(const Triplets& A, const NodeDofs& may_touch)
     : number_(A.n, -1), half_(A.half) {
   const Rows rows(A);
-  std::vector<char> may_touch(A.n, 0);
-  for (const ContactPoint& p : points)
-    for (Index dof : p.dof)
-      if (dof >= 0) may_touch[dof] = 1;
+  std::vector<char> touches(A.n, 0);
+  for (const auto& node : may_touch)
+    for (Index dof : node)
+      if (dof >= 0) touches[dof] = 1;
   // A half-stored row of the identity shows only its half: believe it where some row shows the
   // zeros that the elimination stores.
   bool emptied_unit_rows = false;
@@ -73,12 +82,13 @@ Dirichlet::Dirichlet(const Triplets& A, const std::vector<ContactPoint>& points)
                      *std::min_element(rows.diagonal.begin(), rows.diagonal.end()));
   for (Index i = 0; i < A.n; ++i) {
     const Real others = rows.others(i);
-    const bool huge = others > 0 && rows.diagonal[i] >= huge_ratio * others;
+    const bool alone = others == 0;
+    const bool spring = touches[i] && !(rows.emptied[i] && rows.unit(i)) &&
+                        rows.diagonal[i] < (alone ? huge_ratio : unusual) * usual;
+    const bool huge = !alone && !spring && rows.diagonal[i] >= huge_ratio * others;
     const bool unit = A.half ? emptied_unit_rows && rows.row_max[i] == 0 && rows.unit(i)
                              : rows.row_max[i] == 0 && rows.column_max[i] > 0;
-    const bool spring =
-        may_touch[i] && !(rows.emptied[i] && rows.unit(i)) && rows.diagonal[i] < huge_ratio * usual;
-    const bool uncoupled = others == 0 && !spring;
+    const bool uncoupled = alone && !spring;
     if (!huge && !unit && !uncoupled) continue;
     number_[i] = size();
     const bool without = rows.unit(i) && (uncoupled || A.half) && A.is_owned(i);

@@ -16,15 +16,20 @@ struct ContactPoint {
   Real mu_ratio = 1;  ///< coefficient across over coefficient along, > 0
 };
 
+/// The dofs at nodes of the mesh, one of each component of the displacement; -1: none.
+using NodeDofs = std::vector<std::array<Index, 3>>;
+
+NodeDofs dofs_of(const std::vector<ContactPoint>& points);
+
 /// The dofs that Dirichlet conditions hold, recognized by the values in A (the flags that come with
 /// FreeFEM's matrices do not survive their copies): a huge diagonal (tgv = 1e30), or a row of the
 /// identity (tgv = -1, or -2 with homogeneous data).
 class Dirichlet {
  public:
   /// Throws IllegalInput for entries that are not finite and for diagonals <= 0. A row that is
-  /// alone in the matrix counts as held, unless it belongs to one of the points and is none of the
-  /// identity: then it is a spring.
-  Dirichlet(const Triplets& A, const std::vector<ContactPoint>& points);
+  /// alone in the matrix counts as held, unless it may touch and is none of the identity: then it
+  /// is a spring.
+  Dirichlet(const Triplets& A, const NodeDofs& may_touch);
 
   /// The same where further dofs follow those of A, of which others know what holds them.   held,
   /// diagonal: of all dofs

@@ -12,7 +12,7 @@ constexpr Real same_gap = 1e-9;
 LocalSystem::LocalSystem(const Triplets& A, int dimension, std::vector<ContactPoint> points,
                          std::vector<Index> mesh_node, BodyShape shape, const LocalSystem* before,
                          const RigidObstacles& obstacles)
-    : points_(std::move(points)), dirichlet_(A, points_) {
+    : points_(std::move(points)), dirichlet_(A, dofs_of(points_)) {
   make_basis(A, dimension);
   const Index n_q = obstacles.dofs();
   if (n_q > 0) {

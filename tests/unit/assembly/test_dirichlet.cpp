@@ -19,7 +19,7 @@ struct Elastic {
   }
   Triplets triplets() const { return {size, a.size(), i.data(), j.data(), a.data(), 0, half}; }
   std::vector<Index> held(const std::vector<ContactPoint>& points = {}) const {
-    const Dirichlet dirichlet(triplets(), points);
+    const Dirichlet dirichlet(triplets(), dofs_of(points));
     std::vector<Index> dofs;
     for (Index k = 0; k < dirichlet.size(); ++k) dofs.push_back(dirichlet.dof(k));
     return dofs;
@@ -77,6 +77,22 @@ TEST(Dirichlet, ASupportAtAContactPointIsNoSpring) {
   const Elastic A(4, {{0, 0, 2}, {0, 1, -1}, {1, 0, -1}, {1, 1, 2}, {2, 2, 50}, {3, 3, 1e30}});
   EXPECT_EQ(A.held({p}), Dofs{3});
   EXPECT_EQ(A.held(), (Dofs{2, 3}));
+}
+
+TEST(Dirichlet, AMassAtAContactPointIsNoSupportHoweverLittleCouplesIt) {
+  ContactPoint p;
+  p.dof = {0, 1, -1};
+  p.normal = {0, -1, 0};
+  const std::vector<Entry> rest = {{0, 2, 1e-9}, {2, 0, 1e-9}, {1, 2, 1e-9}, {2, 1, 1e-9},
+                                   {2, 2, 100},  {2, 3, -50},  {3, 2, -50},  {3, 3, 100}};
+  for (Real support : {1e12, 1e30}) {
+    std::vector<Entry> entries = rest;
+    entries.push_back({0, 0, 50});
+    entries.push_back({1, 1, support});
+    const Elastic A(4, entries);
+    EXPECT_EQ(A.held({p}), Dofs{1});
+    EXPECT_EQ(A.held(), (Dofs{0, 1}));
+  }
 }
 
 TEST(Dirichlet, AZeroBesideAFreeDofTellsOfACouplingTakenOutWhateverAnotherBodyHas) {

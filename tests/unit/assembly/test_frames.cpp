@@ -363,7 +363,7 @@ TEST(Dirichlet, LumpedSpringsAreNoSupportAlthoughTheirRowsHaveZeros) {
       p.normal = {0, -1, 0};
       s.points.push_back(p);
     }
-    const Dirichlet held(s.triplets(), s.points);
+    const Dirichlet held(s.triplets(), dofs_of(s.points));
     EXPECT_EQ(held.size(), 4);  // two rows of the identity, two by a penalty
     for (Index i = 0; i < 8; ++i) EXPECT_EQ(held.holds(i), i >= 4) << i;
   }

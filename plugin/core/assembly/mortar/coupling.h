@@ -5,9 +5,6 @@
 
 namespace frictioncg::mortar {
 
-/// The dofs of the script at each node of a mortar: of each component of the displacement.
-using NodeDofs = std::vector<std::array<Index, 3>>;
-
 /// Bits of the components that Dirichlet conditions hold: Nodes::held.
 std::vector<unsigned char> held_components(int d, const NodeDofs& dof, const Dirichlet& dirichlet);
 
