@@ -262,10 +262,12 @@ void Solver::try_without_factor(const Request& request, Solution& s) {
   some.settings.nbiter = std::min(rest.settings.nbiter, patience);
   Solution t = by_gradients(some);
   Request more = what_remains(rest, t);
-  if (t.status == Status::max_iterations && more.settings.nbiter > 0 &&
-      t.certificate.residual < s.certificate.residual) {
+  if (t.status == Status::max_iterations && more.settings.nbiter > 0) {
     more.x0 = t.x;
-    t = after(t, by_gradients(more));
+    if (t.certificate.residual < s.certificate.residual)
+      t = after(t, by_gradients(more));
+    else
+      t.status = Status::stagnated;  // the script's bound is not what ends it
   }
   const Status last = replace_if_better(s, std::move(t));
   if (!decided(s) && last == Status::not_positive_definite) s.status = last;

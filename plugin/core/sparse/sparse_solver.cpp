@@ -58,6 +58,8 @@ Solution SparseSolver::follow_path(const Request& request, Index max_steps) {
   }
   answered_ = s.status == Status::converged;
   s.iterations += steps;
+  if (s.status == Status::max_iterations && s.iterations < max_steps)
+    s.status = Status::stagnated;  // by the bound on what follows the path
   s.route = Route::sparse;
   s.layer = Layer::sparse_interior_point;
   return s;
