@@ -31,7 +31,7 @@ Real along_normal(Real c, Real d, Real f) {
 template <int d>
 class Fit {
  public:
-  explicit Fit(const std::vector<Vec3>& points) : points_(points) {
+  Fit(const std::vector<Vec3>& points, bool develops) : points_(points), develops_(develops) {
     for (const Vec3& e : points) size_ = std::max(size_, e.norm());
   }
   std::optional<Quadric> from(const Vec3& mean) {
@@ -100,7 +100,7 @@ class Fit {
     if (rank < bends) {
       found_.template tail<bends>() =
           least_squares(rows, R_.template block<bends, 1>(slopes, unknowns), between);
-      if (d == 3 && rank == 2) develop(rows);
+      if (d == 3 && rank == 2 && develops_) develop(rows);
     }
     for (int k = (rank < bends ? slopes : unknowns) - 1; k >= 0; --k) {
       Real right = R_(k, unknowns);
@@ -149,6 +149,7 @@ class Fit {
   }
 
   const std::vector<Vec3>& points_;
+  const bool develops_;
   Real size_ = 0, k_ = 0;
   Vec3 n_, s1_, s2_;
   Eigen::Matrix<Real, unknowns, unknowns + 1> R_;
@@ -159,9 +160,9 @@ class Fit {
 
 }  // namespace
 
-std::optional<Quadric> osculating_quadric(int d, const std::vector<Vec3>& around,
-                                          const Vec3& mean) {
-  return d == 2 ? Fit<2>(around).from(mean) : Fit<3>(around).from(mean);
+std::optional<Quadric> osculating_quadric(int d, const std::vector<Vec3>& around, const Vec3& mean,
+                                          bool develops) {
+  return d == 2 ? Fit<2>(around, develops).from(mean) : Fit<3>(around, develops).from(mean);
 }
 
 }  // namespace frictioncg
