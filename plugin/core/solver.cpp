@@ -220,7 +220,7 @@ Solution Solver::by_route(const Request& request) {
   // that sparse factors come first shows once A is ordered
   const bool has_others = (poor_ || factored_) && settings.memory >= memory_needed_;
   if (may_choose && (has_others || sparse_comes_first(settings)))
-    return (this->*after_multigrid())(request);
+    return (this->*after_multigrid(settings))(request);
   if (may_choose && sparse_ && sparse_->has_answered() && lay_out_sparse_factor(settings))
     return or_by(&Solver::by_multigrid, sparse_->go_on(request), request);
   return by_multigrid(request);
@@ -230,11 +230,8 @@ Solution Solver::by_route(const Request& request) {
 /// laws on A.
 Solution Solver::by_condensation(const Request& request) {
   if (!condense(request)) return by_gradients(without_factor(request));
-  // where a sparse factor of A is cheaper than a dense one of S, and fits
   const auto path = [&](Index max_steps) -> std::optional<Solution> {
-    const double dense = std::pow(double(system_->contact_dofs()), 3) / 3;
-    if (max_steps <= 0 || dense < worth_an_ordering) return std::nullopt;
-    if (!lay_out_sparse_factor(request.settings) || sparse_->flops() >= dense) return std::nullopt;
+    if (max_steps <= 0 || !path_is_cheaper_on_A(request.settings)) return std::nullopt;
     return sparse_->follow_path(request, max_steps);
   };
   Solution s = condensed_->solve(request, path);
@@ -353,8 +350,9 @@ Solution Solver::by_multigrid(const Request& request) {
   if (!multigrid_->has_hierarchy()) return by_condensation(rest);
   Solution s = multigrid_->solve(problem, settings, x0, observer, allowance(settings));
   multigrid_failed_ = !arrives(s);
-  poor_ = s.status != Status::max_iterations && multigrid_failed_ && std::isinf(costs_.sparse);
-  return or_by(after_multigrid(), std::move(s), rest);
+  const Way next = multigrid_failed_ ? after_multigrid(settings) : nullptr;
+  poor_ = s.status != Status::max_iterations && next == &Solver::by_condensation;
+  return or_by(next, std::move(s), rest);
 }
 
 /// Sparse factors of A: along the central path at once where Newton's method by multigrid has just
@@ -378,9 +376,18 @@ bool Solver::sparse_comes_first(const Settings& settings) {
          sparse_->flops() <= few_flops * double(system_->entries().nonZeros());
 }
 
-/// Sparse factors do for slender bodies, unless contact dofs are few.
-Solver::Way Solver::after_multigrid() const {
-  return std::isfinite(costs_.sparse) ? &Solver::by_sparse_factors : &Solver::by_condensation;
+/// Sparse factors do for slender bodies, unless contact dofs are few; and where Newton's method by
+/// multigrid has just failed, the central path is likely to be needed.
+Solver::Way Solver::after_multigrid(const Settings& settings) {
+  const bool sparse =
+      std::isfinite(costs_.sparse) || (multigrid_failed_ && path_is_cheaper_on_A(settings));
+  return sparse ? &Solver::by_sparse_factors : &Solver::by_condensation;
+}
+
+/// Whether a sparse factor of A is cheaper than a dense one of S, and fits.
+bool Solver::path_is_cheaper_on_A(const Settings& settings) {
+  const double dense = std::pow(double(system_->contact_dofs()), 3) / 3;
+  return dense >= worth_an_ordering && lay_out_sparse_factor(settings) && sparse_->flops() < dense;
 }
 
 /// s, or where it decides nothing short of rounding, what the next route and those after it find

@@ -53,7 +53,8 @@ class Solver {
   void decide_on_equilibrium(const ContactProblem& problem, Solution& s);
   Solution by_multigrid(const Request& request);
   Solution by_sparse_factors(const Request& request);
-  Way after_multigrid() const;
+  Way after_multigrid(const Settings& settings);
+  bool path_is_cheaper_on_A(const Settings& settings);
   Solution or_by(Way next, Solution s, const Request& request);
   bool lay_out_sparse_factor(const Settings& settings);
   bool sparse_comes_first(const Settings& settings);
