@@ -30,6 +30,23 @@ Matrix of_each_body(const System& system, const DenseMatrix& motions) {
   return sparse(system.dofs(), bodies.count * k, entries);
 }
 
+/// The columns that share rows, on any process, by the first of them: of bodies that A does not
+/// couple, as there are many where masses are lumped, each has its own.
+std::map<Index, std::vector<Index>> joined_columns(const System& system, const Matrix& M) {
+  const Index count = static_cast<Index>(M.cols());
+  Groups here(count), groups(count);
+  for (Index i = 0; i < M.rows(); ++i)
+    for (Matrix::InnerIterator first(M, i), e = first; e; ++e)
+      here.join(Index(first.col()), Index(e.col()));
+  Vector roots(count);
+  for (Index c = 0; c < count; ++c) roots[c] = here.of(c);
+  const Vector all = system.gathered(roots);
+  for (Index k = 0; k < all.size(); ++k) groups.join(k % count, Index(all[k]));
+  std::map<Index, std::vector<Index>> joined;
+  for (Index c = 0; c < count; ++c) joined[groups.of(c)].push_back(c);
+  return joined;
+}
+
 }  // namespace
 
 Matrix inertia_of(const System& system) {
@@ -52,12 +69,19 @@ Real load_beside_inertia(const System& system, const Vector& b) {
   const Matrix& AW = system.inertia;
   if (AW.cols() == 0) return norm_D(system, b);
   const Vector weight = system.weight.cwiseInverse();
-  const Matrix weighted = weight.asDiagonal() * AW;
-  DenseMatrix sizes = AW.transpose() * weighted;
+  const Matrix weighted = weight.asDiagonal() * AW, sizes = AW.transpose() * weighted;
   Vector part = weighted.transpose() * b;
-  system.sum(sizes.data(), static_cast<Index>(sizes.size()));
   system.sum(part.data(), static_cast<Index>(part.size()));
-  return norm_D(system, b - AW * Vector(least_squares(sizes, part)));
+  Vector along(part.size());
+  for (const auto& [first, columns] : joined_columns(system, AW)) {
+    DenseMatrix of_columns(columns.size(), columns.size());
+    for (std::size_t k = 0; k < columns.size(); ++k)
+      for (std::size_t l = 0; l < columns.size(); ++l)
+        of_columns(k, l) = sizes.coeff(columns[k], columns[l]);
+    system.sum(of_columns.data(), static_cast<Index>(of_columns.size()));
+    along(columns) = least_squares(of_columns, part(columns));
+  }
+  return norm_D(system, b - AW * along);
 }
 
 }  // namespace frictioncg
