@@ -10,10 +10,12 @@ namespace {
 constexpr Real kink = 4, flat_kink = 20;
 constexpr Real rounding = 1e-6;  ///< turns by less are none: cosines tell 1e-8
 
-/// The kinks among the joints of a surface.
+/// The kinks among the joints of a surface. Two chords alone are an arc: so few have a sector of a
+/// round body between planes of symmetry.
 class Kinks {
  public:
-  explicit Kinks(const Side& side) : side_(side), of_facet_(side.facets()) {
+  Kinks(const Side& side, const std::vector<Vec3>& X)
+      : side_(side), X_(X), of_facet_(side.facets()) {
     for (std::size_t k = 0; k < side.joints.size(); ++k) {
       turn_.push_back(std::acos(std::clamp(side.joints[k].cosine, -1.0, 1.0)));
       for (Index f : side.joints[k].facet) of_facet_[f].push_back(static_cast<Index>(k));
@@ -27,10 +29,12 @@ class Kinks {
 
  private:
   /// Whether both flanks turn by less than 1/`share` of joint k, over facets one after the other,
-  /// `most` of them, or to an end of the surface that leaves at least `least` in all.
+  /// `most` of them, or to an end of the surface that leaves at least `least` in all; and one of
+  /// them is wider than a chord.
   bool is_straight(Index k, Real share, int most, std::size_t least) const {
     const auto& ends = side_.joints[k].facet;
-    return std::all_of(ends.begin(), ends.end(), [&](Index f) {
+    bool wide = false;
+    const bool straight = std::all_of(ends.begin(), ends.end(), [&](Index f) {
       std::vector<Index> flank{f};
       for (std::size_t from = 0, layer = 1;; ++layer) {
         const std::size_t to = flank.size();
@@ -41,10 +45,27 @@ class Kinks {
             for (Index g : side_.joints[j].facet)
               if (std::find(flank.begin(), flank.end(), g) == flank.end()) flank.push_back(g);
           }
-        if (flank.size() == to) return to >= least;
-        if (layer == static_cast<std::size_t>(most)) return true;
+        if (flank.size() == to || layer == static_cast<std::size_t>(most)) {
+          wide = wide || is_wide(flank, k);
+          return flank.size() >= least;
+        }
       }
     });
+    return straight && wide;
+  }
+  /// Whether a flank goes on behind the first of its facets, at joint k.
+  bool is_wide(const std::vector<Index>& flank, Index k) const {
+    if (side_.d == 2) return flank.size() > 1;
+    const auto& [a, b] = side_.joints[k].vertex;
+    const Vec3 along = (X_[b] - X_[a]).normalized();
+    const auto reach = [&](Index f) {
+      Real most = 0;
+      for (int v = 0; v < 3; ++v)
+        most = std::max(most, along.cross(X_[side_.facet(f).node[v]] - X_[a]).norm());
+      return most;
+    };
+    return std::any_of(flank.begin(), flank.end(),
+                       [&](Index f) { return reach(f) > 1.5 * reach(flank[0]); });
   }
   /// Joint k, or in 3D one that goes on along its line: between the same planes.
   bool is_same_ridge(Index j, Index k) const {
@@ -58,13 +79,14 @@ class Kinks {
   }
 
   const Side& side_;
+  const std::vector<Vec3>& X_;
   std::vector<Real> turn_;
   std::vector<std::vector<Index>> of_facet_;
 };
 
 /// Tells of each joint whether the surface goes on over it. It does not over the edges of the body,
 /// nor over a kink between straight flanks, where it does not go on turning.
-std::vector<char> smooth_joints(const Side& side) {
+std::vector<char> smooth_joints(const Side& side, const std::vector<Vec3>& X) {
   std::vector<char> smooth;
   bool flat = true;
   for (const Joint& joint : side.joints) {
@@ -72,7 +94,7 @@ std::vector<char> smooth_joints(const Side& side) {
     flat = flat && (!joint.goes_on || joint.cosine >= 1 - rounding * rounding / 2);
   }
   if (flat) return smooth;
-  const Kinks kinks(side);
+  const Kinks kinks(side, X);
   for (std::size_t k = 0; k < smooth.size(); ++k)
     if (smooth[k] && kinks.has(static_cast<Index>(k))) smooth[k] = false;
   return smooth;
@@ -148,7 +170,7 @@ CurvedOffset::CurvedOffset(const Side& side, const std::vector<Vec3>& X,
                            const std::vector<Vec3>& reference)
     : side_(side),
       X_(X),
-      smooth_joints_(smooth_joints(side)),
+      smooth_joints_(smooth_joints(side, X)),
       smooth_(side, X, smooth_joints_),
       bow_(side.facets()),
       edge_(side.facets()),
