@@ -31,7 +31,7 @@ Real along_normal(Real c, Real d, Real f) {
 template <int d>
 class Fit {
  public:
-  Fit(const std::vector<Vec3>& points, bool develops) : points_(points), develops_(develops) {
+  Fit(const std::vector<Vec3>& points, bool moves) : points_(points), moves_(moves) {
     for (const Vec3& e : points) size_ = std::max(size_, e.norm());
   }
   std::optional<Quadric> from(const Vec3& mean) {
@@ -96,19 +96,37 @@ class Fit {
     const int rest = std::clamp(static_cast<int>(points_.size()) - slopes, 0, bends);
     Bends rows = R_.template block<bends, bends>(slopes, slopes);
     rows.bottomRows(bends - rest).setZero();  // of no point
+    const auto right_side = R_.template block<bends, 1>(slopes, unknowns);
     const auto [rank, between] = rank_of(rows);
-    if (rank < bends) {
-      found_.template tail<bends>() =
-          least_squares(rows, R_.template block<bends, 1>(slopes, unknowns), between);
-      if (d == 3 && rank == 2 && develops_) develop(rows);
+    const bool apart = rank < bends || moves_;
+    if (moves_) {
+      found_.template tail<bends>() = without_a_jump(rows, right_side);
+    } else if (apart) {
+      found_.template tail<bends>() = least_squares(rows, right_side, between);
+      if (d == 3 && rank == 2) develop(rows);
     }
-    for (int k = (rank < bends ? slopes : unknowns) - 1; k >= 0; --k) {
+    for (int k = (apart ? slopes : unknowns) - 1; k >= 0; --k) {
       Real right = R_(k, unknowns);
       for (int l = k + 1; l < unknowns; ++l) right -= R_(k, l) * found_[l];
       found_[k] = right / R_(k, k);
     }
     q_.head<bends>() = found_.template tail<bends>();
     k_ = along_normal(q_[0], q_[1] / M_SQRT2, q_[2]);
+  }
+  /// The curvature of a surface that moves: what the vertices tell of it fades out, as they leave
+  /// it open, by the singular values s of the rows over all of them,
+  ///   q = sum_i ramp(s_i) (v_i.R'r) / s_i^2 v_i
+  static Eigen::Matrix<Real, bends, 1> without_a_jump(const Bends& rows, const Vector& right) {
+    constexpr Real none = 0.03, all = 0.1;
+    const Eigenpairs of = eigenpairs(rows.transpose() * rows);
+    const Vector along = of.vectors.transpose() * (rows.transpose() * right);
+    Vector found = Vector::Zero(bends);
+    for (int i = 0; i < bends; ++i) {
+      const Real share = std::sqrt(std::max<Real>(0, of.values[i] / of.values.sum()));
+      const Real t = std::clamp<Real>((share - none) / (all - none), 0, 1);
+      if (t > 0) found += t * t * (3 - 2 * t) * along[i] / of.values[i] * of.vectors.col(i);
+    }
+    return found;
   }
   /// By what each column adds to those before, the largest first; and a share of the largest
   /// between that of the last which counts and the next.
@@ -149,7 +167,7 @@ class Fit {
   }
 
   const std::vector<Vec3>& points_;
-  const bool develops_;
+  const bool moves_;
   Real size_ = 0, k_ = 0;
   Vec3 n_, s1_, s2_;
   Eigen::Matrix<Real, unknowns, unknowns + 1> R_;
@@ -161,8 +179,8 @@ class Fit {
 }  // namespace
 
 std::optional<Quadric> osculating_quadric(int d, const std::vector<Vec3>& around, const Vec3& mean,
-                                          bool develops) {
-  return d == 2 ? Fit<2>(around, develops).from(mean) : Fit<3>(around, develops).from(mean);
+                                          bool moves) {
+  return d == 2 ? Fit<2>(around, moves).from(mean) : Fit<3>(around, moves).from(mean);
 }
 
 }  // namespace frictioncg

@@ -111,7 +111,7 @@ class Estimator {
     sort_once(vertices);
     std::vector<Vec3> around;
     for (Index j : vertices) around.push_back(s_.X[j] - s_.X[i]);
-    return osculating_quadric(s_.d, around, mean, !s_.is_moved);
+    return osculating_quadric(s_.d, around, mean, s_.is_moved);
   }
 
   /// How much the curvatures at p and q differ, once the normal of q is turned to that of p.

@@ -28,11 +28,11 @@ constexpr Real leaning = M_SQRT1_2;
 /// smooth surfaces; a mean of the facets' normals is of first order, a wedge at each vertex.
 ///
 /// Where the vertices leave the quadric open (one layer of facets), it is curved no more than it
-/// has to be, or where it develops, and two lines of vertices tell all curvature but one, as little
-/// as a surface that develops: exact on cones, and as steep as a root is. Nothing is returned where
-/// no quadric fits within 45 degrees of `mean`.
+/// has to be, or, where two lines of vertices tell all curvature but one, as little as a surface
+/// that develops: exact on cones. Of one that moves the curvature is the least that they tell
+/// clearly. Nothing is returned where no quadric fits within 45 degrees of `mean`.
 std::optional<Quadric> osculating_quadric(int d, const std::vector<Vec3>& around, const Vec3& mean,
-                                          bool develops = true);
+                                          bool moves = false);
 
 /// Whether unit vectors are one but for rounding.
 bool same_direction(const Vec3& m, const Vec3& n);
@@ -55,8 +55,8 @@ struct Faceted {
   std::vector<Facet> facets;
   /// Of a body that has deformed: what its curvature does is no jump of two faces, and each normal
   /// is that of its own vertices. Weights of sides, which turn over within a few hundredths of a
-  /// jump, would let gaps change several times as fast as the bodies move. So would strips that
-  /// are to develop: the root has an infinite slope where it is double, and then there is none.
+  /// jump, would let gaps change several times as fast as the bodies move. What the vertices leave
+  /// of a curvature open, or not, would jump, and so would what is to develop.
   bool is_moved = false;
   std::vector<Fan> fans;  ///< each facet is in one fan at each of its vertices, or in none
 };

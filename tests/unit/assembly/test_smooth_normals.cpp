@@ -381,6 +381,30 @@ TEST(OsculatingQuadric, OfASaddleIsItsTwistWhereNoCurvatureMakesItDevelopable) {
   }
 }
 
+TEST(OsculatingQuadric, OfASurfaceThatMovesGoesOverIntoOneThatItsVerticesLeaveOpen) {
+  // five vertices on two lines, but for the last, which leaves them: what it tells of the curvature
+  // across is rounding at first
+  const auto at = [](Real off, bool moves) {
+    const std::vector<Vec3> around = {Vec3(1, 0, 0.1), Vec3(2, 0, 0.4), Vec3(0, 1, 0.05),
+                                      Vec3(1, 1, 0.2), Vec3(2, 1 + off, 0.6)};
+    return osculating_quadric(3, around, Vec3::UnitZ(), moves)->normal;
+  };
+  constexpr Real step = 1e-3;
+  Real most = 0, jumps = 0;
+  for (Real off = step; off < 1; off += step) {
+    most = std::max(most, (at(off, true) - at(off - step, true)).norm());
+    jumps = std::max(jumps, (at(off, false) - at(off - step, false)).norm());
+  }
+  EXPECT_GT(jumps, 0.01);
+  EXPECT_LT(most, 0.1 * jumps);
+  const std::vector<Vec3> all = {Vec3(1, 0, -0.5),  Vec3(-1, 0, -0.5),     Vec3(0, 1, -0.5),
+                                 Vec3(0, -1, -0.5), Vec3(0.7, 0.7, -0.49), Vec3(-0.7, 0.7, -0.49)};
+  const Quadric moved = *osculating_quadric(3, all, Vec3::UnitZ(), true),
+                rests = *osculating_quadric(3, all, Vec3::UnitZ());
+  EXPECT_LT((moved.normal - rests.normal).norm(), 1e-14);
+  EXPECT_LT((moved.curvature - rests.curvature).norm(), 1e-13 * rests.curvature.norm());
+}
+
 TEST(SmoothNormals, OfCancellingFacetsAreNone) {
   Faceted s;
   s.X = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1e-3, 0)};
