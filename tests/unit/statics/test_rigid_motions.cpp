@@ -1,5 +1,6 @@
 // The rigid motions alone: from S, and from A without a factor.
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include "../random_scene.h"
 #include "bodies.h"
@@ -111,4 +112,23 @@ TEST(RigidMotions, EachTakesAsManyIterationsAsALinearSystem) {
   o.cells = 16;
   const ContactProblem p = problem_of(o);
   EXPECT_EQ(rigid_motions(*p.system, 3 * 200).cols(), 3);
+}
+
+TEST(RigidMotions, TellThePlacesOfNodesByWhateverDofsTheseHave) {
+  // three along turned axes, two of three, and one that cannot tell where along itself it lies
+  const Eigen::Matrix3d axes = Eigen::Quaterniond(0.8, 0.3, -0.2, 0.4).normalized().matrix();
+  const Vec3 a(1, 2, 3), b(-2, 0.5, 1), c(0.3, -4, 2);
+  const std::vector<Index> node = {0, 0, 0, 1, 1, 2};
+  DenseMatrix modes(6, 6);
+  const auto set = [&](Index dof, const Vec3& t, const Vec3& x) {
+    modes.row(dof) << t.transpose(), x.cross(t).transpose();
+  };
+  for (Index k = 0; k < 3; ++k) set(k, axes.col(k), a);
+  set(3, Vec3::UnitX(), b);
+  set(4, Vec3::UnitY(), b);
+  set(5, Vec3::UnitZ(), c);
+  const DenseMatrix place = places_of(node, 3, modes);
+  EXPECT_LT((place.row(0).transpose() - a).norm(), 1e-14);
+  EXPECT_LT((place.row(1).transpose() - b).norm(), 1e-14);
+  EXPECT_LT((place.row(2).transpose() - Vec3(c[0], c[1], 0)).norm(), 1e-14);
 }

@@ -39,7 +39,8 @@ TEST(UncertainWork, IsLeftOutUpToWhatIsTold) {
   EXPECT_EQ(leave_out_uncertain_work(*p.system, p.W, 0, p.F), 0);
   EXPECT_EQ(leave_out_uncertain_work(*p.system, p.W, 1e-9, p.F), 0);
   EXPECT_EQ((p.F - before).norm(), 0);
-  const Real share = leave_out_uncertain_work(*p.system, p.W, 1e-4, p.F);
+  const DenseMatrix longer = 3 * p.W;
+  const Real share = leave_out_uncertain_work(*p.system, longer, 1e-4, p.F);
   EXPECT_GT(share, 1e-8);
   EXPECT_LT(share, 1e-6);
   EXPECT_LT(std::abs(p.work(p.along)), 1e-9 * work);
