@@ -10,8 +10,11 @@ namespace {
 constexpr Real kink = 4, flat_kink = 20;
 constexpr Real rounding = 1e-6;  ///< turns by less are none: cosines tell 1e-8
 
-/// The kinks among the joints of a surface. Two chords alone are an arc: so few have a sector of a
-/// round body between planes of symmetry.
+/// Two chords alone may be an arc as well: a sector of a round body between planes of symmetry has
+/// so few.
+enum class Kink { none, of_two_chords, clear };
+
+/// The kinks among the joints of a surface.
 class Kinks {
  public:
   Kinks(const Side& side, const std::vector<Vec3>& X)
@@ -21,17 +24,16 @@ class Kinks {
       for (Index f : side.joints[k].facet) of_facet_[f].push_back(static_cast<Index>(k));
     }
   }
-  bool has(Index k) const {
+  Kink at(Index k) const {
     const bool in_3D = side_.d == 3;  // two triangles to a chord, or more
-    if (side_.joints[k].cosine < one_surface) return is_straight(k, kink, in_3D ? 4 : 1, 1);
-    return turn_[k] > rounding && is_straight(k, flat_kink, in_3D ? 6 : 3, in_3D ? 3 : 2);
+    if (side_.joints[k].cosine < one_surface) return between(k, kink, in_3D ? 4 : 1, 1);
+    return turn_[k] > rounding ? between(k, flat_kink, in_3D ? 6 : 3, in_3D ? 3 : 2) : Kink::none;
   }
 
  private:
   /// Whether both flanks turn by less than 1/`share` of joint k, over facets one after the other,
-  /// `most` of them, or to an end of the surface that leaves at least `least` in all; and one of
-  /// them is wider than a chord.
-  bool is_straight(Index k, Real share, int most, std::size_t least) const {
+  /// `most` of them, or to an end of the surface that leaves at least `least` in all.
+  Kink between(Index k, Real share, int most, std::size_t least) const {
     const auto& ends = side_.joints[k].facet;
     bool wide = false;
     const bool straight = std::all_of(ends.begin(), ends.end(), [&](Index f) {
@@ -51,7 +53,7 @@ class Kinks {
         }
       }
     });
-    return straight && wide;
+    return !straight ? Kink::none : wide ? Kink::clear : Kink::of_two_chords;
   }
   /// Whether a flank goes on behind the first of its facets, at joint k.
   bool is_wide(const std::vector<Index>& flank, Index k) const {
@@ -84,9 +86,17 @@ class Kinks {
   std::vector<std::vector<Index>> of_facet_;
 };
 
+bool has_clear_kinks(const Side& side, const std::vector<Vec3>& X) {
+  const Kinks kinks(side, X);
+  for (std::size_t k = 0; k < side.joints.size(); ++k)
+    if (side.joints[k].goes_on && kinks.at(static_cast<Index>(k)) == Kink::clear) return true;
+  return false;
+}
+
 /// Tells of each joint whether the surface goes on over it. It does not over the edges of the body,
-/// nor over a kink between straight flanks, where it does not go on turning.
-std::vector<char> smooth_joints(const Side& side, const std::vector<Vec3>& X) {
+/// nor over a kink between straight flanks, where it does not go on turning; over two chords alone
+/// it does unless the other side has kinks.
+std::vector<char> smooth_joints(const Side& side, const Side& other, const std::vector<Vec3>& X) {
   std::vector<char> smooth;
   bool flat = true;
   for (const Joint& joint : side.joints) {
@@ -95,8 +105,12 @@ std::vector<char> smooth_joints(const Side& side, const std::vector<Vec3>& X) {
   }
   if (flat) return smooth;
   const Kinks kinks(side, X);
-  for (std::size_t k = 0; k < smooth.size(); ++k)
-    if (smooth[k] && kinks.has(static_cast<Index>(k))) smooth[k] = false;
+  std::optional<bool> among_kinks;
+  for (std::size_t k = 0; k < smooth.size(); ++k) {
+    const Kink found = smooth[k] ? kinks.at(static_cast<Index>(k)) : Kink::none;
+    if (found == Kink::of_two_chords && !among_kinks) among_kinks = has_clear_kinks(other, X);
+    if (found == Kink::clear || (found == Kink::of_two_chords && *among_kinks)) smooth[k] = false;
+  }
   return smooth;
 }
 
@@ -166,11 +180,11 @@ Turns turns_of_normal(Index i, const Vec3& n, const std::vector<Index>& facets, 
   return turns;
 }
 
-CurvedOffset::CurvedOffset(const Side& side, const std::vector<Vec3>& X,
+CurvedOffset::CurvedOffset(const Side& side, const Side& other, const std::vector<Vec3>& X,
                            const std::vector<Vec3>& reference)
     : side_(side),
       X_(X),
-      smooth_joints_(smooth_joints(side, X)),
+      smooth_joints_(smooth_joints(side, other, X)),
       smooth_(side, X, smooth_joints_),
       bow_(side.facets()),
       edge_(side.facets()),

@@ -49,7 +49,7 @@ class CurvedOffset {
  public:
   /// reference: where bodies are not deformed, of P2, whose edges bend as they do: what these lack
   /// of the smooth surface is q of there. Empty: X.
-  CurvedOffset(const Side& side, const std::vector<Vec3>& X,
+  CurvedOffset(const Side& side, const Side& other, const std::vector<Vec3>& X,
                const std::vector<Vec3>& reference = {});
   Vec3 at(Index facet, const Vec3& lambda) const;
 

@@ -17,8 +17,8 @@ Integration::Integration(const Side& slave, const Side& master, const Nodes& nod
                          const Options& options)
     : nodes_(nodes),
       options_(options),
-      slave_(slave, nodes.X, at_rest(slave, nodes)),
-      master_(master, nodes.X, at_rest(master, nodes)) {}
+      slave_(slave, master, nodes.X, at_rest(slave, nodes)),
+      master_(master, slave, nodes.X, at_rest(master, nodes)) {}
 
 Vec3 Integration::bend_at(const Facet& facet, const Vec3& lambda) const {
   const int d = nodes_.dimension;
