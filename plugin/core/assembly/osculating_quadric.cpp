@@ -31,7 +31,8 @@ Real along_normal(Real c, Real d, Real f) {
 template <int d>
 class Fit {
  public:
-  Fit(const std::vector<Vec3>& points, bool moves) : points_(points), moves_(moves) {
+  Fit(const std::vector<Vec3>& points, Told told)
+      : points_(points), moves_(told.moves), known_(told.strip && d == 3 ? 2 : bends) {
     for (const Vec3& e : points) size_ = std::max(size_, e.norm());
   }
   std::optional<Quadric> from(const Vec3& mean) {
@@ -97,7 +98,7 @@ class Fit {
     Bends rows = R_.template block<bends, bends>(slopes, slopes);
     rows.bottomRows(bends - rest).setZero();  // of no point
     const auto right_side = R_.template block<bends, 1>(slopes, unknowns);
-    const auto [rank, between] = rank_of(rows);
+    const auto [rank, between] = rank_of(rows, known_);
     const bool apart = rank < bends || moves_;
     if (moves_) {
       found_.template tail<bends>() = without_a_jump(rows, right_side);
@@ -130,7 +131,7 @@ class Fit {
   }
   /// By what each column adds to those before, the largest first; and a share of the largest
   /// between that of the last which counts and the next.
-  static std::pair<int, Real> rank_of(Bends rows) {
+  static std::pair<int, Real> rank_of(Bends rows, int known) {
     Real first = 0, last = 0;
     for (int rank = 0; rank < bends; ++rank) {
       int largest = 0;
@@ -138,7 +139,7 @@ class Fit {
         if (rows.col(c).squaredNorm() > rows.col(largest).squaredNorm()) largest = c;
       const Real size = rows.col(largest).norm();
       if (rank == 0) first = size;
-      if (!(size > (rank == 2 ? last_open : open) * first))
+      if (rank == known || !(size > (rank == 2 ? last_open : open) * first))
         return {rank, std::sqrt(last * size) / first};
       last = size;
       const Eigen::Matrix<Real, bends, 1> direction = rows.col(largest) / size;
@@ -168,6 +169,7 @@ class Fit {
 
   const std::vector<Vec3>& points_;
   const bool moves_;
+  const int known_;  ///< of the curvature, at most
   Real size_ = 0, k_ = 0;
   Vec3 n_, s1_, s2_;
   Eigen::Matrix<Real, unknowns, unknowns + 1> R_;
@@ -179,8 +181,8 @@ class Fit {
 }  // namespace
 
 std::optional<Quadric> osculating_quadric(int d, const std::vector<Vec3>& around, const Vec3& mean,
-                                          bool moves) {
-  return d == 2 ? Fit<2>(around, moves).from(mean) : Fit<3>(around, moves).from(mean);
+                                          Told told) {
+  return d == 2 ? Fit<2>(around, told).from(mean) : Fit<3>(around, told).from(mean);
 }
 
 }  // namespace frictioncg

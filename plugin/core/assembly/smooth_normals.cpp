@@ -111,9 +111,17 @@ class Estimator {
     sort_once(vertices);
     std::vector<Vec3> around;
     for (Index j : vertices) around.push_back(s_.X[j] - s_.X[i]);
-    return osculating_quadric(s_.d, around, mean, s_.is_moved);
+    return osculating_quadric(s_.d, around, mean, {s_.is_moved, is_strip(p)});
   }
 
+  /// Whether all vertices that tell of its curvature lie at rims, as those of one layer do.
+  bool is_strip(std::size_t p) const {
+    const auto at_rims = [&](Index q) {
+      return rim_[q] &&
+             std::all_of(next_[q].begin(), next_[q].end(), [&](Index r) { return rim_[r]; });
+    };
+    return rim_[p] && std::all_of(next_[p].begin(), next_[p].end(), at_rims);
+  }
   /// How much the curvatures at p and q differ, once the normal of q is turned to that of p.
   Real difference(Index p, Index q) const {
     const Quadric &a = *quadric_[p], &b = *quadric_[q];

@@ -31,8 +31,12 @@ constexpr Real leaning = M_SQRT1_2;
 /// has to be, or, where two lines of vertices tell all curvature but one, as little as a surface
 /// that develops: exact on cones. Of one that moves the curvature is the least that they tell
 /// clearly. Nothing is returned where no quadric fits within 45 degrees of `mean`.
+struct Told {
+  bool moves = false;
+  bool strip = false;  ///< of one layer of facets: across it they are straight
+};
 std::optional<Quadric> osculating_quadric(int d, const std::vector<Vec3>& around, const Vec3& mean,
-                                          bool moves = false);
+                                          Told told = {});
 
 /// Whether unit vectors are one but for rounding.
 bool same_direction(const Vec3& m, const Vec3& n);

@@ -166,6 +166,20 @@ TEST(SmoothNormals, AreExactOnACylinderOfOneLayerOfElements) {
       EXPECT_LT(largest_error(cylinder(8, 1, seed, true, 1.5, length)), 1e-12) << seed << length;
 }
 
+TEST(SmoothNormals, OfAConeOfOneLayerAreNotThoseOfABall) {
+  for (unsigned seed = 1; seed <= 5; ++seed)
+    for (Real slope : {0.05, 0.15, 0.4, 0.6, 1.0}) {
+      const auto at = [&](Real u, Real v) {
+        const Real r = 1 + slope * v;
+        return Vec3(r * std::cos(2 * u), r * std::sin(2 * u), v);
+      };
+      const auto normal = [&](Real u, Real) {
+        return Vec3(Vec3(std::cos(2 * u), std::sin(2 * u), -slope).normalized());
+      };
+      EXPECT_LT(largest_error(sheet(8, 1, seed, at, normal, false)), 0.1) << seed << slope;
+    }
+}
+
 TEST(SmoothNormals, AreOfSecondOrderOnAnEllipse) {
   const auto ellipse = [](int n, unsigned seed) {
     std::vector<Real> t = uneven(n + 1, 0, 2 * M_PI, seed);
@@ -387,7 +401,7 @@ TEST(OsculatingQuadric, OfASurfaceThatMovesGoesOverIntoOneThatItsVerticesLeaveOp
   const auto at = [](Real off, bool moves) {
     const std::vector<Vec3> around = {Vec3(1, 0, 0.1), Vec3(2, 0, 0.4), Vec3(0, 1, 0.05),
                                       Vec3(1, 1, 0.2), Vec3(2, 1 + off, 0.6)};
-    return osculating_quadric(3, around, Vec3::UnitZ(), moves)->normal;
+    return osculating_quadric(3, around, Vec3::UnitZ(), {moves})->normal;
   };
   constexpr Real step = 1e-3;
   Real most = 0, jumps = 0;
@@ -399,7 +413,7 @@ TEST(OsculatingQuadric, OfASurfaceThatMovesGoesOverIntoOneThatItsVerticesLeaveOp
   EXPECT_LT(most, 0.1 * jumps);
   const std::vector<Vec3> all = {Vec3(1, 0, -0.5),  Vec3(-1, 0, -0.5),     Vec3(0, 1, -0.5),
                                  Vec3(0, -1, -0.5), Vec3(0.7, 0.7, -0.49), Vec3(-0.7, 0.7, -0.49)};
-  const Quadric moved = *osculating_quadric(3, all, Vec3::UnitZ(), true),
+  const Quadric moved = *osculating_quadric(3, all, Vec3::UnitZ(), {true}),
                 rests = *osculating_quadric(3, all, Vec3::UnitZ());
   EXPECT_LT((moved.normal - rests.normal).norm(), 1e-14);
   EXPECT_LT((moved.curvature - rests.curvature).norm(), 1e-13 * rests.curvature.norm());
