@@ -23,6 +23,12 @@ struct Quadric {
 /// A normal further from the mean one than 45 degrees (their cosine) is no normal of a surface.
 constexpr Real leaning = M_SQRT1_2;
 
+/// What is known of a surface beside its vertices.
+struct Told {
+  bool moves = false;
+  bool strip = false;  ///< of one layer of facets: across it they are straight
+};
+
 /// The quadric through the origin that fits the vertices around it best. Its normal is exact on
 /// circles, spheres and cylinders, whatever the facets, and of second order in their size on other
 /// smooth surfaces; a mean of the facets' normals is of first order, a wedge at each vertex.
@@ -31,10 +37,6 @@ constexpr Real leaning = M_SQRT1_2;
 /// has to be, or, where two lines of vertices tell all curvature but one, as little as a surface
 /// that develops: exact on cones. Of one that moves the curvature is the least that they tell
 /// clearly. Nothing is returned where no quadric fits within 45 degrees of `mean`.
-struct Told {
-  bool moves = false;
-  bool strip = false;  ///< of one layer of facets: across it they are straight
-};
 std::optional<Quadric> osculating_quadric(int d, const std::vector<Vec3>& around, const Vec3& mean,
                                           Told told = {});
 

@@ -31,13 +31,13 @@ Matrix of_each_body(const System& system, const DenseMatrix& motions) {
 }
 
 /// The columns that share rows, on any process, by the first of them: of bodies that A does not
-/// couple, as there are many where masses are lumped, each has its own.
-std::map<Index, std::vector<Index>> joined_columns(const System& system, const Matrix& M) {
-  const Index count = static_cast<Index>(M.cols());
+/// couple, as there are many where masses are lumped, each has its own.   products: of columns, by
+/// the rows of this process
+std::map<Index, std::vector<Index>> joined_columns(const System& system, const Matrix& products) {
+  const Index count = static_cast<Index>(products.cols());
   Groups here(count), groups(count);
-  for (Index i = 0; i < M.rows(); ++i)
-    for (Matrix::InnerIterator first(M, i), e = first; e; ++e)
-      here.join(Index(first.col()), Index(e.col()));
+  for (Index c = 0; c < count; ++c)
+    for (Matrix::InnerIterator e(products, c); e; ++e) here.join(c, Index(e.col()));
   Vector roots(count);
   for (Index c = 0; c < count; ++c) roots[c] = here.of(c);
   const Vector all = system.gathered(roots);
@@ -73,7 +73,7 @@ Real load_beside_inertia(const System& system, const Vector& b) {
   Vector part = weighted.transpose() * b;
   system.sum(part.data(), static_cast<Index>(part.size()));
   Vector along(part.size());
-  for (const auto& [first, columns] : joined_columns(system, AW)) {
+  for (const auto& [first, columns] : joined_columns(system, sizes)) {
     DenseMatrix of_columns(columns.size(), columns.size());
     for (std::size_t k = 0; k < columns.size(); ++k)
       for (std::size_t l = 0; l < columns.size(); ++l)

@@ -58,6 +58,7 @@ class Kinks {
   /// Whether a flank goes on behind the first of its facets, at joint k.
   bool is_wide(const std::vector<Index>& flank, Index k) const {
     if (side_.d == 2) return flank.size() > 1;
+    constexpr Real further = 1.5;  // from the joint: chords of one strip end about as far from it
     const auto& [a, b] = side_.joints[k].vertex;
     const Vec3 along = (X_[b] - X_[a]).normalized();
     const auto reach = [&](Index f) {
@@ -67,7 +68,7 @@ class Kinks {
       return most;
     };
     return std::any_of(flank.begin(), flank.end(),
-                       [&](Index f) { return reach(f) > 1.5 * reach(flank[0]); });
+                       [&](Index f) { return reach(f) > further * reach(flank[0]); });
   }
   /// Joint k, or in 3D one that goes on along its line: between the same planes.
   bool is_same_ridge(Index j, Index k) const {
