@@ -18,6 +18,7 @@ enum class Layer {
   newton,          ///< semismooth Newton on S
   interior_point,  ///< semismooth Newton on S, from the end of the central path
   proximal,        ///< semismooth Newton on S with springs that vanish
+  limits,          ///< the fixed point, at each limit semismooth Newton on S
   fixed_point,     ///< the regularized conjugate gradient on S, without Newton after it
   gcx,             ///< stick as a face, on A
   gc,              ///< GC1, GC2 or GC3, on A

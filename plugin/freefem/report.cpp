@@ -18,6 +18,7 @@ constexpr const char* layer_names[] = {
     "Newton on the condensed laws",
     "an interior point on the condensed laws, with Newton after it",
     "Newton on the condensed laws, with springs that vanish",
+    "Newton on the condensed laws, one sliding limit after the other",
     "the regularized conjugate gradient on the condensed system",
     "GCX on A",
     "the regularized conjugate gradient on A",

@@ -33,8 +33,9 @@ Result judge(const Recipe& recipe, const Settings& settings) {
   return r;
 }
 
-const char* const layer_name[] = {"none",        "linear", "newton", "interior_point", "proximal",
-                                  "fixed_point", "gcx",    "gc",     "sorp",           "multigrid"};
+const char* const layer_name[] = {"none",     "linear", "newton",      "interior_point",
+                                  "proximal", "limits", "fixed_point", "gcx",
+                                  "gc",       "sorp",   "multigrid"};
 
 /// How many of the scenes end how; fails for each one that is converged and wrong, or has an answer
 /// and is not converged.

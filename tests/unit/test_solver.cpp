@@ -590,7 +590,7 @@ TEST(Solver, AToleranceBelowRoundingEndsStagnatedAndSaysWhatCanBeReached) {
 namespace {
 
 /// Scenes that Newton's method on S does not solve: nearly incompressible, held by contact alone.
-constexpr unsigned hard_seeds[] = {323, 2407, 3771, 4409, 5500};
+constexpr unsigned hard_seeds[] = {323, 2407, 6863, 11331};
 
 }  // namespace
 
@@ -626,6 +626,15 @@ TEST(Solver, WhereTheCondensedRouteDoesNotArriveAItselfAnswers) {
     EXPECT_GT(a.times.factor, 0) << seed;
   }
   EXPECT_GT(answers, 3);
+}
+
+TEST(Solver, AFieldThatRanAwayIsNoAnswerThatEndsALayer) {
+  for (unsigned seed : {3771, 4409, 5500}) {
+    const Posed system = make_scene(random_recipe(seed)).system();
+    const Solution a = solve(system.problem(), Settings());
+    EXPECT_EQ(a.status, Status::converged) << seed;
+    EXPECT_EQ(a.layer, Layer::interior_point) << seed;
+  }
 }
 
 TEST(Solver, TheBoundOnTheIterationsHoldsForAllLayersTogether) {

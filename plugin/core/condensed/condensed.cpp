@@ -3,6 +3,7 @@
 #include "clock.h"
 #include "condensed/bounded_pressure.h"
 #include "condensed/interior_point.h"
+#include "condensed/limits.h"
 #include "condensed/regularized.h"
 #include "statics/rigid_motions.h"
 #include "statics/undetermined.h"
@@ -26,6 +27,19 @@ Vector CondensedProblem::residual(const Vector& x) const {
   r.noalias() -= S * x;
   if (springs > 0) r.array() -= springs * D.array() * x.array();
   return r;
+}
+
+ContactProblem CondensedProblem::on_contact_dofs() const {
+  const System& whole = *laws.system;
+  const auto s = std::make_shared<AssembledSystem>();
+  s->dimension = whole.dimension;
+  for (Index first : whole.first) s->first.push_back(first - whole.interior());
+  s->A = S.sparseView(0, 0);
+  s->D = S.diagonal();
+  s->weight = D;  // of A: one certificate, there and here
+  ContactProblem p{s, laws.increment};
+  p.increment.F = f;
+  return p;
 }
 
 /// One call: what its layers share, and the field as it is refined.
@@ -108,7 +122,7 @@ CondensedProblem CondensedSolver::condense(Run& run) {
   return condensed;
 }
 
-/// The field of an answer; kept where it is the best so far.
+/// The field of an answer on the load that was condensed last: one answer each.
 void CondensedSolver::recover(Run& run, const Attempt& a) {
   Solution& s = run.s;
   if (a.x.size() != run.x_C.size() || !a.x.allFinite()) {
@@ -120,20 +134,26 @@ void CondensedSolver::recover(Run& run, const Attempt& a) {
     run.x += elimination_.recover(a.x - run.x_C);
     run.x_C = a.x;
   }
+  run.r = keep_if_better(run, run.x, a);
+}
+
+/// x, where it is the best so far; its residual F - Ax.
+Vector CondensedSolver::keep_if_better(Run& run, const Vector& x, const Attempt& a) {
+  Solution& s = run.s;
   const Stopwatch watch(s.times.certificate);
-  Certificate certificate = certify(run.problem, run.x);
-  run.r = certificate.r;
-  if (!(certificate.residual < run.best)) return;
+  Certificate certificate = certify(run.problem, x);
+  if (!(certificate.residual < run.best)) return std::move(certificate.r);
   run.best = certificate.residual;
   run.undetermined = a.undetermined;
   run.positive = a.positive;
-  s.x = run.x;
+  s.x = x;
   s.status = a.solved ? Status::converged : a.status;
   s.certificate = std::move(certificate);
+  return s.certificate.r;
 }
 
 /// Newton's method; where it does not arrive, first whether the load can be held at all, then an
-/// interior point, then springs that vanish.
+/// interior point, then springs that vanish, then one sliding limit after the other.
 Attempt CondensedSolver::solve_laws(Run& run, const CondensedProblem& condensed,
                                     const Vector& start) {
   Solution& s = run.s;
@@ -167,7 +187,7 @@ Attempt CondensedSolver::solve_laws(Run& run, const CondensedProblem& condensed,
     a.solved = on_A->status == Status::converged;
     if (a.solved) return answered(Layer::sparse_interior_point);
     a.status = on_A->status;
-    recover(run, a);  // what comes next may be further away
+    keep_if_better(run, on_A->x, a);  // what comes next may be further away
     if (run.best <= s.certificate.attainable) return answered(Layer::sparse_interior_point);
   } else {
     a = by_interior_point(condensed, run.left());
@@ -176,6 +196,13 @@ Attempt CondensedSolver::solve_laws(Run& run, const CondensedProblem& condensed,
   }
   a = by_proximal_points(condensed, run.left());
   s.iterations += a.steps;
+  if (a.solved) return answered(Layer::proximal);
+  Attempt last = by_limits(condensed, what_remains(run.problem, run.settings, s));
+  s.iterations += last.steps;
+  if (last.solved) {
+    a = last;
+    return answered(Layer::limits);
+  }
   // what ended a layer says nothing about the bound of the call
   a.status = run.left() > 0 ? Status::stagnated : Status::max_iterations;
   return answered(Layer::proximal);

@@ -43,6 +43,7 @@ class CondensedSolver {
   void refine(Run& run, Vector start);
   CondensedProblem condense(Run& run);
   void recover(Run& run, const Attempt& a);
+  Vector keep_if_better(Run& run, const Vector& x, const Attempt& a);
   Attempt solve_laws(Run& run, const CondensedProblem& condensed, const Vector& start);
   Attempt by_newton(const Run& run, const CondensedProblem& condensed, const Vector& start) const;
   Attempt by_gradient(Run& run, const CondensedProblem& condensed, const Vector& start);

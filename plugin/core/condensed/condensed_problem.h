@@ -18,6 +18,10 @@ struct CondensedProblem {
 
   /// f - (S + springs D) x
   Vector residual(const Vector& x) const;
+
+  /// The same without springs in the form that the paper's methods take: all dofs are contact dofs.
+  /// S in sparse form takes half as much again as S.
+  ContactProblem on_contact_dofs() const;
 };
 
 }  // namespace frictioncg

@@ -9,21 +9,6 @@ namespace {
 
 constexpr Real least_stiffness = 1e-8;  ///< of diag(S) over D, to precondition with
 
-/// The condensed problem in the form the conjugate gradient takes: all dofs are contact dofs. S in
-/// sparse form takes half as much again as S.
-ContactProblem on_contact_dofs(const CondensedProblem& condensed) {
-  const System& whole = *condensed.laws.system;
-  const auto s = std::make_shared<AssembledSystem>();
-  s->dimension = whole.dimension;
-  for (Index first : whole.first) s->first.push_back(first - whole.interior());
-  s->A = condensed.S.sparseView(0, 0);
-  s->D = condensed.S.diagonal();
-  s->weight = condensed.D;  // of A: one certificate, there and here
-  ContactProblem p{s, condensed.laws.increment};
-  p.increment.F = condensed.f;
-  return p;
-}
-
 /// Iterations on S: their x is that of no caller.
 class OnContactDofs final : public Observer {
  public:
@@ -47,7 +32,7 @@ Solution by_regularization(const CondensedProblem& problem, const Settings& sett
   gc3.method = Method::gc3;
   // a body on one or two nodes leaves S without a diagonal to precondition with: then on A itself
   const bool on_S = (problem.S.diagonal().array() > least_stiffness * problem.D.array()).all();
-  const ContactProblem p = on_S ? on_contact_dofs(problem) : problem.laws;
+  const ContactProblem p = on_S ? problem.on_contact_dofs() : problem.laws;
   OnContactDofs observer(p, problem.observer);
   const auto cg = make_tresca_solver(p, gc3, &observer);
   Solution s = fixed_point(p, gc3, *cg, on_S ? start : Vector());

@@ -13,6 +13,8 @@ constexpr Real rounding_margin = 100;  ///< S carries what the elimination has l
 constexpr Real solved = 1e-12;         ///< residual at which a node that grazes is on either branch
 constexpr Real settled = 1e-9;         ///< residual that may be rounding, once the branches stay
 constexpr int most_stalled = 8;        ///< 3D: directions of slip may need some steps to settle
+/// Of the load: what rounding leaves of fields that ran away is 1e-4 to 0.2 of it.
+constexpr Real hardly_anything = 1e-6;
 constexpr Real least_tangential = 1e-6;  ///< of diag(S) over D: a body on one node has S = 0
 constexpr Real progress = 0.5;   ///< of the residual from step to step, on the same branches
 constexpr Real standing = 1e-6;  ///< a residual that changes by less has no direction to settle
@@ -71,7 +73,7 @@ SemismoothNewton::Outcome SemismoothNewton::solve(Index max_steps) {
     const std::size_t after = fingerprint();
     if (residual_ <= solved) return Outcome::converged;
     if (after == before && residual_ > progress * best) {
-      if (residual_ < std::max(settled, rounding())) return Outcome::converged;
+      if (residual_ < std::max(settled, ran_away() ? 0 : rounding())) return Outcome::converged;
       const bool stands = std::abs(residual_ - last) <= standing * residual_;
       if (problem_.laws.system->dimension == 2 || stands || ++stalled > most_stalled)
         return Outcome::stalled;
@@ -209,6 +211,13 @@ Real SemismoothNewton::unit() const {
   }
   const Real work = forces_at_work(increment.load_norm, std::sqrt(contact));
   return work > 0 ? work : increment.force_scale;
+}
+
+/// Whether a motion that the branches leave free has carried x so far off that what S x cannot
+/// resolve is no little share of the load.
+bool SemismoothNewton::ran_away() const {
+  return undetermined_ &&
+         rounding() * unit() > hardly_anything * problem_.laws.increment.force_scale;
 }
 
 /// What S x cannot resolve of the residual, in the same units.

@@ -47,6 +47,7 @@ class SemismoothNewton {
   void for_each_slip(Visit visit) const;
   bool assemble();
   Vector solve_branches();
+  bool ran_away() const;
   Real rounding() const;
   Real unit() const;
   std::size_t fingerprint() const;

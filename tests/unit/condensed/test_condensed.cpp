@@ -148,6 +148,27 @@ TEST(Condensed, FurtherPassesRefineTheFirstAndTheBestIsKept) {
   EXPECT_GE(refined, 0.5 * solved);
 }
 
+TEST(Condensed, APathOnAThatDoesNotArriveLeavesTheNextLayerItsLoad) {
+  int answers = 0;
+  for (unsigned seed : {240, 326, 385, 566}) {
+    const Posed posed = make_scene(random_recipe(seed)).system();
+    const ContactProblem p = posed.problem();
+    CondensedSolver solver(p.system);
+    ASSERT_EQ(solver.factor(1e9), Elimination::Outcome::done);
+    const auto astray = [&](Index) -> std::optional<Solution> {
+      Solution s;
+      s.x = Vector::Ones(p.dofs());
+      s.status = Status::stagnated;
+      return s;
+    };
+    const Solution a = solver.solve({p, Settings(), {}, nullptr}, astray);
+    EXPECT_EQ(a.status, Status::converged) << seed;
+    EXPECT_LT(a.certificate.residual, 1e-8) << seed;
+    answers += a.layer == Layer::proximal;
+  }
+  EXPECT_GE(answers, 3);
+}
+
 TEST(Condensed, AFurtherIncrementStartsFromStickWhereTheLastAnswerWasClosed) {
   for (Law law : {Law::frictionless, Law::coulomb}) {
     BlockOptions o;
