@@ -13,7 +13,8 @@ constexpr Real rounding_margin = 100;  ///< S carries what the elimination has l
 constexpr Real solved = 1e-12;         ///< residual at which a node that grazes is on either branch
 constexpr Real settled = 1e-9;         ///< residual that may be rounding, once the branches stay
 constexpr int most_stalled = 8;        ///< 3D: directions of slip may need some steps to settle
-/// Of the load: what rounding leaves of fields that ran away is 1e-4 to 0.2 of it.
+/// Of the load: what fields that ran away violate is 3e-3 of it and more, and 3e-8 where a column
+/// is about to buckle.
 constexpr Real hardly_anything = 1e-6;
 constexpr Real least_tangential = 1e-6;  ///< of diag(S) over D: a body on one node has S = 0
 constexpr Real progress = 0.5;   ///< of the residual from step to step, on the same branches
@@ -213,11 +214,11 @@ Real SemismoothNewton::unit() const {
   return work > 0 ? work : increment.force_scale;
 }
 
-/// Whether a motion that the branches leave free has carried x so far off that what S x cannot
-/// resolve is no little share of the load.
+/// Whether a motion that the branches leave all but free has carried x so far off that rounding
+/// hides violations of the laws which are no little share of the load.
 bool SemismoothNewton::ran_away() const {
   return undetermined_ &&
-         rounding() * unit() > hardly_anything * problem_.laws.increment.force_scale;
+         residual_ * unit() > hardly_anything * problem_.laws.increment.force_scale;
 }
 
 /// What S x cannot resolve of the residual, in the same units.
