@@ -336,7 +336,7 @@ Attempt by_interior_point(const CondensedProblem& problem, Index max_steps) {
   Attempt a;
   CentralPath path(problem);
   a.steps = path.follow(max_steps);
-  if (a.steps == 0) return a;
+  if (a.steps == 0 || path.stalled()) return a;
   a.solved = newton_from(path.x(), problem, max_steps, a);
   if (a.solved) return a;
   const Index more = path.go_on(max_steps - a.steps);

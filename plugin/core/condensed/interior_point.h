@@ -27,6 +27,8 @@ class CentralPath {
   /// On from its end, as far as rounding lets it. Returns the number of steps; 0 where they lead
   /// nowhere.
   Index go_on(Index max_steps);
+  /// It stood still long before its end: as a start this is none.
+  bool stalled() const { return mean_product(at_) > far_from_end * first_; }
 
   Vector x() const { return at_.y.cwiseQuotient(unit_); }
 
@@ -41,6 +43,8 @@ class CentralPath {
     NodeBlock M;
     Real rest = 0;  ///< right side of the law that has dt
   };
+  static constexpr Real far_from_end = 1e-2;
+
   bool start();
   Index follow_to(Real goal, Index most);
   Vector pulled_to(const Vector& gap) const;
