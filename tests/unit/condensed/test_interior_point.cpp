@@ -1,6 +1,7 @@
 // The central path alone, and as the layer that answers where active sets do not settle.
 #include <gtest/gtest.h>
 
+#include "../random_scene.h"
 #include "../sparse_scene.h"
 #include "../statics.h"
 #include "../verifier.h"
@@ -155,4 +156,22 @@ TEST(InteriorPoint, HoldsNearlyIncompressibleBlocksByFriction) {
     EXPECT_EQ(a.status, Status::converged) << mu;
     EXPECT_LE(a.iterations, 60) << mu;
   }
+}
+
+TEST(InteriorPoint, APathThatStandsStillIsLeftWithoutNewtonsMethod) {
+  for (unsigned seed : {490, 1794, 2193, 2699}) {
+    OnContact condensed(make_scene(random_recipe(seed)));
+    const CondensedProblem p = condensed.problem();
+    CentralPath path(p);
+    const Index steps = path.follow(100);
+    ASSERT_TRUE(path.stalled()) << seed;
+    const Attempt a = by_interior_point(p, 100);
+    EXPECT_FALSE(a.solved) << seed;
+    EXPECT_EQ(a.steps, steps) << seed;
+    EXPECT_TRUE(by_proximal_points(p, 1000).solved) << seed;
+  }
+  OnContact condensed(block(sheared_at_side(3)));
+  CentralPath path(condensed.problem());
+  path.follow(100);
+  EXPECT_FALSE(path.stalled());
 }
