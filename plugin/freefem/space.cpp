@@ -438,9 +438,8 @@ class SpaceOn final : public Space {
     for (std::size_t n : in_order(nodes, D::d)) all.facets.back().node.push_back(number[n]);
   }
   [[noreturn]] void refuse_space(const std::string& why) const {
-    refuse(name, " ", why,
-           "; contact needs a continuous vector Lagrange space such as [P1,P1], [P2,P2] or "
-           "[P1,P1,P1]");
+    refuse(name, " ", why, "; contact needs a continuous vector Lagrange space such as ",
+           D::d == 2 ? "[P1,P1] or [P2,P2]" : "[P1,P1,P1] or [P2,P2,P2]");
   }
   [[noreturn]] void refuse_absent(long label) const {
     std::string present;
