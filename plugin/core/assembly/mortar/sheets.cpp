@@ -34,18 +34,23 @@ Real step_between(const Seen& a, const Seen& b) {
   return std::abs(a.distance(between) - b.distance(between));
 }
 
-/// Whether each facet around a vertex faces a sheet that lies beyond a step. Planes that meet at an
-/// angle also differ in distance, the more the farther their cells are from the vertex: on one
-/// sheet that is no step.
+/// Whether each facet around a vertex faces a sheet that lies beyond a step, or faces the other way
+/// than the nearest one: at the equator of a roller between two flats a mean of both would lie in
+/// the node. Planes that meet at an angle also differ in distance, the more the farther their cells
+/// are from the vertex: on one sheet that is no step.
 std::vector<bool> beyond_a_step(const std::vector<FacedAtVertex>& around, const Side& slave,
                                 const Side& master) {
   const auto nearer = [](const auto& a, const auto& b) { return a.distance < b.distance; };
   const auto nearest = std::min_element(around.begin(), around.end(), nearer);
   std::vector<bool> beyond;
-  for (const FacedAtVertex& f : around)
+  for (const FacedAtVertex& f : around) {
+    const bool other_way =
+        master.planes[f.master].normal.dot(master.planes[nearest->master].normal) < 0;
     beyond.push_back(
+        other_way ||
         f.distance - nearest->distance >
-        std::max(step * slave.planes[f.facet].size, much_farther * std::abs(f.distance)));
+            std::max(step * slave.planes[f.facet].size, much_farther * std::abs(f.distance)));
+  }
   if (std::find(beyond.begin(), beyond.end(), true) == beyond.end()) return beyond;
   std::vector<Index> masters;
   for (const FacedAtVertex& f : around) masters.push_back(f.master);
