@@ -90,9 +90,15 @@ bool Elimination::analyze(const System& system, UpperTriangle& A) {
 }
 
 /// Factors A, with springs where the interior alone is singular. False where that is not what keeps
-/// A from being factored.
+/// A from being factored. Of the motions that are known springs stand where they tell them best, of
+/// others where a pivot fails: after many of these rounding takes one motion for another.
 bool Elimination::factorize(const System& system, UpperTriangle& A) {
   springs_.clear();
+  known_.resize(n_, 0);
+  const auto hold = [&](Index i) {
+    springs_.push_back(i);
+    A.diagonal(i) += sigma * system.D[i];  // a spring to the ground
+  };
   std::size_t most_springs = 0;
   for (;;) {
     const bool failed = !SparseFactor::factorize(A.view);
@@ -105,13 +111,17 @@ bool Elimination::factorize(const System& system, UpperTriangle& A) {
       system.D.cwiseProduct(v.cwiseAbs2()).head(interior_).maxCoeff(&i);
     }
     if (springs_.empty()) {
+      known_ = motions_of_interior(floating_motions(system), interior_);
+      for (Index known : telling_rows(system.D.cwiseSqrt().asDiagonal() * known_)) hold(known);
+      if (!springs_.empty()) continue;
+    }
+    if (most_springs == 0) {
       const std::size_t parts = last_of_each_part(system, {place, place + n_}).size(),
                         of_bodies = system.body_modes ? system.body_modes().cols() : 0;
       most_springs = system.border.cols() + std::max(most_motions * parts, of_bodies);
     }
     if (i >= interior_ || springs_.size() == most_springs) return false;
-    springs_.push_back(i);
-    A.diagonal(i) += sigma * system.D[i];  // a spring to the ground
+    hold(i);
   }
 }
 
@@ -132,8 +142,11 @@ Index Elimination::dof_of_smallest_pivot(const System& system) const {
   return found;
 }
 
-/// The motions that the springs stand in for. False where one of them costs energy.
+/// The motions that the springs stand in for: those that are known, which beside a body 1e6 times
+/// as stiff have more digits than a solution. False where one of others costs energy.
 bool Elimination::find_floating(const System& system) {
+  floating_ = one_for_each(springs_, std::exchange(known_, {}));
+  if (floating_.cols() > 0 || springs_.empty()) return true;
   floating_.resize(n_, springs_.size());
   for (std::size_t k = 0; k < springs_.size(); ++k) {
     const Index i = springs_[k];
@@ -142,10 +155,6 @@ bool Elimination::find_floating(const System& system) {
     if (!costs_no_energy(system, v)) return false;
     floating_.col(k) = v;
   }
-  if (springs_.empty()) return true;
-  // Beside a body 1e6 times as stiff a solution has eight digits, too few for a proof.
-  const DenseMatrix known = motions_of_interior(floating_motions(system), interior_, springs_);
-  if (known.cols() > 0) floating_ = known;
   return true;
 }
 

@@ -61,7 +61,8 @@ class Elimination : private SparseFactor {
   std::vector<Index> springs_;  ///< dofs of the interior that stand in for supports
   double memory_needed_ = 0;
   DenseMatrix S_, floating_;
-  Vector y_;  ///< n, L^{-1} P F
+  DenseMatrix known_;  ///< n x k, of the interior: while it is factored
+  Vector y_;           ///< n, L^{-1} P F
   Times times_;
 };
 

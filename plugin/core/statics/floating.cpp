@@ -287,15 +287,30 @@ bool may_be_rigid(const System& system, const Vector& w) {
   return rest <= bent * bent * whole;
 }
 
-DenseMatrix motions_of_interior(const DenseMatrix& W, Index interior,
-                                const std::vector<Index>& units) {
-  const Index n = static_cast<Index>(W.rows()), k = static_cast<Index>(W.cols());
-  const Index count = static_cast<Index>(units.size());
-  DenseMatrix Z = W;
-  if (k > 0 && interior < n) {
-    Z = W * null_space(W.bottomRows(n - interior), still * W.cwiseAbs().maxCoeff());
-    Z.bottomRows(n - interior).setZero();
+DenseMatrix motions_of_interior(const DenseMatrix& W, Index interior) {
+  const Index n = static_cast<Index>(W.rows());
+  if (W.cols() == 0 || interior == n) return W;
+  DenseMatrix Z = W * null_space(W.bottomRows(n - interior), still * W.cwiseAbs().maxCoeff());
+  Z.bottomRows(n - interior).setZero();
+  return Z;
+}
+
+std::vector<Index> telling_rows(DenseMatrix Z) {
+  std::vector<Index> rows;
+  for (Index j = 0; j < static_cast<Index>(Z.cols()); ++j) {
+    for (Index k = 0; k < j; ++k) {
+      const Real part = Z(rows[k], j) / Z(rows[k], k);
+      if (part != 0) Z.col(j) -= part * Z.col(k);
+    }
+    Index row;
+    if (!(Z.col(j).cwiseAbs().maxCoeff(&row) > 0)) return {};
+    rows.push_back(row);
   }
+  return rows;
+}
+
+DenseMatrix one_for_each(const std::vector<Index>& units, const DenseMatrix& Z) {
+  const Index n = static_cast<Index>(Z.rows()), count = static_cast<Index>(units.size());
   if (count == 0 || Z.cols() != count) return DenseMatrix(n, 0);
   DenseMatrix at_units(count, count);
   for (Index j = 0; j < count; ++j) at_units.row(j) = Z.row(units[j]);

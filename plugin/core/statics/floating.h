@@ -29,10 +29,15 @@ class FloatingMotions {
 /// tell.
 bool may_be_rigid(const System& system, const Vector& w);
 
-/// Of motions W (n x k) the combinations that move none of the dofs from `interior` on: one for
-/// each of `units`, where it is 1, and 0 at the others. No columns where there are more or less of
-/// them.
-DenseMatrix motions_of_interior(const DenseMatrix& W, Index interior,
-                                const std::vector<Index>& units);
+/// Of motions W (n x k) the combinations that move none of the dofs from `interior` on.
+DenseMatrix motions_of_interior(const DenseMatrix& W, Index interior);
+
+/// As many rows of Z as it has columns, from which these are told best, by elimination with pivots;
+/// none where its columns are dependent.
+std::vector<Index> telling_rows(DenseMatrix Z);
+
+/// Of what Z spans a motion for each of `units`, 1 there and 0 at the others. No columns where
+/// there are more or less of them.
+DenseMatrix one_for_each(const std::vector<Index>& units, const DenseMatrix& Z);
 
 }  // namespace frictioncg

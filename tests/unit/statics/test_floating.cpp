@@ -156,21 +156,30 @@ TEST(Floating, WhatABodyDoesNotDoAloneItDoesWithAnother) {
 TEST(Floating, OfTheInteriorAreThoseThatMoveNoContactDof) {
   Eigen::MatrixXd W(4, 3);
   W << 1, 2, 0, 3, 1, 1, 0, 1, 2, 0, 2, 4;  // rows 2 and 3 move by c_2 + 2 c_3
-  const Eigen::MatrixXd Z = motions_of_interior(W, 2, {0, 1});
+  const Eigen::MatrixXd of_two = motions_of_interior(W, 2), Z = one_for_each({0, 1}, of_two);
   ASSERT_EQ(Z.cols(), 2);
   EXPECT_LT((Z - Eigen::MatrixXd::Identity(4, 2)).norm(), 1e-14);
-  EXPECT_EQ(motions_of_interior(W, 2, {0}).cols(), 0);     // more than asked for
-  EXPECT_EQ(motions_of_interior(W, 1, {0, 1}).cols(), 0);  // less
-  EXPECT_LT((motions_of_interior(W.topRows(3), 3, {0, 1, 2}) - Eigen::Matrix3d::Identity()).norm(),
-            1e-14);
+  EXPECT_EQ(one_for_each({0}, of_two).cols(), 0);                        // more than asked for
+  EXPECT_EQ(one_for_each({0, 1}, motions_of_interior(W, 1)).cols(), 0);  // less
+  const Eigen::MatrixXd all = motions_of_interior(W.topRows(3), 3);
+  EXPECT_LT((one_for_each({0, 1, 2}, all) - Eigen::Matrix3d::Identity()).norm(), 1e-14);
 }
 
 TEST(Floating, AMotionThatMovesAContactDofALittleIsNoneOfTheInterior) {
   Eigen::MatrixXd W(3, 2);
   W << 1, 0, 0, 1, 1e-5, 0;
-  const Eigen::MatrixXd Z = motions_of_interior(W, 2, {1});
+  const Eigen::MatrixXd Z = one_for_each({1}, motions_of_interior(W, 2));
   ASSERT_EQ(Z.cols(), 1);
   EXPECT_LT((Z - Eigen::Vector3d(0, 1, 0)).norm(), 1e-14);
+}
+
+TEST(Floating, RowsTellMotionsBestFarFromEachOther) {
+  Eigen::MatrixXd Z(5, 2);
+  Z << 1, 0, 1, 1, 1, 2, 1, 3, 1, 4;  // a translation, a rotation about the first dof
+  EXPECT_EQ(telling_rows(Z), (std::vector<Index>{0, 4}));
+  Z.col(1) = 2 * Z.col(0);
+  EXPECT_TRUE(telling_rows(Z).empty());
+  EXPECT_TRUE(telling_rows(Eigen::MatrixXd(5, 0)).empty());
 }
 
 TEST(Floating, ZerosThatAreStoredBetweenBodiesJoinNothing) {
