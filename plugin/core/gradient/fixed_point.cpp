@@ -21,10 +21,8 @@ constexpr Real share = 1.0 / 3;
 constexpr Real first_precision = 0.1, least_precision = 1e-4;
 /// A pass cuts the tolerance of the minimization by no more than this: g may be far off yet.
 constexpr Real largest_cut = 1e-3;
-/// A mismatch or a certificate counts as better below this share of the best one, and so many
-/// passes may go by without one.
+/// A mismatch or a certificate counts as better below this share of the best one.
 constexpr Real better = 0.5;
-constexpr Index patience = 15;
 /// g is settled where its mismatch is below this share of its tolerance: the certificate decides
 /// about the rest.
 constexpr Real settled = 0.9;
@@ -140,14 +138,14 @@ class FixedPoint {
       return;
     }
     precision_ = std::max(precision_ / 2, least_precision);
-    if (++since_best_ <= patience) return;
+    if (++since_best_ <= tresca_.patience()) return;
     if (damped_) {
       solution_.status = Status::fixed_point_diverged;
       return;
     }
     damped_ = true;
     best_ = mismatch;
-    since_best_ = -3 * patience;  // damping is slow: it gets four times as long
+    since_best_ = -3 * tresca_.patience();  // damping is slow: it gets four times as long
   }
 
   /// learnt: the mismatch is one of g, not of the minimization; else it would mislead Anderson.

@@ -30,6 +30,9 @@ class TrescaSolver {
 
   /// Whether it minimizes J_eps, and needs eps > 0 where there is friction.
   virtual bool regularized() const { return true; }
+
+  /// How many passes of the fixed point may go by without a better g.
+  virtual Index patience() const { return 15; }
 };
 
 /// The method of the settings, which bound all its minimizations together. The observer may be
