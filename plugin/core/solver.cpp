@@ -37,17 +37,6 @@ constexpr double only_gradients = 1e6;
 
 bool arrives(const Solution& s) { return decided(s) || s.certificate.residual <= at_rounding; }
 
-/// Limits that stick meets whatever it takes, where nodes can touch.   m
-Vector limits_of_stick(const ContactProblem& problem) {
-  const System& system = *problem.system;
-  const Real most = 1e6 * norm_D(system, problem.increment.F);
-  Vector g = Vector::Zero(problem.nodes());
-  for (Index i = 0; i < problem.nodes(); ++i)
-    if (std::isfinite(problem.increment.gap[i]))
-      g[i] = most * std::sqrt(system.weight[system.first[i]]);
-  return g;
-}
-
 /// Newton's method goes on from limits that change by less than this share; after so many it is
 /// not asked.
 constexpr Real near_limits = 0.1;

@@ -13,14 +13,13 @@ constexpr Index seldom = 10;
 /// minute's work.
 constexpr Index most_steps = 2000;
 constexpr double most_flops = 3e11;
-/// Limits that hold whatever the load, over its norm.
-constexpr Real more_than_all = 1e3;
 
 /// Problem 2 on S, to rounding.
 class TrescaOnS final : public TrescaSolver {
  public:
-  TrescaOnS(const CondensedProblem& problem, Index max_steps)
+  TrescaOnS(const CondensedProblem& problem, const ContactProblem& on_contact_dofs, Index max_steps)
       : problem_(problem),
+        on_contact_dofs_(on_contact_dofs),
         laws_(problem.laws),
         given_{problem.S, problem.f, problem.D, laws_, 0, problem.observer},
         left_(max_steps) {
@@ -29,20 +28,19 @@ class TrescaOnS final : public TrescaSolver {
 
   Outcome minimize(Vector& x, const Vector& g, Real, Tangents tangents, Real) override {
     const bool stuck = tangents == Tangents::stuck;
-    laws_.increment.g = stuck ? limits_of_stick() : g;
+    laws_.increment.g = stuck ? limits_of_stick(on_contact_dofs_) : g;
     Attempt a;
     a.solved = !stuck && newton_from(x, given_, left_, a);
     if (!a.solved) {
-      Attempt from_path = by_interior_point(given_, left_ - a.steps);
-      from_path.steps += a.steps;
-      a = from_path;
+      const Index before = a.steps;
+      a = by_interior_point(given_, left_ - before);
+      a.steps += before;
     }
+    if (a.solved && !stuck && ++limits_ % seldom == 0) newton_from(a.x, problem_, left_, a);
     if (a.solved) x = a.x;
-    if (a.solved && !stuck && ++limits_ % seldom == 0 && newton_from(x, problem_, left_, a))
-      x = a.x;
     left_ -= a.steps;
     Outcome o;
-    for (Index k = 0; k < a.steps; ++k) o.steps.add(StepLabel::newton);
+    o.steps.count[static_cast<int>(StepLabel::newton)] = a.steps;
     if (!a.solved) o.status = left_ > 0 ? Status::stagnated : Status::max_iterations;
     return o;
   }
@@ -52,19 +50,8 @@ class TrescaOnS final : public TrescaSolver {
   Index patience() const override { return 60; }
 
  private:
-  Vector limits_of_stick() const {
-    const Real load = norm_of_load();
-    Vector g = Vector::Zero(laws_.nodes());
-    for (Index i = 0; i < g.size(); ++i)
-      if (std::isfinite(laws_.increment.gap[i]))
-        g[i] = more_than_all * load * std::sqrt(given_.D[given_.normal(i)]);
-    return g;
-  }
-  Real norm_of_load() const {
-    return std::sqrt((given_.f.array().square() / given_.D.array()).sum());
-  }
-
   const CondensedProblem& problem_;
+  const ContactProblem& on_contact_dofs_;
   ContactProblem laws_;
   CondensedProblem given_;
   Index left_, limits_ = 0;
@@ -77,8 +64,9 @@ Attempt by_limits(const CondensedProblem& problem, const Settings& settings) {
   if (problem.laws.increment.law != Law::coulomb || settings.nbiter <= 0) return a;
   const auto affordable = static_cast<Index>(
       std::min<double>(most_flops / std::pow(double(problem.f.size()), 3), most_steps));
-  TrescaOnS tresca(problem, std::min(settings.nbiter, affordable));
-  const Solution s = fixed_point(problem.on_contact_dofs(), settings, tresca, Vector());
+  const ContactProblem p = problem.on_contact_dofs();
+  TrescaOnS tresca(problem, p, std::min(settings.nbiter, affordable));
+  const Solution s = fixed_point(p, settings, tresca, Vector());
   a.steps = s.iterations;
   a.x = s.x;
   a.solved = s.status == Status::converged;

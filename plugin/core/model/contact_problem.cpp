@@ -25,4 +25,14 @@ Real closing_norm(const System& system, const Increment& increment) {
   return std::sqrt(system.sum(closing));
 }
 
+Vector limits_of_stick(const ContactProblem& problem) {
+  const System& system = *problem.system;
+  const Real most = 1e6 * driving_norm(system, problem.increment);
+  Vector g = Vector::Zero(problem.nodes());
+  for (Index i = 0; i < problem.nodes(); ++i)
+    if (std::isfinite(problem.increment.gap[i]))
+      g[i] = most * std::sqrt(system.weight[system.first[i]]);
+  return g;
+}
+
 }  // namespace frictioncg

@@ -61,4 +61,7 @@ Real driving_norm(const System& system, const Increment& increment);
 /// The norm of the latter forces, whatever the load.
 Real closing_norm(const System& system, const Increment& increment);
 
+/// Limits g (m) that stick meets whatever it takes, where nodes can touch.
+Vector limits_of_stick(const ContactProblem& problem);
+
 }  // namespace frictioncg

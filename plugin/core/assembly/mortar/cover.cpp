@@ -19,6 +19,11 @@ constexpr Real inside_facet = -1e-9;
 
 /// Overlaps up to this share of a facet are looked at no further: no body is so thin.
 constexpr Real thinnest = 1e-3;
+/// What leans by more than 45 degrees, before less of a facet than this, is the tip of a corner:
+/// its plane is far from the rest of the facet.
+constexpr Real tip = 1e-3, leaning = -0.7;
+/// Where more of a facet than this is behind a master, bodies overlap.
+constexpr Real overlapped = 0.5;
 
 /// A master facet before a slave facet.
 struct Candidate {
@@ -65,13 +70,18 @@ class Covering {
       find(f, maxgap_);
       separate();
       for (std::size_t k = 0; k < candidates_.size(); ++k) cut_behind(k, nearer_[k], cells);
-      const auto refused = [&](const Cell& cell) { return overlap_refused(f, cell); };
-      cells.erase(std::remove_if(cells.begin(), cells.end(), refused), cells.end());
+      Real deep = 0;
+      const auto is_none = [&](const Cell& cell) { return is_no_partner(f, cell, deep); };
+      cells.erase(std::remove_if(cells.begin(), cells.end(), is_none), cells.end());
       const auto distance = [&](const Cell& cell) {
         return deciding_distance(f, cell.master, onto(cell.master, f).distance);
       };
       keep_nearest_sheet(master_, slave_.planes[f].size, distance, cells);
       for (const Cell& cell : cells) result.fraction[f] += extent(cell.part) / whole;
+      if (!earlier_ && result.fraction[f] <= tip && leans(f, cells)) {
+        cells.clear();
+        result.fraction[f] = 0;
+      }
       faced = faced || !cells.empty();
     }
     result.visited = tree_.visited() + pairs_;
@@ -169,9 +179,10 @@ class Covering {
     for (Polygon& part : parts)
       if (extent(part) > vanishing) cells.push_back({candidates_[k].master, std::move(part)});
   }
-  /// A cell deeper behind the slave than a facet is long is an overlap, or, past the other side of
-  /// the master, or of the slave's own body, no partner at all: true for the latter.
-  bool overlap_refused(Index f, const Cell& cell) {
+  /// A cell deeper behind the slave than a facet is long lies past the other side of the master, or
+  /// of the slave's own body, or at a corner that overlaps the face beside it: no partner at all.
+  /// Where most of the facet is so deep, which deep adds up, bodies overlap.
+  bool is_no_partner(Index f, const Cell& cell, Real& deep) {
     const Plane& base = slave_.planes[f];
     const Vec2 xi = centroid(cell.part);
     const Projection p = onto(cell.master, f);
@@ -180,12 +191,19 @@ class Covering {
     if (depth <= thinnest * size) return false;
     if (shielded(f, xi, depth)) return true;
     if (depth <= size) return false;
+    deep += extent(cell.part) / extent(reference_facet(d_));
+    if (deep <= overlapped) return true;
     const Vec3 lambda = slave_coordinates(d_, xi);
     Vec3 x = Vec3::Zero();
     for (int v = 0; v < d_; ++v) x += lambda[v] * X_[slave_.facet(f).node[v]];
     refuse("slave and master overlap by ", depth, " at ", place(d_, x),
            ", deeper than their facets are long (", size,
            "); move the bodies apart, or, where this is no overlap, give maxgap below ", depth);
+  }
+  bool leans(Index f, const std::vector<Cell>& cells) const {
+    return std::all_of(cells.begin(), cells.end(), [&](const Cell& cell) {
+      return master_.planes[cell.master].normal.dot(slave_.planes[f].normal) > leaning;
+    });
   }
   /// Does a master facet that faces away, or the other face of the slave's body, lie between the
   /// slave and what is `depth` behind it?
