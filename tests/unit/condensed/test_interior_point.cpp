@@ -5,7 +5,7 @@
 #include "../sparse_scene.h"
 #include "../statics.h"
 #include "../verifier.h"
-#include "../statics/bodies.h"
+#include "newtons_answer.h"
 #include "core/condensed/interior_point.h"
 #include "core/solver.h"
 
@@ -48,18 +48,7 @@ TEST(InteriorPoint, TheEndOfThePathObeysTheLawsBeforeNewtonsMethod) {
 }
 
 TEST(InteriorPoint, ItsAnswerIsNewtonsWhereBothArrive) {
-  for (int d : {2, 3})
-    for (Real mu : {0.1, 0.3, 1.}) {
-      BlockOptions o = sheared_at_side(d);
-      o.mu = mu;
-      OnContact condensed(block(o));
-      const CondensedProblem p = condensed.problem();
-      SemismoothNewton newton(p);
-      ASSERT_EQ(newton.solve(40), SemismoothNewton::Outcome::converged);
-      const Attempt a = by_interior_point(p, 100);
-      ASSERT_TRUE(a.solved) << d << " " << mu;
-      EXPECT_LE((a.x - newton.x()).norm(), 1e-10 * newton.x().norm());
-    }
+  expect_newtons_answer([](const CondensedProblem& p) { return by_interior_point(p, 100); }, 1e-10);
 }
 
 TEST(InteriorPoint, HoldsLaddersByFrictionAlone) {

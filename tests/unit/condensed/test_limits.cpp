@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "../random_scene.h"
-#include "../statics/bodies.h"
 #include "../verifier.h"
+#include "newtons_answer.h"
 #include "core/condensed/limits.h"
 #include "core/solver.h"
 
@@ -21,19 +21,8 @@ Settings bounded(Index steps) {
 }  // namespace
 
 TEST(Limits, TheirAnswerIsNewtonsWhereBothArrive) {
-  for (int d : {2, 3})
-    for (Real mu : {0.1, 0.3, 1.}) {
-      BlockOptions o = sheared_at_side(d);
-      o.mu = mu;
-      OnContact condensed(block(o));
-      const CondensedProblem p = condensed.problem();
-      SemismoothNewton newton(p);
-      ASSERT_EQ(newton.solve(40), SemismoothNewton::Outcome::converged);
-      const Attempt a = by_limits(p, bounded(1000));
-      ASSERT_TRUE(a.solved) << d << " " << mu;
-      EXPECT_LE((a.x - newton.x()).norm(), 1e-7 * newton.x().norm()) << d << " " << mu;
-      EXPECT_GT(a.steps, 3);
-    }
+  expect_newtons_answer([](const CondensedProblem& p) { return by_limits(p, bounded(1000)); },
+                        1e-7);
 }
 
 TEST(Limits, AreTriedUnderCoulombsLawAloneAndWithinTheBound) {
