@@ -60,7 +60,9 @@ Elimination::Outcome Elimination::factor(const System& system, double memory_bou
   if (memory_needed_ > memory_bound) return Outcome::too_large;
 
   const Threads threads(threads_pay());
-  if (!factorize(system, A) || !find_floating(system)) return Outcome::not_positive_definite;
+  DenseMatrix known(n_, 0);
+  if (!factorize(system, A, known) || !find_floating(system, known))
+    return Outcome::not_positive_definite;
   times_.factor = cpu_seconds() - start;
 
   start = cpu_seconds();
@@ -92,9 +94,8 @@ bool Elimination::analyze(const System& system, UpperTriangle& A) {
 /// Factors A, with springs where the interior alone is singular. False where that is not what keeps
 /// A from being factored. Of the motions that are known springs stand where they tell them best, of
 /// others where a pivot fails: after many of these rounding takes one motion for another.
-bool Elimination::factorize(const System& system, UpperTriangle& A) {
+bool Elimination::factorize(const System& system, UpperTriangle& A, DenseMatrix& known) {
   springs_.clear();
-  known_.resize(n_, 0);
   const auto hold = [&](Index i) {
     springs_.push_back(i);
     A.diagonal(i) += sigma * system.D[i];  // a spring to the ground
@@ -111,8 +112,8 @@ bool Elimination::factorize(const System& system, UpperTriangle& A) {
       system.D.cwiseProduct(v.cwiseAbs2()).head(interior_).maxCoeff(&i);
     }
     if (springs_.empty()) {
-      known_ = motions_of_interior(floating_motions(system), interior_);
-      for (Index known : telling_rows(system.D.cwiseSqrt().asDiagonal() * known_)) hold(known);
+      known = motions_of_interior(floating_motions(system), interior_);
+      for (Index told : telling_rows(system.D.cwiseSqrt().asDiagonal() * known)) hold(told);
       if (!springs_.empty()) continue;
     }
     if (most_springs == 0) {
@@ -144,8 +145,8 @@ Index Elimination::dof_of_smallest_pivot(const System& system) const {
 
 /// The motions that the springs stand in for: those that are known, which beside a body 1e6 times
 /// as stiff have more digits than a solution. False where one of others costs energy.
-bool Elimination::find_floating(const System& system) {
-  floating_ = one_for_each(springs_, std::exchange(known_, {}));
+bool Elimination::find_floating(const System& system, const DenseMatrix& known) {
+  floating_ = one_for_each(springs_, known);
   if (floating_.cols() > 0 || springs_.empty()) return true;
   floating_.resize(n_, springs_.size());
   for (std::size_t k = 0; k < springs_.size(); ++k) {

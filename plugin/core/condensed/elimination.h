@@ -47,9 +47,9 @@ class Elimination : private SparseFactor {
  private:
   bool analyze(const System& system, UpperTriangle& A);
   bool contact_is_last() const;
-  bool factorize(const System& system, UpperTriangle& A);
+  bool factorize(const System& system, UpperTriangle& A, DenseMatrix& known);
   Index dof_of_smallest_pivot(const System& system) const;
-  bool find_floating(const System& system);
+  bool find_floating(const System& system, const DenseMatrix& known);
   void form_S(const Vector& D_C);
   template <class Visit>
   void for_each_trailing(Visit visit) const;
@@ -61,8 +61,7 @@ class Elimination : private SparseFactor {
   std::vector<Index> springs_;  ///< dofs of the interior that stand in for supports
   double memory_needed_ = 0;
   DenseMatrix S_, floating_;
-  DenseMatrix known_;  ///< n x k, of the interior: while it is factored
-  Vector y_;           ///< n, L^{-1} P F
+  Vector y_;  ///< n, L^{-1} P F
   Times times_;
 };
 

@@ -38,8 +38,8 @@ TEST(Proximal, ABodyThatNothingHoldsCreepsWithinTheBound) {
   OnContact falling(ladder(40, 0.1, 0.1));
   const Attempt a = by_proximal_points(falling.problem(), 1000);
   EXPECT_FALSE(a.solved);
-  EXPECT_LE(a.steps,
-            100);  // its way from point to point does not shrink: 400 without looking at it
+  // its way from point to point does not shrink: 400 without looking at it
+  EXPECT_LE(a.steps, 100);
   EXPECT_EQ(a.status, Status::stagnated);
   EXPECT_GT(a.x.norm(), 1e4);  // from point to point: 9e2 by springs that pull back
   for (Index bound : {0, 1, 7}) {
