@@ -411,14 +411,12 @@ bool master_counts(const Freedom& freedom, const Group& group, Index slave, Inde
   const std::vector<PointNormal> own = group.own();
   const DenseMatrix of_own = slipping(freedom, all, own),
                     of_other = slipping(freedom, all, group.other);
-  const bool alike = slipping(freedom, of_other, own).cols() == of_other.cols();
   const auto free_of_other = slipping(freedom, free, group.other).cols(),
              more = free_of_other - slipping(freedom, free, own).cols();
-  if (!alike && more != 0) return more > 0;
+  if (more != 0) return more > 0;
   const bool other_first = std::any_of(group.nodes.begin(), group.nodes.end(),
                                        [](const auto& n) { return n.second.other_first; });
-  // where they are alike a centre may still be the other's: of a pin, not of its bore
-  if (alike || is_moved) return other_first && free_of_other > 0;
+  if (is_moved) return other_first && free_of_other > 0;
   if (supports_hold(freedom, slave, master, of_own) &&
       supports_hold(freedom, slave, master, of_other))
     return false;
