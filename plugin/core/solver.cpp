@@ -7,7 +7,6 @@
 #include "multigrid/multigrid_solver.h"
 #include "sparse/sparse_solver.h"
 #include "statics/equilibrium.h"
-#include "statics/rigid_motions.h"
 #include "statics/undetermined.h"
 
 namespace frictioncg {
@@ -311,14 +310,7 @@ void Solver::decide_on_equilibrium(const ContactProblem& problem, Solution& s) {
   const bool open = s.status == Status::stagnated || s.status == Status::fixed_point_diverged ||
                     s.status == Status::max_iterations;
   if (!open) return;
-  // The motions of A: from the candidates of the system, or, where none of them floats, by
-  // conjugate gradients; not after a call that was to be short, nor where the laws hold but for
-  // rounding.
-  const DenseMatrix& known = floating_();
-  const bool enough =
-      known.cols() > 0 || s.status == Status::max_iterations || is_rounding(s.certificate);
-  const auto motion = unheld_motion(
-      enough ? known : rigid_motions(*problem.system, default_iterations(problem)), problem);
+  const auto motion = unheld_motion(floating_(), problem);
   s.unheld_motion = motion.value_or(Vector());
   if (motion) s.status = Status::no_equilibrium;
 }

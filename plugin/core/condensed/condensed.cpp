@@ -16,9 +16,8 @@ namespace frictioncg {
 
 namespace {
 
-constexpr int passes = 4;        ///< of the refinement: each gains the digits that S has
-constexpr Real worth = 0.3;      ///< a pass that reduces the residual less is the last
-constexpr Real doubtful = 1e-6;  ///< residual above which Newton has not answered, whatever it says
+constexpr int passes = 4;    ///< of the refinement: each gains the digits that S has
+constexpr Real worth = 0.3;  ///< a pass that reduces the residual less is the last
 
 }  // namespace
 
@@ -88,20 +87,8 @@ Solution CondensedSolver::solve(const Request& request, const PathOnA& path) {
 void CondensedSolver::refine(Run& run, Vector start) {
   for (int pass = 0; pass < passes; ++pass) {
     const Real before = run.best;
-    const bool from_last = pass == 0 && start.size() == 0 && !last_.empty();
     const Attempt a = solve_laws(run, condense(run), start);
     recover(run, a);
-    if (from_last && a.solved && run.best > doubtful) {
-      // From stick, as a first call: the last branches have left the bodies all but free, and what
-      // is far away counts as settled by its rounding.
-      last_.clear();
-      run.x.setZero();
-      run.x_C.setZero();
-      run.r = run.problem.increment.F;
-      run.best = infinity;
-      run.s.layer = Layer::none;
-      return refine(run, {});
-    }
     start = run.x_C;
     if (run.best <= run.settings.tol || run.best > worth * before || !a.solved) break;
   }

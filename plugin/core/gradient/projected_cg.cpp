@@ -105,7 +105,6 @@ class ProjectedCG final : public TrescaSolver {
   };
 
   Events begin(const Vector& g, Tangents tangents, Real bound) {
-    rule_.start();
     eps_0_ = by_step() ? settings_.stop_on_step : bound;
     norm_ = {};
     least_ = by_step() ? 0 : unreleased * bound / std::sqrt(Real(problem_.nodes()));
@@ -137,7 +136,6 @@ class ProjectedCG final : public TrescaSolver {
     set_direction(gamma);
     if (gamma != 0 && line.r_v <= 0) set_direction(0);
     while (it_.faces.activate_blocked(it_.x, v_)) {
-      rule_.blocked();
       update_friction();
       set_direction(0);
     }

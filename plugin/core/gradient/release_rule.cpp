@@ -4,16 +4,6 @@
 
 namespace frictioncg {
 
-namespace {
-
-/// GC3 lets go at a residual so many times smaller after a node was driven back; 3 to 100 differ by
-/// a few iterations.
-constexpr Real stricter = 10;
-/// Gamma of MPRGP: the face is left where it has less to give than its release. 1 is Dostal's.
-constexpr Real proportion = 1;
-
-}  // namespace
-
 ReleaseRule::ReleaseRule(const Settings& settings, const System& system)
     : at_once_(settings.method == Method::gc1 || settings.method == Method::gc2),
       restarts_(settings.method != Method::gc2),
@@ -23,14 +13,12 @@ ReleaseRule::ReleaseRule(const Settings& settings, const System& system)
 
 Real ReleaseRule::threshold(Real eps_0, Real violation) const {
   if (at_once_) return 0;
-  return stick_is_a_face_ ? proportion * violation : now_ * eps_0;
+  return stick_is_a_face_ ? violation : partial_ * eps_0;
 }
 
 bool ReleaseRule::release(Iterate& it, Real least) {
   return stick_is_a_face_ ? release_by_step(it, least) : it.faces.open_tensile(it.rows.r(), least);
 }
-
-void ReleaseRule::blocked() { now_ /= stricter; }
 
 bool ReleaseRule::release_by_step(Iterate& it, Real least) {
   const Real beta_d = descent(it, least);

@@ -13,8 +13,7 @@ namespace frictioncg {
 ///   GCX   at |r_free| <= |beta|, by a step    restart     a face    goes on, bent
 ///
 /// GC1 is by Jeusette and Sonzogni, GC2 by Dilintas, GC3 the paper's own, with eps_1 = partial
-/// eps_0. Where the next direction of GC3 drives a released node back, the residual of the other
-/// nodes had released it, not its own force: the next release waits for a smaller residual.
+/// eps_0.
 ///
 /// GCX is an active-set method with proportioning, after Dostal's MPRGP, that minimizes J of (5)
 /// itself; no 1/eps enters its matrix. beta is what the faces violate: r_N where it is tensile,
@@ -34,8 +33,6 @@ class ReleaseRule {
  public:
   ReleaseRule(const Settings& settings, const System& system);
 
-  void start() { now_ = partial_; }  ///< of a minimization
-
   /// Nodes are let go at each iteration, before anything is measured.
   bool at_once() const { return at_once_; }
   /// A release is followed by v = P r, in place of conjugating.
@@ -52,16 +49,12 @@ class ReleaseRule {
   /// has moved, only on the contact dofs, through it.rows.
   bool release(Iterate& it, Real least);
 
-  /// The next direction would drive a released node back into the obstacle: it was held again.
-  void blocked();
-
  private:
   bool release_by_step(Iterate& it, Real least);
   Real descent(const Iterate& it, Real least);
 
   const bool at_once_, restarts_, stick_is_a_face_;
   const Real partial_;  ///< GC3: eps_1/eps_0, the paper's 100
-  Real now_ = 0;        ///< GC3: the same, less where nodes were driven back
   Vector d_;            ///< GCX: contact_dofs
 };
 

@@ -12,15 +12,13 @@ constexpr Real first_shift = 1e-9;   ///< of inverse iteration, relative to D
 constexpr Real greatest_shift = 1e-5;
 constexpr int sweeps = 8;         ///< of inverse iteration: a softest mode of 1e-8 D is out by then
 constexpr Index first_block = 7;  ///< one more than a single body has
-constexpr Real new_direction = 1e-5;  ///< what is left of a motion beside those found before it
-constexpr Real settled = 1e-12;       ///< |A y - A z| over |A z|, norm_D
 
 /// Columns without structure, so that they have a part along every motion.
-DenseMatrix arbitrary(Index n, Index columns, Index first = 0) {
+DenseMatrix arbitrary(Index n, Index columns) {
   DenseMatrix W(n, columns);
   for (Index j = 0; j < columns; ++j)
     for (Index i = 0; i < n; ++i) {
-      const Real t = std::sin(12.9898 * (i + 1) + 78.233 * (j + first + 1)) * 43758.5453;
+      const Real t = std::sin(12.9898 * (i + 1) + 78.233 * (j + 1)) * 43758.5453;
       W(i, j) = t - std::floor(t) - 0.5;
     }
   return W;
@@ -49,42 +47,6 @@ DenseMatrix rigid_motions(const DenseMatrix& S, const Vector& D) {
     }
   }
   return DenseMatrix(n, 0);
-}
-
-DenseMatrix rigid_motions(const System& system, Index max_iterations) {
-  const Index n = system.dofs();
-  const Vector scale = system.D.cwiseSqrt().cwiseInverse();
-  DenseMatrix W(n, 0);  // of D^{-1/2} A D^{-1/2}, orthonormal
-  const auto product = [&](const Vector& v) {
-    return Vector(scale.asDiagonal() * (system.entries() * (scale.asDiagonal() * v)));
-  };
-  while (W.cols() < n) {
-    Vector z = arbitrary(n, 1, static_cast<Index>(W.cols()));
-    z -= W * (W.transpose() * z);
-    z.normalize();
-    // z := z - y: A z falls to 0, and what is left of z is in the kernel
-    Vector r = product(z), p = r;
-    Real rr = r.squaredNorm();
-    const Real enough = settled * settled * rr;
-    while (rr > enough && max_iterations > 0) {
-      --max_iterations;
-      const Vector Ap = product(p);
-      const Real curvature = p.dot(Ap);
-      if (!(curvature > 0)) break;
-      z -= rr / curvature * p;
-      r -= rr / curvature * Ap;
-      const Real before = rr;
-      rr = r.squaredNorm();
-      p = r + rr / before * p;
-    }
-    z -= W * (W.transpose() * z);
-    if (z.norm() < new_direction) break;
-    z.normalize();
-    if (!costs_no_energy(z.dot(product(z)), 1)) break;  // not settled, or a soft deformation
-    W.conservativeResize(n, W.cols() + 1);
-    W.col(W.cols() - 1) = z;
-  }
-  return scale.asDiagonal() * W;
 }
 
 /// By t x (x x t) = x - t t'x: along an axis e_k, a dof that moves along t tells 1 - t_k^2 of x_k.

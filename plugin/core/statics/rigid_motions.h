@@ -9,10 +9,6 @@ namespace frictioncg {
 /// The kernel of S (contact_dofs square), by inverse iteration on S + shift D.
 DenseMatrix rigid_motions(const DenseMatrix& S, const Vector& D);
 
-/// The kernel of A without a factor: z - y for random z, A y = A z by conjugate gradients.
-/// n x k; what costs more than max_iterations products with A is not found.
-DenseMatrix rigid_motions(const System& system, Index max_iterations);
-
 /// Where the mesh nodes lie, nodes x dimension, in some unit, from rigid modes (n x 3 or 6) in any
 /// frames. mesh_node: n. 0 for what the dofs of a node that a support holds do not tell.
 Eigen::MatrixXd places_of(const std::vector<Index>& mesh_node, int dimension,

@@ -35,7 +35,7 @@ bool unheld(const ContactProblem& p, const DenseMatrix& W) {
   return true;
 }
 
-bool unheld(const ContactProblem& p) { return unheld(p, rigid_motions(*p.system, 100000)); }
+bool unheld(const ContactProblem& p) { return unheld(p, rigid_motions(p.system->entries(), p.system->D)); }
 
 bool unheld(const BlockOptions& o) { return unheld(problem_of(o)); }
 
@@ -129,7 +129,7 @@ TEST(Equilibrium, AMotionThatIsNotQuiteRigidIsNoProofOfWhatTheBodyCarries) {
     o.d = d;
     ContactProblem p = problem_of(o);
     p.increment.gap.setConstant(std::numeric_limits<Real>::infinity());  // nothing touches
-    const DenseMatrix rigid = rigid_motions(*p.system, 100000);
+    const DenseMatrix rigid = rigid_motions(p.system->entries(), p.system->D);
     const DenseMatrix soft = rigid + 1e-6 * rigid.cwiseAbs().maxCoeff() *
                                          DenseMatrix::Random(rigid.rows(), rigid.cols());
     for (Index k = 0; k < soft.cols(); ++k)  // passes for rigid by its energy
