@@ -9,6 +9,7 @@ namespace frictioncg {
 namespace {
 
 constexpr Real sigma = 0.5;        ///< of the springs, in units of D: costs S one digit
+constexpr Real most_shift = 100;   ///< of the contact dofs, where A has negative energy
 constexpr int dense_matrices = 3;  ///< S, the matrix of a Newton step, and what solves it
 /// Over D: below it a pivot may be the rounding of 0. A motion that moves the last dof by v leaves
 /// pivots of v^2 and of rounding/v^2, the least of them at most 1e-8.
@@ -18,11 +19,11 @@ constexpr Index panel_width = 64;
 
 /// The contact dofs, last, get the shift, and are chained: so each is the parent of the one before
 /// in the elimination tree. roots: as in Elimination.
-UpperTriangle triangle_of(const System& s, const std::vector<Index>& roots) {
+UpperTriangle triangle_of(const System& s, const std::vector<Index>& roots, Real shift) {
   std::vector<char> chained(s.dofs(), 0);
   std::fill(chained.begin() + std::min(s.interior() + 1, s.dofs()), chained.end(), 1);
   UpperTriangle A(s, chained, roots);
-  for (Index j = s.interior(); j < s.dofs(); ++j) A.diagonal(j) += sigma * s.D[j];
+  for (Index j = s.interior(); j < s.dofs(); ++j) A.diagonal(j) += shift * s.D[j];
   return A;
 }
 
@@ -50,7 +51,8 @@ Elimination::Outcome Elimination::factor(const System& system, double memory_bou
 
   double start = cpu_seconds();
   if (!laid_out) roots_.clear();
-  UpperTriangle A = triangle_of(system, roots_);
+  shift_ = sigma;
+  UpperTriangle A = triangle_of(system, roots_, shift_);
   if (!laid_out) {
     if (!analyze(system, A)) return Outcome::too_large;
     times_.order = cpu_seconds() - start;
@@ -84,14 +86,15 @@ bool Elimination::analyze(const System& system, UpperTriangle& A) {
   if (contact_is_last()) return true;
   // Several bodies: a postordering may end one body, its contact included, before the next.
   roots_ = last_of_each_part(system, order);
-  A = triangle_of(system, roots_);
+  A = triangle_of(system, roots_, shift_);
   if (!fits()) return false;
   if (!contact_is_last())
     throw std::logic_error("elimination: the contact dofs are not last in the factor");
   return true;
 }
 
-/// Factors A, with springs where the interior alone is singular. False where that is not what keeps
+/// Factors A, with a greater shift where bodies that contact presses have negative energy without
+/// it, and springs where the interior alone is singular. False where that is not what keeps
 /// A from being factored. Of the motions that are known springs stand where they tell them best, of
 /// others where a pivot fails: after many of these rounding takes one motion for another.
 bool Elimination::factorize(const System& system, UpperTriangle& A, DenseMatrix& known) {
@@ -106,6 +109,11 @@ bool Elimination::factorize(const System& system, UpperTriangle& A, DenseMatrix&
     const Index* place = static_cast<const Index*>(L_->Perm);
     Index i = failed ? place[L_->minor] : dof_of_smallest_pivot(system);
     if (!failed && i < 0) return true;
+    if (i >= interior_ && shift_ < most_shift) {
+      for (Index c = interior_; c < n_; ++c) A.diagonal(c) += 3 * shift_ * system.D[c];
+      shift_ *= 4;
+      continue;
+    }
     if (!failed) {  // is it the rounding of 0?
       const Vector v = solve(CHOLMOD_A, Vector::Unit(n_, i));
       if (!costs_no_energy(system, v)) return true;
@@ -177,7 +185,7 @@ void Elimination::for_each_trailing(Visit visit) const {
   }
 }
 
-/// S = L_CC L_CC' - sigma D_CC, supernode by supernode in panels of rows, the lower half; then the
+/// S = L_CC L_CC' - shift D_CC, supernode by supernode in panels of rows, the lower half; then the
 /// other half.
 void Elimination::form_S(const Vector& D_C) {
   S_.setZero(n_ - interior_, n_ - interior_);
@@ -203,7 +211,7 @@ void Elimination::form_S(const Vector& D_C) {
           S_(place[begin + i] - interior_, place[begin + j] - interior_) += product(i, j);
     }
   }
-  S_.diagonal() -= sigma * D_C;
+  S_.diagonal() -= shift_ * D_C;
   S_.triangularView<Eigen::StrictlyUpper>() = S_.transpose();
 }
 

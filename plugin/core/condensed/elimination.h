@@ -11,7 +11,7 @@ namespace frictioncg {
 /// of the factor of A + sigma D_CC is the factor of S + sigma D_CC, and S comes with the
 /// factorization that one linear solve needs anyway. The shift sigma D_CC on the contact dofs makes
 /// it exist wherever they block the rigid motions, and is subtracted from S; the interior never
-/// sees it.
+/// sees it. Where stresses give A negative energy in motions that contact blocks, sigma grows.
 ///
 /// Where A_II is singular, some rigid motions leave every contact dof where it is (a body on a
 /// frictionless plane may float along it): contact never sees them, S and f exist all the same, and
@@ -57,6 +57,7 @@ class Elimination : private SparseFactor {
 
   bool laid_out_ = false;  ///< a system has been factored
   Index n_ = 0, interior_ = 0;
+  Real shift_ = 0;              ///< sigma of the contact dofs
   std::vector<Index> roots_;    ///< interior dofs that shall be children of the first contact dof
   std::vector<Index> springs_;  ///< dofs of the interior that stand in for supports
   double memory_needed_ = 0;

@@ -170,14 +170,21 @@ TEST(Elimination, TheLastInteriorDofOfEachBodyIsKnown) {
             (std::vector<Index>{3 * I - 1, 2 * I - 1, I - 1}));
 }
 
-TEST(Elimination, AContactBlockThatSpringsWouldMakeDefiniteIsIndefiniteAllTheSame) {
-  DenseMatrix A(2, 2);
-  A << 1, 1.7, 1.7, 1;  // S = 1 - 2.89
-  ByHand hand(1, A, Vector::Ones(2));
-  AssembledSystem system = assembled(hand.problem.system);
-  system.first = {1, 2};
-  Elimination elimination;
-  EXPECT_EQ(elimination.factor(system, 1e9), Elimination::Outcome::not_positive_definite);
+TEST(Elimination, NegativeEnergyThatContactBlocksIsInSWhileAShiftOutweighsIt) {
+  for (Real a : {1.7, 8.0, 30.0}) {
+    DenseMatrix A(2, 2);
+    A << 1, a, a, 1;
+    ByHand hand(1, A, Vector::Ones(2));
+    AssembledSystem system = assembled(hand.problem.system);
+    system.first = {1, 2};
+    Elimination elimination;
+    const auto outcome = elimination.factor(system, 1e9);
+    ASSERT_EQ(outcome,
+              a < 30 ? Elimination::Outcome::done : Elimination::Outcome::not_positive_definite);
+    if (a == 30) continue;
+    EXPECT_NEAR(elimination.S()(0, 0), 1 - a * a, 1e-12);
+    EXPECT_EQ(elimination.floating().cols(), 0);
+  }
 }
 
 TEST(Elimination, AnIndefiniteMatrixHasNone) {
