@@ -25,6 +25,10 @@ constexpr double few_flops = 60;
 /// which it solves few: they are left as soon as forces show that they are lifted.
 constexpr double far_dearer = 18, worth_a_try = 0.4;
 
+/// Of a sparse factor, up to which a central path, of some thirty, comes to the aid of the
+/// condensed route.
+constexpr double path_flops = 1e10;
+
 /// A gradient method that comes to the aid of the condensed route is nearer to the laws after so
 /// many iterations, or gives up: on hard random scenes it is so after 0.25 to 0.5 of those that it
 /// takes, and never where friction does not hold the load.
@@ -198,7 +202,7 @@ Solution Solver::by_route(const Request& request) {
   const Settings& settings = request.settings;
   const Plan plan = make_plan(request.problem, settings);
   costs_ = plan.costs;
-  multigrid_failed_ = false;
+  multigrid_failed_ = path_failed_ = false;
   if (plan.route == Route::iterative) return by_gradients(request);
   const bool may_choose = may_replace_a_factor(settings);
   if (plan.route == Route::condensed) {
@@ -220,6 +224,7 @@ Solution Solver::by_condensation(const Request& request) {
   if (!condense(request)) return by_gradients(without_factor(request));
   const auto path = [&](Index max_steps) -> std::optional<Solution> {
     if (max_steps <= 0 || !path_is_cheaper_on_A(request.settings)) return std::nullopt;
+    path_failed_ = true;  // where it is asked about
     return sparse_->follow_path(request, max_steps);
   };
   Solution s = condensed_->solve(request, path);
@@ -229,9 +234,9 @@ Solution Solver::by_condensation(const Request& request) {
 }
 
 /// Where the condensed route ends at rounding, no method comes nearer, but the load may still be
-/// shown to have no answer. Where it fails short of it, stick as a face on A itself: it needs no
-/// factor, which a nearly singular A spoils. It takes what the condensed route has left of the
-/// bound on the iterations.
+/// shown to have no answer. Where it fails short of it, the central path on A: of slender bodies S
+/// has few digits. Then stick as a face on A itself: it needs no factor, which a nearly singular A
+/// spoils. They take what the condensed route has left of the bound on the iterations.
 void Solver::try_without_factor(const Request& request, Solution& s) {
   if (decided(s)) return;
   const bool at_laws =
@@ -239,6 +244,15 @@ void Solver::try_without_factor(const Request& request, Solution& s) {
   if (at_laws && s.status == Status::not_positive_definite) {
     if (request.settings.buckles) buckle(request, s);
     return;
+  }
+  const Request path = what_remains(request, s);
+  if (!is_rounding(s.certificate) && !path_failed_ && path.settings.nbiter > 0 &&
+      lay_out_sparse_factor(path.settings) && sparse_->flops() <= path_flops) {
+    Solution t = sparse_->follow_path(path, path.settings.nbiter);
+    if (t.status == Status::converged && !sparse_->is_definite_at(path.problem, t))
+      condensed_->look_for_negative_energy(path.problem, t);
+    replace_if_better(s, std::move(t));
+    if (decided(s)) return;
   }
   if (is_rounding(s.certificate)) return decide_on_equilibrium(request.problem, s);
   const Request rest = what_remains(without_factor(request), s);
@@ -340,6 +354,7 @@ Solution Solver::by_multigrid(const Request& request) {
 /// failed. Where they do not arrive, do not fit, or meet negative energy, the condensed route.
 Solution Solver::by_sparse_factors(const Request& request) {
   if (!lay_out_sparse_factor(request.settings)) return by_condensation(request);
+  path_failed_ = true;  // where it is asked about
   Solution s =
       multigrid_failed_ ? sparse_->follow_path(request, request.bound()) : sparse_->solve(request);
   return or_by(&Solver::by_condensation, std::move(s), request);

@@ -67,9 +67,9 @@ class Solver {
   std::unique_ptr<CondensedSolver> condensed_;
   double memory_needed_ = 0;  ///< by the condensed route, as far as it is known [bytes]
   bool factored_ = false;
-  bool indefinite_ = false;        ///< A has no factor, whatever the memory
-  bool multigrid_failed_ = false;  ///< in this call
-  bool poor_ = false;              ///< the hierarchy is, or that of the matrix before was
+  bool indefinite_ = false;                              ///< A has no factor, whatever the memory
+  bool multigrid_failed_ = false, path_failed_ = false;  ///< in this call
+  bool poor_ = false;  ///< the hierarchy is, or that of the matrix before was
   std::unique_ptr<MultigridSolver> multigrid_;
   std::unique_ptr<SparseSolver> sparse_;
 };
