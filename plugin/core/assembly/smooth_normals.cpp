@@ -38,7 +38,7 @@ class Estimator {
   FanNormal operator()(std::size_t p) const {
     FanNormal found;
     const Vec3& mean = s_.fans[p].mean;
-    found.normal = flat_[p] ? mean : with_sides(p);
+    found.normal = flat_[p] ? mean : across_generatrix(p, with_sides(p));
     for (std::size_t k = 0; k < s_.fans[p].facets.size() && !flat_[p]; ++k) {
       const Vec3& n = s_.facets[s_.fans[p].facets[k]].normal;
       found.turn =
@@ -183,6 +183,30 @@ class Estimator {
     }
     if (!(sum > 0)) return own;
     return (own + counts * ramp(least, rough, smooth) * (sides / sum - own)).normalized();
+  }
+
+  /// A normal at right angles to the direction that all facets around have in common: of a profile
+  /// that is pulled along it they tell that exactly, the vertices of a quadric but for its errors.
+  Vec3 across_generatrix(std::size_t p, const Vec3& n) const {
+    constexpr Real common = 1e-9, rounding = 1e-15;
+    if (s_.d == 2 || s_.is_moved) return n;
+    const Vec3& first = s_.facets[s_.fans[p].facets.front()].normal;
+    Vec3 along = Vec3::Zero();
+    const auto for_each_facet = [&](const auto& visit) {
+      for (Index f : s_.fans[p].facets) visit(s_.facets[f].normal);
+      for (Index q : next_[p])
+        for (Index f : s_.fans[q].facets) visit(s_.facets[f].normal);
+    };
+    for_each_facet([&](const Vec3& m) {
+      const Vec3 edge = first.cross(m);
+      if (edge.squaredNorm() > along.squaredNorm()) along = edge;
+    });
+    const Real turn = along.norm();
+    if (!(turn > 0)) return n;
+    along /= turn;
+    Real most = 0;
+    for_each_facet([&](const Vec3& m) { most = std::max(most, std::abs(along.dot(m))); });
+    return most > common * turn + rounding / turn ? n : (n - n.dot(along) * along).normalized();
   }
 
   const Faceted& s_;

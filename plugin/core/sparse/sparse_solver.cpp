@@ -41,7 +41,7 @@ Solution SparseSolver::follow_path(const Request& request, Index max_steps) {
   const System& system = *problem.system;
   CentralPath path(problem, std::make_unique<SparsePathMatrix>(system, *factor_),
                    problem.increment.F, system.weight, request.observer);
-  Index steps = path.follow(max_steps);
+  Index steps = path.follow(max_steps - 1);  // one is left for Newton's method
   const auto from_its_end = [&](Index left) {
     Settings rest = request.settings;
     rest.nbiter = std::clamp<Index>(left, 1, from_path);
@@ -52,7 +52,7 @@ Solution SparseSolver::follow_path(const Request& request, Index max_steps) {
   Solution s = from_its_end(max_steps - steps);
   const Index left = max_steps - steps - s.iterations;
   if (steps > 0 && left > 0 && !decided(s) && !is_rounding(s.certificate)) {
-    const Index more = path.go_on(left);
+    const Index more = path.go_on(left - 1);
     steps += more;
     if (more > 0) s = after(s, from_its_end(left - more));
   }

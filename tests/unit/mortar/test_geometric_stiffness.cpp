@@ -272,6 +272,7 @@ TEST(GeometricStiffness, KnowsHowWhatIsBarelyCoveredSharesItsMultipliers) {
         y[0] = from + (1 + beyond - from) * x[0];
         y[d - 1] =
             height + 0.02 * y[0] + 0.05 * std::max<Real>(0, y[0] - 0.25) * std::sin(9 * y[0]);
+        if (d == 3) y[2] += 3e-4 * x[1] * x[1];  // no profile that lets bodies slip along it
         return y;
       };
     };

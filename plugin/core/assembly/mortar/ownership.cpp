@@ -85,6 +85,10 @@ Ownership::Ownership(Sides& of, const Options& options, const Arrangement* begun
   for (std::size_t p = 0; p < of.slaves.size(); ++p)
     choose_carriers(static_cast<Index>(p), of.slaves[p], of.covers[p],
                     begun ? &*begun->ownership : nullptr);
+  if (nodes.reference.empty())
+    for (std::size_t p = 0; p < of.slaves.size(); ++p)
+      for (Index f = 0; f < of.slaves[p].facets() && slips(static_cast<Index>(p)); ++f)
+        carriers[p][f].at_node = of.covers[p].fraction[f] < 2 * barely;
   break_rings(of);
 }
 
@@ -233,6 +237,13 @@ void Ownership::remove_held(const Sides& of, const std::vector<Vec3>& deciding) 
         }
 }
 
+/// Whether some body's normals let motions slip.
+bool Ownership::slips(Index p) const {
+  return std::any_of(slipping.begin(), slipping.end(), [p](const auto& of_body) {
+    return of_body.first[0] == p && of_body.second > 0;
+  });
+}
+
 void Ownership::choose_carriers(Index p, const Side& slave, const Cover& cover,
                                 const Ownership* begun) {
   carriers.emplace_back(slave.facets());
@@ -278,10 +289,7 @@ void Ownership::find_beyond(Index p, const Side& slave, const Cover& cover,
                             const Ownership* begun) {
   constexpr Real at_vertex = 1 - 1e-6, fading = 0.2;  // of a facet
   reached_.resize(state.size(), 0);
-  const bool slips = std::any_of(slipping.begin(), slipping.end(), [p](const auto& of_body) {
-    return of_body.first[0] == p && of_body.second > 0;
-  });
-  if (slips) return;
+  if (slips(p)) return;
   const auto for_each_point = [&](Index f, const auto& visit) {
     for (const Cell& cell : cover.cells[f])
       for (const Vec2& xi : cell.part) visit(slave_coordinates(slave.d, xi));

@@ -43,6 +43,10 @@ struct Ownership : Ranked {
     /// covered has that one alone.
     Real alone = 0;
     std::array<bool, 3> strongest{};
+    /// Of faces that slip the strongest sees itself alone: the others of a sliver, beyond the
+    /// master, move along its normal, which is tangential at its own place. Not of bodies that are
+    /// moved.
+    bool at_node = false;
     /// Of the kept: 1 where something faces them, 0 where nothing near them does, but others of the
     /// facet; reach: how near what is covered comes to them, the largest lambda_v.
     Vec3 reached = Vec3::Ones(), reach = Vec3::Ones();
@@ -108,6 +112,7 @@ struct Ownership : Ranked {
   bool on_master(Index i, Index p) const;
   void take_off_slaves(Sides& of) const;
   void remove_held(const Sides& of, const std::vector<Vec3>& deciding);
+  bool slips(Index p) const;
   void choose_carriers(Index p, const Side& slave, const Cover& cover, const Ownership* begun);
   void find_beyond(Index p, const Side& slave, const Cover& cover, const Ownership* begun);
   void put_off(Index p, const Side& slave, const Cover& cover, const std::vector<Carriers>& begun);
@@ -129,22 +134,25 @@ template <class Visit>
 void for_each_multiplier(const Part& part, const Moments& moments,
                          const Ownership::Carriers& carriers, const Visit& visit) {
   const int d = part.slave.d;
-  const auto of_vertices = [&](const DualBasis& dual, const std::array<bool, 3>& kept, Real share) {
+  const auto of_vertices = [&](const DualBasis& dual, const std::array<bool, 3>& kept, Real share,
+                               bool at_node) {
     const Eigen::Matrix3d borrowed = carriers.borrowed(dual);
     for (int v = 0; v < d; ++v) {
       if (!kept[v]) continue;
       const Real left = 1 - borrowed.col(v).sum();
       const Eigen::RowVector3d psi = left * dual.psi.row(v) + borrowed.row(v) * dual.psi;
       std::array<bool, 3> beside = kept;
-      for (int w = 0; w < d; ++w) beside[w] = kept[w] && borrowed(v, w) == 0;
-      visit(part.node(v), Eigen::RowVector3d(share * psi), beside, share * left * dual.d[v]);
+      for (int w = 0; w < d; ++w) beside[w] = at_node || (kept[w] && borrowed(v, w) == 0);
+      const Real d_v = at_node ? moments.vertices.topLeftCorner(d, d).sum() : left * dual.d[v];
+      visit(part.node(v), Eigen::RowVector3d(share * psi), beside, share * d_v);
     }
   };
   const DualBasis dual = dual_basis(d, moments.vertices, carriers.kept);
   const Real alone = carriers.alone_in(dual, moments.vertices);
-  of_vertices(dual, carriers.kept, 1 - alone);
+  of_vertices(dual, carriers.kept, 1 - alone, carriers.at_node && alone == 0);
   if (alone > 0)
-    of_vertices(dual_basis(d, moments.vertices, carriers.strongest), carriers.strongest, alone);
+    of_vertices(dual_basis(d, moments.vertices, carriers.strongest), carriers.strongest, alone,
+                carriers.at_node);
   const Real share = 1. / static_cast<Real>(carriers.stand_in.size());
   for (Index i : carriers.stand_in)
     visit(i, Eigen::RowVector3d::Constant(share).eval(), carriers.kept, 0.);

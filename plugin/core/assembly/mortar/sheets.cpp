@@ -37,9 +37,9 @@ Real step_between(const Seen& a, const Seen& b) {
 /// Whether each facet around a vertex faces a sheet that lies beyond a step, or faces the other way
 /// than the nearest one: at the equator of a roller between two flats a mean of both would lie in
 /// the node. Planes that meet at an angle also differ in distance, the more the farther their cells
-/// are from the vertex: on one sheet that is no step.
+/// are from the vertex: on one sheet, of all that these facets face, that is no step.
 std::vector<bool> beyond_a_step(const std::vector<FacedAtVertex>& around, const Side& slave,
-                                const Side& master) {
+                                const Side& master, const std::vector<std::vector<Cell>>& cells) {
   const auto nearer = [](const auto& a, const auto& b) { return a.distance < b.distance; };
   const auto nearest = std::min_element(around.begin(), around.end(), nearer);
   std::vector<bool> beyond;
@@ -54,6 +54,8 @@ std::vector<bool> beyond_a_step(const std::vector<FacedAtVertex>& around, const 
   if (std::find(beyond.begin(), beyond.end(), true) == beyond.end()) return beyond;
   std::vector<Index> masters;
   for (const FacedAtVertex& f : around) masters.push_back(f.master);
+  for (const FacedAtVertex& f : around)
+    for (const Cell& cell : cells[f.facet]) masters.push_back(cell.master);
   Groups sheets = joined_by_vertices(master, masters);
   for (Index p = 0; p < static_cast<Index>(around.size()); ++p)
     beyond[p] =
@@ -107,7 +109,7 @@ std::set<Corner> beyond_steps(const Side& slave, const Side& master, const std::
       at[slave.facet(f).node[v]].push_back(faced_at_vertex(v, slave, f, master, X, cells[f]));
   std::set<Corner> beyond;
   for (const auto& [vertex, around] : at) {
-    const std::vector<bool> is_beyond = beyond_a_step(around, slave, master);
+    const std::vector<bool> is_beyond = beyond_a_step(around, slave, master, cells);
     for (std::size_t k = 0; k < around.size(); ++k)
       if (is_beyond[k]) beyond.emplace(around[k].facet, vertex);
   }
