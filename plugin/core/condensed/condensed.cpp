@@ -172,6 +172,7 @@ Attempt CondensedSolver::solve_laws(Run& run, const CondensedProblem& condensed,
     s.iterations += on_A->iterations;
     a.x = on_A->x.tail(condensed.f.size());
     a.solved = on_A->status == Status::converged;
+    a.undetermined = true;  // it may be: the path does not tell
     if (a.solved) return answered(Layer::sparse_interior_point);
     a.status = on_A->status;
     keep_if_better(run, on_A->x, a);  // what comes next may be further away
