@@ -94,9 +94,9 @@ bool Elimination::analyze(const System& system, UpperTriangle& A) {
 }
 
 /// Factors A, with a greater shift where bodies that contact presses have negative energy without
-/// it, and springs where the interior alone is singular. False where that is not what keeps
-/// A from being factored. Of the motions that are known springs stand where they tell them best, of
-/// others where a pivot fails: after many of these rounding takes one motion for another.
+/// it, and springs where the interior alone is singular. False where that is not what keeps A from
+/// being factored. Of the motions that are known springs stand where they tell them best, of others
+/// where a pivot fails: after many of these rounding takes one motion for another.
 bool Elimination::factorize(const System& system, UpperTriangle& A, DenseMatrix& known) {
   springs_.clear();
   const auto hold = [&](Index i) {
