@@ -202,7 +202,7 @@ Solution Solver::by_route(const Request& request) {
   const Settings& settings = request.settings;
   const Plan plan = make_plan(request.problem, settings);
   costs_ = plan.costs;
-  multigrid_failed_ = path_failed_ = false;
+  multigrid_failed_ = path_tried_ = false;
   if (plan.route == Route::iterative) return by_gradients(request);
   const bool may_choose = may_replace_a_factor(settings);
   if (plan.route == Route::condensed) {
@@ -224,11 +224,11 @@ Solution Solver::by_condensation(const Request& request) {
   if (!condense(request)) return by_gradients(without_factor(request));
   const auto path = [&](Index max_steps) -> std::optional<Solution> {
     if (max_steps <= 0 || !path_is_cheaper_on_A(request.settings)) return std::nullopt;
-    path_failed_ = true;  // where it is asked about
+    path_tried_ = true;
     return sparse_->follow_path(request, max_steps);
   };
   Solution s = condensed_->solve(request, path);
-  if (request.settings.newton) try_without_factor(request, s);
+  if (request.settings.newton) try_on_A(request, s);
   if (request.observer) request.observer->iterate(s.iterations, StepLabel::newton, s.x);
   return s;
 }
@@ -237,7 +237,7 @@ Solution Solver::by_condensation(const Request& request) {
 /// shown to have no answer. Where it fails short of it, the central path on A: of slender bodies S
 /// has few digits. Then stick as a face on A itself: it needs no factor, which a nearly singular A
 /// spoils. They take what the condensed route has left of the bound on the iterations.
-void Solver::try_without_factor(const Request& request, Solution& s) {
+void Solver::try_on_A(const Request& request, Solution& s) {
   if (decided(s)) return;
   const bool at_laws =
       s.certificate.residual <= request.settings.tol || may_be_rounding(s.certificate);
@@ -246,7 +246,7 @@ void Solver::try_without_factor(const Request& request, Solution& s) {
     return;
   }
   const Request path = what_remains(request, s);
-  if (!is_rounding(s.certificate) && !path_failed_ && path.settings.nbiter > 0 &&
+  if (!is_rounding(s.certificate) && !path_tried_ && path.settings.nbiter > 0 &&
       lay_out_sparse_factor(path.settings) && sparse_->flops() <= path_flops) {
     Solution t = sparse_->follow_path(path, path.settings.nbiter);
     if (t.status == Status::converged && !sparse_->is_definite_at(path.problem, t))
@@ -354,7 +354,7 @@ Solution Solver::by_multigrid(const Request& request) {
 /// failed. Where they do not arrive, do not fit, or meet negative energy, the condensed route.
 Solution Solver::by_sparse_factors(const Request& request) {
   if (!lay_out_sparse_factor(request.settings)) return by_condensation(request);
-  path_failed_ = true;  // where it is asked about
+  path_tried_ = true;
   Solution s =
       multigrid_failed_ ? sparse_->follow_path(request, request.bound()) : sparse_->solve(request);
   return or_by(&Solver::by_condensation, std::move(s), request);

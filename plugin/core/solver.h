@@ -47,7 +47,7 @@ class Solver {
   Solution or_as_held_before(Solution s, const Request& request);
   Solution by_route(const Request& request);
   Solution by_condensation(const Request& request);
-  void try_without_factor(const Request& request, Solution& s);
+  void try_on_A(const Request& request, Solution& s);
   void buckle(const Request& request, Solution& s);
   Solution by_gradients(const Request& request);
   void decide_on_equilibrium(const ContactProblem& problem, Solution& s);
@@ -67,9 +67,10 @@ class Solver {
   std::unique_ptr<CondensedSolver> condensed_;
   double memory_needed_ = 0;  ///< by the condensed route, as far as it is known [bytes]
   bool factored_ = false;
-  bool indefinite_ = false;                              ///< A has no factor, whatever the memory
-  bool multigrid_failed_ = false, path_failed_ = false;  ///< in this call
-  bool poor_ = false;  ///< the hierarchy is, or that of the matrix before was
+  bool indefinite_ = false;        ///< A has no factor, whatever the memory
+  bool multigrid_failed_ = false;  ///< in this call
+  bool path_tried_ = false;        ///< the central path on A, in this call
+  bool poor_ = false;              ///< the hierarchy is, or that of the matrix before was
   std::unique_ptr<MultigridSolver> multigrid_;
   std::unique_ptr<SparseSolver> sparse_;
 };

@@ -19,11 +19,11 @@ constexpr Index panel_width = 64;
 
 /// The contact dofs, last, get the shift, and are chained: so each is the parent of the one before
 /// in the elimination tree. roots: as in Elimination.
-UpperTriangle triangle_of(const System& s, const std::vector<Index>& roots, Real shift) {
+UpperTriangle triangle_of(const System& s, const std::vector<Index>& roots) {
   std::vector<char> chained(s.dofs(), 0);
   std::fill(chained.begin() + std::min(s.interior() + 1, s.dofs()), chained.end(), 1);
   UpperTriangle A(s, chained, roots);
-  for (Index j = s.interior(); j < s.dofs(); ++j) A.diagonal(j) += shift * s.D[j];
+  for (Index j = s.interior(); j < s.dofs(); ++j) A.diagonal(j) += sigma * s.D[j];
   return A;
 }
 
@@ -51,8 +51,7 @@ Elimination::Outcome Elimination::factor(const System& system, double memory_bou
 
   double start = cpu_seconds();
   if (!laid_out) roots_.clear();
-  shift_ = sigma;
-  UpperTriangle A = triangle_of(system, roots_, shift_);
+  UpperTriangle A = triangle_of(system, roots_);
   if (!laid_out) {
     if (!analyze(system, A)) return Outcome::too_large;
     times_.order = cpu_seconds() - start;
@@ -86,7 +85,7 @@ bool Elimination::analyze(const System& system, UpperTriangle& A) {
   if (contact_is_last()) return true;
   // Several bodies: a postordering may end one body, its contact included, before the next.
   roots_ = last_of_each_part(system, order);
-  A = triangle_of(system, roots_, shift_);
+  A = triangle_of(system, roots_);
   if (!fits()) return false;
   if (!contact_is_last())
     throw std::logic_error("elimination: the contact dofs are not last in the factor");
@@ -99,6 +98,7 @@ bool Elimination::analyze(const System& system, UpperTriangle& A) {
 /// where a pivot fails: after many of these rounding takes one motion for another.
 bool Elimination::factorize(const System& system, UpperTriangle& A, DenseMatrix& known) {
   springs_.clear();
+  shift_ = sigma;
   const auto hold = [&](Index i) {
     springs_.push_back(i);
     A.diagonal(i) += sigma * system.D[i];  // a spring to the ground

@@ -407,16 +407,15 @@ bool supports_hold(const Freedom& freedom, Index slave, Index master, const Dens
 /// and normals at X + U are right whichever side has them.
 bool master_counts(const Freedom& freedom, const Group& group, Index slave, Index master,
                    const DenseMatrix& free, bool is_moved) {
-  const DenseMatrix all = motions_of(freedom);
   const std::vector<PointNormal> own = group.own();
-  const DenseMatrix of_own = slipping(freedom, all, own),
-                    of_other = slipping(freedom, all, group.other);
   const auto free_of_other = slipping(freedom, free, group.other).cols(),
              more = free_of_other - slipping(freedom, free, own).cols();
   if (more != 0) return more > 0;
   const bool other_first = std::any_of(group.nodes.begin(), group.nodes.end(),
                                        [](const auto& n) { return n.second.other_first; });
   if (is_moved) return other_first && free_of_other > 0;
+  const DenseMatrix all = motions_of(freedom), of_own = slipping(freedom, all, own),
+                    of_other = slipping(freedom, all, group.other);
   if (supports_hold(freedom, slave, master, of_own) &&
       supports_hold(freedom, slave, master, of_other))
     return false;

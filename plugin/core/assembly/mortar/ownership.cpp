@@ -85,10 +85,6 @@ Ownership::Ownership(Sides& of, const Options& options, const Arrangement* begun
   for (std::size_t p = 0; p < of.slaves.size(); ++p)
     choose_carriers(static_cast<Index>(p), of.slaves[p], of.covers[p],
                     begun ? &*begun->ownership : nullptr);
-  if (nodes.reference.empty())
-    for (std::size_t p = 0; p < of.slaves.size(); ++p)
-      for (Index f = 0; f < of.slaves[p].facets() && slips(static_cast<Index>(p)); ++f)
-        carriers[p][f].at_node = of.covers[p].fraction[f] < 2 * barely;
   break_rings(of);
 }
 
@@ -257,6 +253,7 @@ void Ownership::choose_carriers(Index p, const Side& slave, const Cover& cover,
     if (!carriers[p][f].any_kept()) continue;
     has_own[rank[p][f]] = 1;
   }
+  const bool at_node = !slave.is_moved && slips(p);
   find_beyond(p, slave, cover, begun);
   if (begun) put_off(p, slave, cover, begun->carriers[p]);
   for (Index f = 0; f < slave.facets(); ++f) {
@@ -266,7 +263,9 @@ void Ownership::choose_carriers(Index p, const Side& slave, const Cover& cover,
       return begun && of.beyond(v) && begun->carriers[p][f].kept[v];
     };
     const bool any_keeps = keeps(0) || keeps(1) || keeps(2);
-    thin_out(slave.facet(f), cover.fraction[f] / (any_keeps ? barely_kept : barely), of);
+    const Real part = cover.fraction[f] / (any_keeps ? barely_kept : barely);
+    thin_out(slave.facet(f), part, of);
+    of.at_node = part < 2 && at_node;
   }
   find_stand_ins(p, slave, true);
   // A patch without nodes of its own leaves its traction to the nodes it shares with others.
