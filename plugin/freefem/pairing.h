@@ -21,7 +21,7 @@ struct Interface {
 /// The labels of two bodies; those that this process's part of the meshes has, and all pairs.
 struct PairLabels {
   std::vector<long> slave, master;
-  std::vector<mortar::Pair> pairs = mortar::label_pairs(slave, master);
+  std::vector<mortar::Pair> pairs;
 };
 
 /// The faces of two bodies in spaces of their own, or in one. Throws IllegalInput where a node of

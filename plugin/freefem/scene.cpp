@@ -199,7 +199,10 @@ std::shared_ptr<Scene> scene_at(const Stage& stage, const Spaces& any_stage, con
     add_obstacle_points(*spaces[k], labels[k], points);
   const std::shared_ptr<Scene> scene = scene_on(spaces, std::move(points));
   scene->sides = sides;
-  if (two_bodies) scene->pairing.emplace(interface_of(spaces, {sides.slave, sides.master}));
+  if (two_bodies)
+    scene->pairing.emplace(
+        interface_of(spaces, {sides.slave, sides.master,
+                              mortar::label_pairs(sides.slave, sides.master, spaces.size() == 1)}));
   return scene;
 }
 

@@ -91,7 +91,8 @@ inline std::shared_ptr<Scene> part_of(const Site& site, Stack stack, const Openi
     const Space& first = *scene->spaces.front();
     if (site.two_bodies()) {
       scene->pairing.emplace(interface_of(
-          scene->spaces, {labels, masters, mortar::label_pairs(opening.labels, opening.masters)}));
+          scene->spaces,
+          {labels, masters, mortar::label_pairs(opening.labels, opening.masters, false)}));
     } else {
       surface = first.boundary(labels);
       if (first.begun()) begun = first.begun()->boundary(labels);

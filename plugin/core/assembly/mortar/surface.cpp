@@ -73,12 +73,14 @@ Plane plane_of(int d, const Facet& facet, const std::vector<Vec3>& X) {
   return p;
 }
 
-std::vector<Pair> label_pairs(const std::vector<long>& slave, const std::vector<long>& master) {
+std::vector<Pair> label_pairs(const std::vector<long>& slave, const std::vector<long>& master,
+                              bool in_one_space) {
   if (slave.size() != master.size() && slave.size() != 1 && master.size() != 1)
     refuse(
         "slave has ", slave.size(), " labels and master has ", master.size(),
         "; lists of one length are pairs, slave[k] facing master[k], and a single label faces all "
         "of the other list");
+  if (in_one_space && slave == master) return {{{false, slave, {}}, {false, master, {}}}};
   const std::size_t count = std::max(slave.size(), master.size());
   std::vector<Pair> of_slave;  // one slave label each
   for (std::size_t k = 0; k < count; ++k) {

@@ -50,8 +50,8 @@ void refuse_slaves_as_masters(const Sides& of) {
             "the node at ", place(d, of.nodes.X[facet.node[0]]), " on label ", facet.label,
             " is slave of one pair (master: ", labels_of(masters[found->second].surface),
             ") and master of another (slave: ", labels_of(slaves[q].surface),
-            "); exchange slave and master of one of the two, or leave out by maxgap what does not "
-            "touch there");
+            "); exchange slave and master of one of the two, leave out by maxgap what does not touch "
+            "there, or, in one space, name all of the labels on both sides");
       }
 }
 
