@@ -72,10 +72,10 @@ class Contacts {
         groups_(Index(system_.largest(Real(count_bodies(scene.places()))))) {
     std::vector<Real> pairs;
     for (std::size_t k = 0; k < nodes.size(); ++k) {
-      if (s.state[k] == NodeState::separated) continue;
       const Index row = scene.system->system()->first[nodes[k]];
       for (Matrix::InnerIterator e(scene.system->basis().W, row); e; ++e)
         if (e.value() != 0 && body_[e.col()] >= 0) joined_[k].insert(body_[e.col()]);
+      if (is_open(k)) continue;
       for (Index body : joined_[k])
         pairs.insert(pairs.end(), {Real(*joined_[k].begin()), Real(body)});
     }
@@ -98,12 +98,16 @@ class Contacts {
     StandOnEdge on_edge;
     bool touches = false;
     for (std::size_t k = 0; k < nodes_.size(); ++k) {
-      const std::set<Index>& joined = joined_[k];  // one before an obstacle or on a crack, else two
+      const std::set<Index>& joined = joined_[k];
       if (joined.empty() || group_of(*joined.begin()) != group_of(turn.body)) continue;
-      touches = true;
       const bool acts =
           joined.count(turn.body) && (joined.size() >= 2 || scene_.on_obstacle(nodes_[k]));
       const BoundaryNode& node = scene_.contact_point(nodes_[k]);
+      if (is_open(k)) {
+        if (acts) on_edge.add(turn.motion, node.x, node.point.normal, 0, 0);
+        continue;
+      }
+      touches = true;
       const Real of_slave = body_[node.point.dof[0]] == turn.body ? 1 : -1;
       const Index first = system_.first[static_cast<Index>(k)];
       const bool sticks = solution_.state[k] == NodeState::stick;
@@ -122,7 +126,7 @@ class Contacts {
       for (StandAgainst* contact : {&as_given, &as_turned})
         contact->add_way(axis.cross(node.x - turn.motion.c));
       const Real r_N = solution_.certificate.r[first];
-      on_edge.add(turn.motion, node.x, -of_slave * r_N * node.point.normal,
+      on_edge.add(turn.motion, node.x, node.point.normal, -of_slave * r_N,
                   law_of(problem_.increment, Index(k)).limit(r_N));
     }
     // what nothing presses is held by supports, though with a motion to spare
@@ -138,13 +142,15 @@ class Contacts {
   }
 
  private:
+  bool is_open(std::size_t k) const { return solution_.state[k] == NodeState::separated; }
+
   const Scene& scene_;
   const std::vector<Index>& nodes_;
   const ContactProblem& problem_;
   const Solution& solution_;
   const System& system_;
   std::vector<Index> body_;              ///< per dof of the scene
-  std::vector<std::set<Index>> joined_;  ///< per node that touches
+  std::vector<std::set<Index>> joined_;  ///< per node: one before an obstacle or on a crack, or two
   Groups groups_;                        ///< of bodies
 };
 

@@ -138,14 +138,10 @@ LocalLoad LocalSystem::load_from(const Vector& b, const Vector& w_old) const {
 }
 
 void set_load(const LocalLoad& load, const System& system, Increment& increment) {
-  // of what carries bodies on as a whole, so much counts as a load: their contact forces are known
-  // to no more
-  constexpr Real some_roundings = 1e11;
   increment.F = load.F;
   increment.rounding = std::numeric_limits<Real>::epsilon() * norm_D(system, load.sizes);
-  increment.load_norm =
-      std::max(load_beside_inertia(system, load.external),
-               std::min(norm_D(system, load.external), some_roundings * increment.rounding));
+  increment.load_norm = load_beside_inertia(system, load.external);
+  increment.external_norm = norm_D(system, load.external);
   // what a displacement of before leaves of a body that nothing loads
   const Real noise = increment.noise();
   if (noise > 0 && std::isfinite(noise) && norm_D(system, increment.F) <= noise)

@@ -12,6 +12,10 @@ constexpr Real epsilon = std::numeric_limits<Real>::epsilon();
 /// above it.
 constexpr Real rounding_margin = 10;
 
+/// Of a load that inertia takes, which carries bodies on as a whole, so many roundings of Ax count:
+/// what the laws are known to, at tol = 1e-8 beside contact forces.
+constexpr Real some_roundings = 1e11;
+
 /// The share of the load that counts beside the contact forces: small enough that tol bounds the
 /// laws to 100 tol of contact forces down to 1e-4 of the load, large enough for those to vanish.
 /// Where nothing touches the load counts in full.
@@ -49,11 +53,14 @@ Real nearest_gap(const ContactProblem& problem, const Vector& x) {
 /// What the residual of x is measured in, > 0; violation: its norm; rounding: that of r.
 Real scale_of(const ContactProblem& problem, const Vector& x, const Vector& r, Real violation,
               Real rounding) {
-  const Real load = problem.increment.load_norm, contact = contact_force_norm(problem, x, r);
+  const Increment& increment = problem.increment;
+  const Real carried = std::min(increment.external_norm, some_roundings * rounding);
+  const Real load = std::max(increment.load_norm, carried);
+  const Real contact = contact_force_norm(problem, x, r);
   if (std::hypot(load, contact) > rounding_margin * rounding)
     return std::max(forces_at_work(load, contact), rounding);
-  const Real driving = std::max(driving_norm(*problem.system, problem.increment),
-                                norm_D(*problem.system, problem.increment.F - r));
+  const Real driving =
+      std::max(driving_norm(*problem.system, increment), norm_D(*problem.system, increment.F - r));
   if (violation > rounding_margin * rounding)
     return std::max(violation, std::min(driving, nearest_gap(problem, x)));
   return driving > 0 ? driving : 1;

@@ -24,6 +24,7 @@ struct Increment {
   /// Norm of the external load on the free dofs, in norm_D: neither Dirichlet data nor u^{k-1} in
   /// it, nor what the inertia of rigid motions takes (model/inertia.h).
   Real load_norm = 0;
+  Real external_norm = 0;  ///< the same with what the inertia takes
   /// Norm of the rounding that F carries from the terms it was summed of, in norm_D.
   Real rounding = 0;
 

@@ -154,10 +154,11 @@ void validate(const Increment& increment, const System& system) {
   if (increment.law == Law::tresca)
     require("g", increment.g, "a sliding limit is a force >= 0: give 0 where nothing rubs");
   validate_load(increment, system);
-  const Vector norms = Vec3(increment.load_norm, increment.rounding, increment.force_scale);
+  const Vector norms = Eigen::Vector4d(increment.load_norm, increment.external_norm,
+                                       increment.rounding, increment.force_scale);
   if (!norms.allFinite() || norms.minCoeff() < 0)
-    refuse("load_norm, rounding and force_scale = ", norms[0], ", ", norms[1], ", ", norms[2],
-           "; norms of forces are finite and >= 0");
+    refuse("load_norm, external_norm, rounding and force_scale = ", norms[0], ", ", norms[1], ", ",
+           norms[2], ", ", norms[3], "; norms of forces are finite and >= 0");
 }
 
 void forget_what_vanishes(const System& system, Increment& increment) {

@@ -256,11 +256,44 @@ bool StandAgainst::holds(Real turn) const {
   return share() > std::min(turn / 2, clearly);
 }
 
-void StandOnEdge::add(const RigidMotion& turn, const Vec3& x, const Vec3& pressure, Real limit) {
+void StandOnEdge::add(const RigidMotion& turn, const Vec3& x, const Vec3& normal, Real pressure,
+                      Real limit) {
   const Vec3 axis = turn.w.normalized(), arm = x - turn.c, across = axis.cross(arm);
-  const Real moment = across.dot(pressure), change = turn.w.cross(across).dot(pressure);
-  sums_ += Moments{moment, change, std::abs(moment), limit * across.norm(),
-                   across.norm() * pressure.norm()};
+  const Vec3 e = axis.unitOrthogonal(), force = pressure * normal;
+  const auto angle = [&](const Vec3& v) { return std::atan2(axis.cross(e).dot(v), e.dot(v)); };
+  const Real moment = across.dot(force), change = turn.w.cross(across).dot(force);
+  nodes_.push_back({angle(arm), angle(normal),
+                    Moments{moment, change, std::abs(moment), limit * across.norm(),
+                            across.norm() * std::abs(pressure)}});
+}
+
+/// By which share of a turn of node k about the axis the normal there turns, from the neighbours on
+/// either side; 0 where there are none.
+Real StandOnEdge::turn_of_normals(std::size_t k) const {
+  constexpr Real near = 0.01, far = 0.8;  // closer ones tell errors, others lie on another surface
+  const std::size_t count = nodes_.size();
+  const auto between = [](Real from, Real to) { return std::remainder(to - from, 2 * M_PI); };
+  Real turn = 0, sides = 0;
+  for (const std::size_t step : {std::size_t(1), count - 1})
+    for (std::size_t j = (k + step) % count; j != k; j = (j + step) % count) {
+      const Real way = between(nodes_[k].place, nodes_[j].place);
+      if (std::abs(way) < near) continue;
+      const Real bend = between(nodes_[k].normal, nodes_[j].normal);
+      if (std::abs(way) < far && std::abs(bend) < far) turn += bend / way, sides += 1;
+      break;
+    }
+  return sides > 0 ? turn / sides : 0;
+}
+
+void StandOnEdge::sum(const System& system) {
+  std::sort(nodes_.begin(), nodes_.end(),
+            [](const Node& a, const Node& b) { return a.place < b.place; });
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    Moments& moments = nodes_[k].moments;
+    moments[1] *= 1 - turn_of_normals(k);
+    sums_ += moments;
+  }
+  system.sum(sums_.data(), Index(sums_.size()));
 }
 
 Real StandOnEdge::share() const {

@@ -144,13 +144,15 @@ class StandAgainst {
 
 /// What the pressures on a round body hold of its turn and do not hold where it has come, as it
 /// stands on an edge of the mesh when it has rolled on to the next vertex: the lesser of their
-/// moment about the axis, and of what the turn changes that by. It is told over all that contact
-/// can hold.
+/// moment about the axis, and of what the turn changes that by. Pressures turn with the normals
+/// along the surface: fully in a hub, whatever its shape, not at all on a flat. It is told over all
+/// that contact can hold.
 class StandOnEdge {
  public:
-  /// At x, of the obstacle or the other body on this one; limit: of friction.
-  void add(const RigidMotion& turn, const Vec3& x, const Vec3& pressure, Real limit);
-  void sum(const System& system) { system.sum(sums_.data(), Index(sums_.size())); }
+  /// At x, of the obstacle or the other body on this one; normal: unit, outward from either, of a
+  /// node that nothing presses, too; limit: of friction.
+  void add(const RigidMotion& turn, const Vec3& x, const Vec3& normal, Real pressure, Real limit);
+  void sum(const System& system);
   /// 0 for bodies that are not round, whose pressures do not all pass near the axis: they stand on
   /// the faces that they have. 0 without friction, too: nothing else could hold the turn.
   Real share() const;
@@ -159,6 +161,14 @@ class StandOnEdge {
   /// Their sum, what the turn changes it by, the sum of their sizes, and of those that friction and
   /// that pressures could have across the arm.
   using Moments = Eigen::Matrix<Real, 5, 1>;
+  /// A node, and the angles about the axis at which it lies and to which its normal points.
+  struct Node {
+    Real place, normal;
+    Moments moments;
+  };
+  Real turn_of_normals(std::size_t k) const;
+
+  std::vector<Node> nodes_;
   Moments sums_ = Moments::Zero();
 };
 

@@ -198,6 +198,20 @@ TEST(Certificate, ForcesWithinTenTimesTheirRoundingAreTakenForRounding) {
   EXPECT_NEAR(scale(2e-7, 1e-3, 0.99e-4), 0.99e-4, 1e-12);  // never below rounding
 }
 
+TEST(Certificate, OfALoadThatInertiaTakesSoMuchCountsAsRoundingAllowsToKnow) {
+  ContactProblem p = one_node(Law::coulomb, 0.3);
+  const auto scale = [&](Real external, Real rounding) {
+    p.increment.F << 0, 0;
+    p.increment.load_norm = 1e-6;
+    p.increment.external_norm = external;
+    p.increment.rounding = rounding;
+    return certify(p, Eigen::Vector2d(0, 0)).scale;
+  };
+  EXPECT_NEAR(scale(10, 1e-20), 1e-6, 1e-18);
+  EXPECT_NEAR(scale(10, 1e-13), 1e-2, 1e-12);
+  EXPECT_NEAR(scale(10, 1e-9), 10, 1e-12);
+}
+
 TEST(Certificate, ABodyThatStopsShortOfTheObstacleIsNotTakenForOpen) {
   // nothing touches yet, and what is left to go is small beside the way: 1e-9 of the load
   BlockOptions o;

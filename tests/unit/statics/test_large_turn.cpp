@@ -93,8 +93,10 @@ Real stands_on_edge(Real turn, Real facet, Real part, Real mu) {
   m.c = Vec3(5, 7, 0);
   m.w = Vec3(0, 0, turn);
   StandOnEdge edge;
-  edge.add(m, m.c - 2 * Vec3(0, 1, 0), Vec3(0, 1 - part, 0), mu * (1 - part));
-  edge.add(m, m.c - 2 * Vec3(std::sin(facet), std::cos(facet), 0), Vec3(0, part, 0), mu * part);
+  const Vec3 up = Vec3(0, 1, 0), aside = Vec3(std::sin(facet), std::cos(facet), 0);
+  edge.add(m, m.c - 2 * up, up, 1 - part, mu * (1 - part));
+  edge.add(m, m.c - 2 * aside, up, part, mu * part);
+  edge.sum(AssembledSystem());
   return edge.share();
 }
 
@@ -111,6 +113,25 @@ TEST(StandOnEdge, IsTheLesserOfWhatPressuresHoldAndOfWhatTheTurnTakesFromThat) {
   EXPECT_EQ(stands_on_edge(0.05, 0.8, 0.5, 0.1), 0);  // on a face: it is no round body
   EXPECT_GT(stands_on_edge(0.05, 0.4, 0.5, 0.1), 0);
   EXPECT_EQ(StandOnEdge().share(), 0);
+}
+
+TEST(StandOnEdge, PressuresTurnWithTheNormalsOfAHub) {
+  // an oval that its hub holds, told by n nodes all round; each is alone where they are few
+  const auto held = [](int n) {
+    RigidMotion m;
+    m.c = Vec3(5, 7, 0);
+    m.w = Vec3(0, 0, 0.02);
+    StandOnEdge edge;
+    for (int k = 0; k < n; ++k) {
+      const Real t = 2 * M_PI * k / n, at = t + 0.06 * std::sin(2 * t);
+      edge.add(m, m.c + 2 * Vec3(std::cos(t), std::sin(t), 0), Vec3(std::cos(at), std::sin(at), 0),
+               1 + 0.9 * std::sin(2 * t), 0.02);
+    }
+    edge.sum(AssembledSystem());
+    return edge.share();
+  };
+  EXPECT_LT(held(24), 0.01);
+  EXPECT_GT(held(6), 0.15);
 }
 
 TEST(LargeTurn, AFieldSmallerThanTheLeastGyrationAllowsTurnsNothing) {
