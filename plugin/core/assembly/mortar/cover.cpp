@@ -74,7 +74,8 @@ class Covering {
       const auto is_none = [&](const Cell& cell) { return is_no_partner(f, cell, deep); };
       cells.erase(std::remove_if(cells.begin(), cells.end(), is_none), cells.end());
       const auto distance = [&](const Cell& cell) {
-        return deciding_distance(f, cell.master, onto(cell.master, f).distance);
+        const std::optional<Projection> begun = deciding(f, cell.master);
+        return (begun ? *begun : onto(cell.master, f)).distance;
       };
       keep_nearest_sheet(master_, slave_.planes[f].size, distance, cells);
       for (const Cell& cell : cells) result.fraction[f] += extent(cell.part) / whole;
@@ -111,7 +112,10 @@ class Covering {
       if (c.extent <= vanishing) continue;
       const Vec2 middle = centroid(c.part);
       c.distance = c.projection.distance(middle);
-      if (std::abs(deciding_distance(f, m, c.projection.distance)(middle)) > maxgap) continue;
+      const std::optional<Projection> begun = deciding(f, m);
+      const Real apart =
+          begun ? begun->distance(centroid(inside(d_, reference_facet(d_), *begun))) : c.distance;
+      if (std::abs(apart) > maxgap) continue;
       const Real deepest = std::max(base.size, master_.planes[m].size);
       if (earlier_ && c.distance < -deepest && !before(f, m)) continue;  // it has come past its end
       if (own_.excludes(slave_, f, master_.facet(m), middle, c.distance, deepest)) continue;
@@ -130,14 +134,13 @@ class Covering {
     if (!p.inverts || inside(d_, reference_facet(d_), p).empty()) return {};
     return p;
   }
-  /// The distance of a master's plane from a slave facet by which it is decided whether it faces
-  /// it. A plane far from its facet tells nothing: where no part was before, the place of now
-  /// decides.
-  Affine deciding_distance(Index f, Index master, const Affine& now) const {
+  /// The same of one that faced the slave facet, by which it is decided whether it does. A plane
+  /// far from its facet tells nothing: where no part was before, the place of now decides.
+  std::optional<Projection> deciding(Index f, Index master) const {
     const std::optional<Projection> p = before(f, master);
-    if (!p) return now;
+    if (!p) return {};
     const Real along = earlier_->master.planes[master].normal.dot(earlier_->slave.planes[f].normal);
-    return along < facing ? p->distance : now;
+    return along < facing ? p : std::nullopt;
   }
   /// Fills nearer_: pairs whose parts overlap, found by a sweep along xi_1.
   void separate() {
