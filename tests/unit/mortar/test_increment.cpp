@@ -76,6 +76,23 @@ TEST(MortarIncrement, WhatMaxgapLeavesOutStaysOut) {
   for (int d : {2, 3}) expect_continuous([&](Real t) { return left_out(d, t); }, hold_facing);
 }
 
+TEST(MortarIncrement, WhatIsBeforeASlopeStaysWithinMaxgapAsItSlides) {
+  expect_continuous(
+      [](Real t) {
+        Surfaces s(2);
+        s.options.maxgap = 0.25;
+        const auto slope = [](const Vec3& x) {
+          const Real along = 0.1 + 0.5 * x[0];
+          return Vec3(along, -0.5 * along, 0);
+        };
+        s.pairs[0].master = s.sheet(1, 1, slope, 1);
+        append(s.pairs[0].master, s.sheet(1, 1, lifted(2, 0, 0.7, 1), 1));
+        s.pairs[0].slave = s.sheet(2, -1, lifted(2, 0.1, t, 1 + t), 2);
+        return s;
+      },
+      hold_facing);
+}
+
 TEST(MortarIncrement, MaxgapIsOfThePlacesNowWhereNothingWasBeforeAFacet) {
   for (int d : {2, 3}) {
     const auto over_a_slope = [d](Real from) {  // whose plane is far from where it has no facets

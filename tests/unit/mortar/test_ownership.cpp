@@ -125,7 +125,7 @@ Real covered(const Surfaces& s) {
   Real all = 0;
   for (const Pair& pair : s.pairs) {
     const Side slave(d, pair.slave, s.nodes.X), master(d, pair.master, s.nodes.X);
-    const Cover of = cover(s.nodes, pair, slave, master, s.options.maxgap);
+    const Cover of = cover(s.nodes, false, slave, master, s.options.maxgap);
     for (Index f = 0; f < slave.facets(); ++f) all += of.fraction[f] * slave.planes[f].measure;
   }
   return all;

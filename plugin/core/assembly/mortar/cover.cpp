@@ -47,14 +47,14 @@ Real moved_since(const Earlier& earlier, const std::vector<Vec3>& X) {
 
 class Covering {
  public:
-  Covering(const Nodes& nodes, const Pair& given, const Side& slave, const Side& master,
-           Real maxgap, const std::optional<Earlier>& earlier)
+  Covering(const Nodes& nodes, bool itself, const Side& slave, const Side& master, Real maxgap,
+           const std::optional<Earlier>& earlier)
       : slave_(slave),
         master_(master),
         X_(nodes.X),
         maxgap_(maxgap),
         d_(slave.d),
-        own_(slave, nodes, touches_itself(given)),
+        own_(slave, nodes, itself),
         earlier_(earlier),
         moved_(earlier ? moved_since(*earlier, X_) : 0),
         tree_(d_, master.surface.facets, master.planes, X_) {}
@@ -251,9 +251,9 @@ class Covering {
 
 }  // namespace
 
-Cover cover(const Nodes& nodes, const Pair& given, const Side& slave, const Side& master,
-            Real maxgap, const std::optional<Earlier>& earlier) {
-  return Covering(nodes, given, slave, master, maxgap, earlier).run();
+Cover cover(const Nodes& nodes, bool itself, const Side& slave, const Side& master, Real maxgap,
+            const std::optional<Earlier>& earlier) {
+  return Covering(nodes, itself, slave, master, maxgap, earlier).run();
 }
 
 }  // namespace frictioncg::mortar

@@ -34,10 +34,11 @@ struct Earlier {
   const std::vector<Vec3>& X;
 };
 
-/// What the sides of a pair, as it was given, have before each other at the nodes. earlier: none
-/// where it is decided here. What maxgap leaves out there is left out, so that the cells move on
-/// with the nodes. Throws IllegalInput where the bodies overlap by more than a facet.
-Cover cover(const Nodes& nodes, const Pair& given, const Side& slave, const Side& master,
-            Real maxgap, const std::optional<Earlier>& earlier = {});
+/// What the sides of a pair have before each other at the nodes. itself: they are of a surface that
+/// touches itself; earlier: none where it is decided here. What maxgap leaves out there is left
+/// out, so that the cells move on with the nodes. Throws IllegalInput where the bodies overlap by
+/// more than a facet.
+Cover cover(const Nodes& nodes, bool itself, const Side& slave, const Side& master, Real maxgap,
+            const std::optional<Earlier>& earlier = {});
 
 }  // namespace frictioncg::mortar

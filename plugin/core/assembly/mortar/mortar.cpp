@@ -86,6 +86,12 @@ class Assembly {
 
  private:
   Index size() const { return static_cast<Index>(nodes_.X.size()); }
+  /// Of the pair that the script gave.
+  Statistics& statistics_of(Index p) {
+    const Index given = of_.pairs[p].given;
+    if (Index(statistics_.size()) <= given) statistics_.resize(given + 1);
+    return statistics_[given];
+  }
   bool is_mid_edge(Index i) const { return number_of_edge_.count(i) > 0; }
   bool is_held(const Facet& facet) const {
     return std::all_of(facet.node.begin(), facet.node.begin() + nodes_.dimension,
@@ -93,8 +99,8 @@ class Assembly {
   }
   void add_pair(Index p, const Side& slave, const Side& master, const Cover& cover) {
     const Integration integration(slave, master, nodes_, options_);
-    Statistics& s = statistics_.emplace_back();
-    s.visited = cover.visited;
+    Statistics& s = statistics_of(p);
+    s.visited += cover.visited;
     for (Index f = 0; f < slave.facets(); ++f) {
       const std::vector<Cell>& cells = cover.cells[f];
       if (cells.empty()) continue;
@@ -259,12 +265,12 @@ class Assembly {
     for (Index i = 0; i < size(); ++i) {
       const State state = ownership_.state[i];
       if (state == State::uncovered || state == State::kept) continue;
-      Statistics& s = statistics_[ownership_.pair[i]];
+      Statistics& s = statistics_of(ownership_.pair[i]);
       ++s.removed;
       if (state == State::held && s.held++ == 0) s.first_held = i;
     }
     for (const SlaveNode& node : mortar.nodes_) {
-      Statistics& s = statistics_[node.pair];
+      Statistics& s = statistics_of(node.pair);
       const bool first = s.facing++ == 0;
       s.least_gap = first ? node.gap : std::min(s.least_gap, node.gap);
       s.largest_gap = first ? node.gap : std::max(s.largest_gap, node.gap);
@@ -287,7 +293,7 @@ class Assembly {
   std::map<Index, Index> number_of_edge_;      ///< in edges_, by node
   std::vector<MidEdge> edges_;
   std::vector<EdgeMoments> edge_moments_;  ///< in their order
-  std::vector<Statistics> statistics_;     ///< per pair
+  std::vector<Statistics> statistics_;     ///< per pair that was given
 };
 
 namespace {
@@ -373,31 +379,31 @@ Mortar::Mortar(const Nodes& all, const std::vector<Pair>& given, const Options& 
     return nodes;
   };
   Nodes nodes = all.reference.empty() ? all : straight(all.X);
-  for (const Pair& pair : given) labels_.push_back(pair.slave.labels);
-  SlaveFacets slaves;
+  std::vector<Roles> roles;
   const auto part = [&](const std::vector<Pair>& pairs) {
-    return parted(pairs, slaves, !nodes.reference.empty());
+    return parted(pairs, roles, !nodes.reference.empty());
   };
   const auto make = [&](const Arrangement* begun) {
-    Arrangement now(nodes, given, part(given), options, begun);
+    Arrangement now(nodes, part(given), options, begun);
+    for (const Pair& pair : now.pairs) labels_.push_back(pair.slave.labels);
     validate_cover(now, options);
     Assembly(now, options).finish(*this);
   };
   if (nodes.before.empty()) {
-    find_slaves(nodes, given, options.maxgap, slaves);
+    find_roles(nodes, given, options.maxgap, roles);
     make(nullptr);
     return;
   }
   Nodes then = straight(nodes.before);
   const std::vector<Pair> given_then = carried(d, given, nodes.X, then.X);
-  find_slaves(then, given_then, options.maxgap, slaves);
-  find_slaves(nodes, given, options.maxgap, slaves);  // of what faces itself now alone
+  find_roles(then, given_then, options.maxgap, roles);
+  find_roles(nodes, given, options.maxgap, roles);  // of what faces itself now alone
   // What decides where an increment begins knows of no forces, nor of normals given for now.
   Options plain = options;
   plain.force.clear();
   if (!options.normals.empty()) plain.freedom = nullptr;
   plain.normals.clear();
-  Arrangement begun(then, given, part(given_then), plain);
+  Arrangement begun(then, part(given_then), plain);
   if (quadratic && d == 3)
     for (Nodes* at : {&nodes, &then}) straighten_beside_ends(begun, *at);
   Mortar old;

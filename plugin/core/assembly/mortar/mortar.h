@@ -166,8 +166,8 @@ class Mortar {
   std::vector<MidEdge> edges_;             ///< of C
   Matrix N_, P_;                           ///< nodes x nodes, rows of contact nodes
   Matrix S_, G_;                           ///< m x nodes: (I + N) C^-1, and S - P
-  std::vector<Statistics> statistics_;     ///< per pair
-  std::vector<std::vector<long>> labels_;  ///< of the slaves, per pair
+  std::vector<Statistics> statistics_;     ///< per pair given
+  std::vector<std::vector<long>> labels_;  ///< of the slaves, per parted pair
   std::vector<Vec3> slip_;
   Real told_ = 0;
   GeometricStiffness stiffness_;

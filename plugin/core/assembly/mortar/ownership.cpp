@@ -393,8 +393,8 @@ void Ownership::find_stand_ins(Index p, const Side& slave, bool within_patch) {
     }
 }
 
-Arrangement::Arrangement(const Nodes& nodes_, const std::vector<Pair>& given,
-                         std::vector<Pair> parted, const Options& options, const Arrangement* begun)
+Arrangement::Arrangement(const Nodes& nodes_, std::vector<Pair> parted, const Options& options,
+                         const Arrangement* begun)
     : Sides{nodes_}, pairs(std::move(parted)) {
   if (begun) choices = begun->choices;
   if (!begun) validate_pairs(nodes, pairs, options);
@@ -403,7 +403,7 @@ Arrangement::Arrangement(const Nodes& nodes_, const std::vector<Pair>& given,
     masters.emplace_back(nodes.dimension, pairs[p].master, nodes.X, nodes.reference);
     std::optional<Earlier> earlier;
     if (begun) earlier.emplace(Earlier{begun->slaves[p], begun->masters[p], begun->nodes.X});
-    covers.push_back(cover(nodes, given[p], slaves[p], masters[p], options.maxgap, earlier));
+    covers.push_back(cover(nodes, pairs[p].itself, slaves[p], masters[p], options.maxgap, earlier));
   }
   ownership.emplace(*this, options, begun);
 }

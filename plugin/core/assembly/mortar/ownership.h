@@ -162,8 +162,8 @@ void for_each_multiplier(const Part& part, const Moments& moments,
 struct Arrangement : Sides {
   /// parted: of the pairs given; begun: where the increment began, which has decided; null: it is
   /// decided here.
-  Arrangement(const Nodes& nodes, const std::vector<Pair>& given, std::vector<Pair> parted,
-              const Options& options, const Arrangement* begun = nullptr);
+  Arrangement(const Nodes& nodes, std::vector<Pair> parted, const Options& options,
+              const Arrangement* begun = nullptr);
   Arrangement(const Arrangement&) = delete;
   Arrangement& operator=(const Arrangement&) = delete;
 

@@ -80,19 +80,25 @@ struct Half {
   }
 };
 
+/// Of the facets that face their own body.
 std::map<Index, Encounter> encounters(const Side& side, const Cover& cover,
+                                      const std::vector<Index>& before,
                                       const std::vector<Vec3>& X) {
+  const auto faces_own = [&](Index f) {
+    return !cover.cells[f].empty() && before[f] == side.facet(f).body;
+  };
   Groups groups(side.facets());
   std::map<Index, Index> first;  // facet at a vertex
   for (Index f = 0; f < side.facets(); ++f) {
-    if (cover.cells[f].empty()) continue;
+    if (!faces_own(f)) continue;
     for (int v = 0; v < side.d; ++v)
       groups.join(f, first.emplace(side.facet(f).node[v], f).first->second);
-    for (const Cell& cell : cover.cells[f]) groups.join(f, cell.master);
+    for (const Cell& cell : cover.cells[f])
+      if (faces_own(cell.master)) groups.join(f, cell.master);
   }
   std::map<Index, Encounter> found;
   for (Index f = 0; f < side.facets(); ++f) {
-    if (cover.cells[f].empty()) continue;
+    if (!faces_own(f)) continue;
     Encounter& encounter = found[groups.of(f)];
     encounter.facets.push_back(f);
     const Plane& plane = side.planes[f];
@@ -104,6 +110,73 @@ std::map<Index, Encounter> encounters(const Side& side, const Cover& cover,
     }
   }
   return found;
+}
+
+/// The body that each facet is nearest to, of those before it.
+std::vector<Index> nearest_bodies(const Side& side, const Cover& cover,
+                                  const std::vector<Vec3>& X) {
+  std::vector<Index> body(side.facets(), -1);
+  for (Index f = 0; f < side.facets(); ++f) {
+    Real nearest = infinity;
+    for (const Cell& cell : cover.cells[f]) {
+      const Facet& other = side.facet(cell.master);
+      const Projection p = project(side.d, side.planes[f], other, X);
+      const Real away = std::abs(p.distance(centroid(cell.part)));
+      if (away < nearest) nearest = away, body[f] = other.body;
+    }
+  }
+  return body;
+}
+
+/// A body of several, and by what they are told apart: one key after the other, where they differ.
+struct RankedBody {
+  Index body;
+  std::array<Real, 7> key;
+};
+
+void sort_by(std::vector<RankedBody>& bodies, std::size_t begin, std::size_t end, std::size_t level,
+             const std::array<Real, 7>& differ) {
+  if (end - begin < 2 || level == differ.size()) return;
+  std::sort(
+      bodies.begin() + Index(begin), bodies.begin() + Index(end),
+      [level](const RankedBody& a, const RankedBody& b) { return a.key[level] < b.key[level]; });
+  for (std::size_t k = begin + 1; k <= end; ++k)
+    if (k == end || bodies[k].key[level] - bodies[k - 1].key[level] > differ[level]) {
+      sort_by(bodies, begin, k, level + 1, differ);
+      begin = k;
+    }
+}
+
+/// The place of each body in the order in which they are slaves: of what comes before it.
+std::map<Index, Index> ranks(const Side& side, const OwnSurface& own, const Eigen::Matrix3d& axes) {
+  struct Mean {
+    Real size = 0, count = 0;
+    Vec3 place = Vec3::Zero();
+  };
+  std::map<Index, Mean> means;
+  Eigen::AlignedBox3d box;
+  for (Index f = 0; f < side.facets(); ++f) {
+    Mean& mean = means[side.facet(f).body];
+    const Vec3 centre = centre_of(side.d, side.facet(f), own.X);
+    mean.size += own.planes[f].size;
+    mean.place += centre;
+    mean.count += 1;
+    box.extend(centre);
+  }
+  std::vector<RankedBody> bodies;
+  for (const auto& [body, mean] : means) {
+    const Vec3 x = mean.place / mean.count, along = axes.transpose() * x;
+    bodies.push_back(
+        {body,
+         {-std::log(mean.size / mean.count), along[2], along[1], along[0], x[0], x[1], x[2]}});
+  }
+  std::array<Real, 7> differ;
+  differ.fill(equal * box.diagonal().norm());
+  differ[0] = std::log(1 + as_fine);
+  sort_by(bodies, 0, bodies.size(), 0, differ);
+  std::map<Index, Index> rank;
+  for (const RankedBody& b : bodies) rank.emplace(b.body, Index(rank.size()));
+  return rank;
 }
 
 /// A facet that faces nothing joins the side from which the fewest facets part it, between two as
@@ -125,22 +198,45 @@ void spread(const Side& side, std::vector<Index> decided, std::vector<char>& is_
     }
 }
 
-/// Which facets are slaves; none where nothing faces itself.
-std::vector<char> slaves_of(const Nodes& nodes, const Pair& pair, Real maxgap) {
+Roles roles_of(const Nodes& nodes, const Pair& pair, Real maxgap) {
   const Side side(nodes.dimension, pair.slave, nodes.X);
   const OwnSurface own(side, nodes, true);
   const Eigen::Matrix3d axes = own_axes(side, own);
+  const Cover faced = cover(nodes, true, side, side, maxgap);
+  const std::vector<Index> before = nearest_bodies(side, faced, nodes.X);
+  std::map<Index, Index> rank = ranks(side, own, axes);
   std::vector<char> is_slave(side.facets(), 0);
   std::vector<Index> decided;
-  const Cover faced = cover(nodes, pair, side, side, maxgap);
-  for (const auto& [root, encounter] : encounters(side, faced, nodes.X)) {
+  for (Index f = 0; f < side.facets(); ++f) {
+    const Index body = side.facet(f).body;
+    if (faced.cells[f].empty() || before[f] == body) continue;
+    is_slave[f] = rank[body] > rank[before[f]];
+    decided.push_back(f);
+  }
+  for (const auto& [root, encounter] : encounters(side, faced, before, nodes.X)) {
     const Vec3 a = eigenpairs(encounter.directions).vectors.col(2);
     const Half one(encounter, side, own, a), other(encounter, side, own, -a);
     for (Index f : (one.before(other, axes) ? one : other).facets) is_slave[f] = 1;
     decided.insert(decided.end(), encounter.facets.begin(), encounter.facets.end());
   }
+  if (decided.empty()) return {};
+  std::vector<std::set<Index>> masters(rank.size());  // by rank
+  for (Index f : decided) {
+    const Index body = side.facet(f).body;
+    if (!is_slave[f]) continue;
+    for (const Cell& cell : faced.cells[f]) {
+      const Index other = side.facet(cell.master).body;
+      if (other == body ? before[f] == body : rank[other] < rank[body])
+        masters[rank[body]].insert(other);
+    }
+  }
   spread(side, decided, is_slave);
-  return decided.empty() ? std::vector<char>() : is_slave;
+  Roles roles{is_slave, std::vector<std::pair<Index, std::set<Index>>>(rank.size())};
+  for (const auto& [body, k] : rank) roles.faced[k] = {body, std::move(masters[k])};
+  const auto has_none = [](const auto& of) { return of.second.empty(); };
+  roles.faced.erase(std::remove_if(roles.faced.begin(), roles.faced.end(), has_none),
+                    roles.faced.end());
+  return roles;
 }
 
 }  // namespace
@@ -171,30 +267,55 @@ bool OwnSurface::excludes(const Side& side, Index f, const Facet& m, const Vec2&
   return (touches_itself && -distance > deepest) || is_through_body(side, f, m, xi);
 }
 
-void find_slaves(const Nodes& nodes, const std::vector<Pair>& pairs, Real maxgap,
-                 SlaveFacets& decided) {
+void find_roles(const Nodes& nodes, const std::vector<Pair>& pairs, Real maxgap,
+                std::vector<Roles>& decided) {
   decided.resize(pairs.size());
   for (std::size_t p = 0; p < pairs.size(); ++p)
-    if (decided[p].empty() && touches_itself(pairs[p]))
-      decided[p] = slaves_of(nodes, pairs[p], maxgap);
+    if (decided[p].is_slave.empty() && touches_itself(pairs[p]))
+      decided[p] = roles_of(nodes, pairs[p], maxgap);
 }
 
-std::vector<Pair> parted(std::vector<Pair> pairs, const SlaveFacets& slaves, bool moves) {
-  for (std::size_t p = 0; p < pairs.size(); ++p) {
-    Pair& pair = pairs[p];
-    if (!touches_itself(pair)) continue;
-    if (slaves[p].empty() && !moves)
-      refuse(labels_of(pair.slave),
-             " does not face itself: no facet lies opposite another one, along its normal; name "
-             "another master, or no contact");
-    std::vector<Facet> slave, master;
-    for (std::size_t f = 0; f < pair.slave.facets.size(); ++f)
-      if (slaves[p].empty() || slaves[p][f])
-        slave.push_back(pair.slave.facets[f]);
-      else
-        master.push_back(pair.master.facets[f]);
-    pair.slave.facets = std::move(slave);
-    pair.master.facets = std::move(master);
+std::vector<Pair> parted(const std::vector<Pair>& given, const std::vector<Roles>& roles,
+                         bool moves) {
+  std::vector<Pair> pairs;
+  for (std::size_t p = 0; p < given.size(); ++p) {
+    const Surface &slave = given[p].slave, &master = given[p].master;
+    const bool itself = touches_itself(given[p]);
+    const auto add = [&](const Surface& slaves) -> Pair& {
+      pairs.push_back({slaves, {master.quadratic, master.labels, {}}, itself, Index(p)});
+      return pairs.back();
+    };
+    if (!itself) {
+      add(slave).master = master;
+      continue;
+    }
+    if (roles[p].is_slave.empty()) {
+      if (!moves)
+        refuse(labels_of(slave),
+               " does not face itself: no facet lies opposite another one, along its normal; name "
+               "another master, or no contact");
+      add(slave);
+      continue;
+    }
+    std::map<Index, std::size_t> own;                    // the pair of a body's slaves
+    std::map<Index, std::vector<std::size_t>> faced_by;  // those of which it is before the slaves
+    for (const auto& [body, masters] : roles[p].faced) {
+      own[body] = pairs.size();
+      for (Index other : masters) faced_by[other].push_back(pairs.size());
+      add({slave.quadratic, slave.labels, {}});
+    }
+    for (std::size_t f = 0; f < slave.facets.size(); ++f) {
+      const Index body = slave.facets[f].body;
+      if (roles[p].is_slave[f]) {
+        pairs[own.at(body)].slave.facets.push_back(slave.facets[f]);
+        continue;
+      }
+      for (std::size_t k : faced_by[body]) {
+        Facet facet = master.facets[f];
+        facet.one_body = own.count(body) > 0 && own[body] == k;
+        pairs[k].master.facets.push_back(facet);
+      }
+    }
   }
   return pairs;
 }

@@ -33,23 +33,31 @@ struct OwnSurface {
 /// Whether the facets of slave and master are the same.
 bool touches_itself(const Pair& pair);
 
-/// Which facets are slaves, per pair; empty of one that does not touch or face itself.
-using SlaveFacets = std::vector<std::vector<char>>;
+/// Who is slave of whom on a surface that touches itself.
+struct Roles {
+  std::vector<char> is_slave;  ///< per facet; empty of a pair that does not touch or face itself
+  /// The bodies that have slaves, in the order of their laws, and those that are before them.
+  std::vector<std::pair<Index, std::set<Index>>> faced;
+};
 
-/// Finds those of pairs that touch themselves of which it is not decided. Of facets that face each
-/// other and what hangs together with them, a is the direction along which they do so, the nearest
-/// before all:
+/// Finds those of pairs that touch themselves of which it is not decided. Of two bodies the slave
+/// is that with the smaller facets, or with equal ones that whose mean place comes later along the
+/// surface's own axes; a facet belongs to the body that it is nearest to. Of facets of one body
+/// that face each other and what hangs together with them, a is the direction along which they do
+/// so, the nearest before all:
 ///
 ///   (sum w n n') a = lambda a,   lambda the largest,   w = measure / (distance + size)
 ///
 /// Slave is the side with the smaller facets, or with equal ones that whose mean place comes first
-/// along the surface's own axes, both in the reference: however a body lies, moves and is numbered,
-/// they are the same. A facet that faces nothing is on the side of the nearest one that does.
-void find_slaves(const Nodes& nodes, const std::vector<Pair>& pairs, Real maxgap,
-                 SlaveFacets& decided);
+/// along the axes, both in the reference: however a body lies, moves and is numbered, they are the
+/// same. A facet that faces nothing is on the side of the nearest one that does.
+void find_roles(const Nodes& nodes, const std::vector<Pair>& pairs, Real maxgap,
+                std::vector<Roles>& decided);
 
-/// The pairs, where each facet of those that touch themselves is slave or master. None is the
-/// latter where they do not face themselves, which bodies that move may do.
-std::vector<Pair> parted(std::vector<Pair> pairs, const SlaveFacets& slaves, bool moves);
+/// The pairs, where each facet of those that touch themselves is slave or master; a pair for each
+/// body that has slaves, so that laws at a node with both roles have an order. None is a master
+/// where they do not face themselves, which bodies that move may do.
+std::vector<Pair> parted(const std::vector<Pair>& given, const std::vector<Roles>& roles,
+                         bool moves);
 
 }  // namespace frictioncg::mortar

@@ -80,7 +80,7 @@ std::vector<Pair> label_pairs(const std::vector<long>& slave, const std::vector<
         "slave has ", slave.size(), " labels and master has ", master.size(),
         "; lists of one length are pairs, slave[k] facing master[k], and a single label faces all "
         "of the other list");
-  if (in_one_space && slave == master) return {{{false, slave, {}}, {false, master, {}}}};
+  if (in_one_space && slave == master) return {{{false, slave, {}}, {false, master, {}}, false, 0}};
   const std::size_t count = std::max(slave.size(), master.size());
   std::vector<Pair> of_slave;  // one slave label each
   for (std::size_t k = 0; k < count; ++k) {

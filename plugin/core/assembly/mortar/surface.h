@@ -35,6 +35,8 @@ struct Surface {
 /// facets the surface touches itself (self_contact.h).
 struct Pair {
   Surface slave, master;
+  bool itself = false;  ///< a part of one that touches itself
+  Index given = 0;      ///< number of the pair that it is or is a part of
 };
 
 /// What two lists of labels, not empty, stand for: of equal length, slave[k] faces master[k]; a

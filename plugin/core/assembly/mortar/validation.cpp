@@ -46,12 +46,12 @@ void refuse_slaves_as_masters(const Sides& of) {
         const Facet& facet = masters[q].facet(cell.master);
         const auto found = facing.find(key(d, facet));
         if (found == facing.end()) continue;
-        refuse(
-            "the node at ", place(d, of.nodes.X[facet.node[0]]), " on label ", facet.label,
-            " is slave of one pair (master: ", labels_of(masters[found->second].surface),
-            ") and master of another (slave: ", labels_of(slaves[q].surface),
-            "); exchange slave and master of one of the two, leave out by maxgap what does not touch "
-            "there, or, in one space, name all of the labels on both sides");
+        refuse("the node at ", place(d, of.nodes.X[facet.node[0]]), " on label ", facet.label,
+               " is slave of one pair (master: ", labels_of(masters[found->second].surface),
+               ") and master of another (slave: ", labels_of(slaves[q].surface),
+               "); exchange slave and master of one of the two, leave out by maxgap what does not "
+               "touch "
+               "there, or, in one space, name all of the labels on both sides");
       }
 }
 
@@ -137,7 +137,8 @@ void validate_cover(const Arrangement& of, const Options& options) {
     const Cover& cover = of.covers[p];
     const auto is_empty = [](const std::vector<Cell>& cells) { return cells.empty(); };
     if (std::all_of(cover.cells.begin(), cover.cells.end(), is_empty)) {
-      if (!nodes.reference.empty()) continue;  // bodies that move may come apart
+      // bodies that move may come apart, and one of several has other masters
+      if (!nodes.reference.empty() || of.pairs[p].itself) continue;
       refuse_nothing_faces(nodes, slaves[p], of.masters[p], cover, options);
     }
     if (!options.weight.empty()) refuse_weightless(nodes, slaves[p], cover, options.weight);
@@ -147,6 +148,7 @@ void validate_cover(const Arrangement& of, const Options& options) {
         states.insert(of.ownership->state[slaves[p].facet(f).node[v]]);
     const auto some = [&](Ownership::State state) { return states.count(state) > 0; };
     if (some(Ownership::State::kept) || may_carry_later(of, slaves[p])) continue;
+    if (of.pairs[p].itself && of.pairs.size() > 1) continue;
     const bool others = std::any_of(cover.cells.begin(), cover.cells.end(), is_empty);
     const std::string labels = "every slave node (" + labels_of(slaves[p].surface) + ")" +
                                (others ? " that faces the master" : "");
