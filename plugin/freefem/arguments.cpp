@@ -23,10 +23,9 @@ std::vector<long> copy_of(const KN_<long>& v) {
 
 /// How A comes to have as many dofs.
 const char* assemble(const DofCount& dofs) {
-  return dofs.first == 0
-             ? "assemble A on the present Vh"
-             : "give the matrix of both bodies, A = [[A1, 0], [0, A2]], and b = [b1, b2], or name once "
-               "a space that has both";
+  return dofs.first == 0 ? "assemble A on the present Vh"
+                         : "give the matrix of both bodies, A = [[A1, 0], [0, A2]], and b = [b1, "
+                           "b2], or name once a space that has both";
 }
 
 /// Refuses the blocks of two bodies that come in the other order: nothing else would tell, where

@@ -210,7 +210,8 @@ Real SemismoothNewton::unit() const {
     if (!branch_[i].closed) continue;
     contact += (r_.segment(N, size).array().square() / problem_.D.segment(N, size).array()).sum();
   }
-  const Real work = forces_at_work(increment.load_norm, std::sqrt(contact));
+  const Real load = increment.load_that_counts(increment.rounding);
+  const Real work = forces_at_work(load, std::sqrt(contact));
   return work > 0 ? work : increment.force_scale;
 }
 

@@ -12,10 +12,6 @@ constexpr Real epsilon = std::numeric_limits<Real>::epsilon();
 /// above it.
 constexpr Real rounding_margin = 10;
 
-/// Of a load that inertia takes, which carries bodies on as a whole, so many roundings of Ax count:
-/// what the laws are known to, at tol = 1e-8 beside contact forces.
-constexpr Real some_roundings = 1e11;
-
 /// The share of the load that counts beside the contact forces: small enough that tol bounds the
 /// laws to 100 tol of contact forces down to 1e-4 of the load, large enough for those to vanish.
 /// Where nothing touches the load counts in full.
@@ -54,8 +50,7 @@ Real nearest_gap(const ContactProblem& problem, const Vector& x) {
 Real scale_of(const ContactProblem& problem, const Vector& x, const Vector& r, Real violation,
               Real rounding) {
   const Increment& increment = problem.increment;
-  const Real carried = std::min(increment.external_norm, some_roundings * rounding);
-  const Real load = std::max(increment.load_norm, carried);
+  const Real load = increment.load_that_counts(rounding);
   const Real contact = contact_force_norm(problem, x, r);
   if (std::hypot(load, contact) > rounding_margin * rounding)
     return std::max(forces_at_work(load, contact), rounding);

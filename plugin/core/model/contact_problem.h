@@ -30,6 +30,12 @@ struct Increment {
 
   /// A load, or what is left of one, counts as rounding up to this, in norm_D.
   Real noise() const { return 10 * rounding; }
+  /// The load that counts, where forces are known to `known`: of what inertia takes, which carries
+  /// bodies on as a whole, so many times that. It is what laws are known to, at tol = 1e-8 beside
+  /// contact forces.
+  Real load_that_counts(Real known) const {
+    return std::max(load_norm, std::min(external_norm, 1e11 * known));
+  }
 };
 
 /// Discrete contact problem of one increment, in local frames.   section 2, eqs. (1), (4)-(6)

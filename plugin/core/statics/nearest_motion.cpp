@@ -261,8 +261,11 @@ void StandOnEdge::add(const RigidMotion& turn, const Vec3& x, const Vec3& normal
   const Vec3 axis = turn.w.normalized(), arm = x - turn.c, across = axis.cross(arm);
   const Vec3 e = axis.unitOrthogonal(), force = pressure * normal;
   const auto angle = [&](const Vec3& v) { return std::atan2(axis.cross(e).dot(v), e.dot(v)); };
+  // a normal nearly along the axis has none
+  const Real pointing =
+      axis.cross(normal).norm() < 0.2 ? std::numeric_limits<Real>::quiet_NaN() : angle(normal);
   const Real moment = across.dot(force), change = turn.w.cross(across).dot(force);
-  nodes_.push_back({angle(arm), angle(normal),
+  nodes_.push_back({angle(arm), pointing,
                     Moments{moment, change, std::abs(moment), limit * across.norm(),
                             across.norm() * std::abs(pressure)}});
 }

@@ -136,9 +136,8 @@ TEST(Validate, AnIncrementIsRefusedByNameValueNodeAndRule) {
          {"cohesion = -1", "contact node 1", ">= 0"});
   expect(refused_increment([](Increment& i) { i.cap = Eigen::Vector3d(0, 0, infinite); }),
          {"cap = inf", "contact node 2"});
-  for (Real Increment::*norm :
-       {&Increment::load_norm, &Increment::external_norm, &Increment::rounding,
-        &Increment::force_scale})
+  for (Real Increment::*norm : {&Increment::load_norm, &Increment::external_norm,
+                                &Increment::rounding, &Increment::force_scale})
     for (Real bad : {-1.0, undefined, infinite})
       expect(refused_increment([&](Increment& i) { i.*norm = bad; }), {"load_norm", ">= 0"});
 }

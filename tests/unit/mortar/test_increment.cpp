@@ -77,20 +77,27 @@ TEST(MortarIncrement, WhatMaxgapLeavesOutStaysOut) {
 }
 
 TEST(MortarIncrement, WhatIsBeforeASlopeStaysWithinMaxgapAsItSlides) {
-  expect_continuous(
-      [](Real t) {
-        Surfaces s(2);
-        s.options.maxgap = 0.25;
-        const auto slope = [](const Vec3& x) {
-          const Real along = 0.1 + 0.5 * x[0];
-          return Vec3(along, -0.5 * along, 0);
-        };
-        s.pairs[0].master = s.sheet(1, 1, slope, 1);
-        append(s.pairs[0].master, s.sheet(1, 1, lifted(2, 0, 0.7, 1), 1));
-        s.pairs[0].slave = s.sheet(2, -1, lifted(2, 0.1, t, 1 + t), 2);
-        return s;
-      },
-      hold_facing);
+  // at 0 the middle of what is before the slope is as far from it as maxgap
+  const auto over_a_slope = [](Real t) {
+    Surfaces s(2);
+    s.options.maxgap = 0.25;
+    const auto slope = [](const Vec3& x) {
+      const Real along = 0.1 + 0.5 * x[0];
+      return Vec3(along, -0.5 * along, 0);
+    };
+    s.pairs[0].master = s.sheet(1, 1, slope, 1);
+    append(s.pairs[0].master, s.sheet(1, 1, lifted(2, 0, 0.7, 1), 1));
+    s.pairs[0].slave = s.sheet(2, -1, lifted(2, 0.1, t, 1 + t), 2);
+    return s;
+  };
+  for (Real begun : {-0.02, 0.02})
+    for (Real t : {-0.1, 0.1}) {
+      Surfaces s = over_a_slope(t);
+      s.nodes.before = over_a_slope(begun).nodes.X;
+      EXPECT_EQ(s.mortar().nodes().size(), over_a_slope(begun).mortar().nodes().size()) << t;
+    }
+  EXPECT_NE(over_a_slope(0.02).mortar().nodes().size(),
+            over_a_slope(-0.02).mortar().nodes().size());
 }
 
 TEST(MortarIncrement, MaxgapIsOfThePlacesNowWhereNothingWasBeforeAFacet) {

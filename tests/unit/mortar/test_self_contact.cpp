@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "../refusal.h"
+#include "core/assembly/mortar/self_contact.h"
 #include "surfaces.h"
 
 using namespace frictioncg;
@@ -276,4 +277,78 @@ TEST(MortarSelfContact, AFlatFaceDoesNotFaceItself) {
   s.pairs[0].master = s.pairs[0].slave;
   const std::string text = frictioncg::test::refusal([&] { s.mortar(); });
   EXPECT_EQ(text.find("label 3 does not face itself"), 0u) << text;
+}
+
+namespace {
+
+/// Sheets of one boundary, body by body: from, to, height, side and number of facets.
+struct OfBody {
+  Real from, to, height;
+  int side, facets;
+};
+
+std::vector<Pair> parted_bodies(const std::vector<OfBody>& bodies) {
+  Surfaces s(2);
+  Surface& all = s.pairs[0].slave;
+  Index body = 0;
+  for (const OfBody& b : bodies) {
+    for (Facet f : s.sheet(b.facets, b.side, lifted(2, b.height, b.from, b.to), 1).facets) {
+      f.body = body;
+      f.one_body = true;
+      all.facets.push_back(f);
+    }
+    ++body;
+  }
+  s.pairs[0].master = all;
+  std::vector<Roles> roles;
+  find_roles(s.nodes, s.pairs, infinity, roles);
+  return parted(s.pairs, roles, false);
+}
+
+}  // namespace
+
+TEST(MortarSelfContact, OfSeveralBodiesEachIsTheSlaveOfTheCoarserThatItIsNearestTo) {
+  // a floor under a coarse body and, further away, a fine one; one of its facets is before both
+  const auto pairs =
+      parted_bodies({{0, 1.25, 0, 1, 5}, {0, 0.6, 0.01, -1, 1}, {0.6, 1.2, 0.3, -1, 6}});
+  ASSERT_EQ(pairs.size(), 2u);
+  EXPECT_EQ(pairs[0].slave.facets.size(), 3u);
+  EXPECT_EQ(pairs[0].slave.facets.front().body, 0);
+  EXPECT_EQ(pairs[1].slave.facets.size(), 6u);
+  EXPECT_EQ(pairs[1].slave.facets.front().body, 2);
+  EXPECT_EQ(pairs[1].master.facets.size(), 2u);
+  for (const Pair& pair : pairs) {
+    EXPECT_TRUE(pair.itself);
+    EXPECT_EQ(pair.given, 0);
+    for (const Facet& f : pair.master.facets) EXPECT_FALSE(f.one_body);
+  }
+}
+
+TEST(MortarSelfContact, WhatASlaveDoesNotSeeIsItsSlave) {
+  // the flanks of a fine roof miss the coarse bar below that it comes first to
+  Surfaces s(2);
+  Surface& all = s.pairs[0].slave;
+  for (Facet f : s.sheet(1, 1, lifted(2, 0, -0.5, 0.5), 1).facets) {
+    f.body = 0;
+    all.facets.push_back(f);
+  }
+  const auto flank = [](Real side) {
+    return [side](const Vec3& x) { return Vec3(side * 0.6 * x[0], 0.1 + 2 * x[0], 0); };
+  };
+  for (Real side : {-1., 1.})
+    for (Facet f : s.sheet(4, -1, flank(side), 1).facets) {
+      f.body = 1;
+      f.outward = Vec3(side, -0.3, 0);
+      all.facets.push_back(f);
+    }
+  s.pairs[0].master = all;
+  EXPECT_GT(s.mortar().nodes().size(), 0u);
+}
+
+TEST(MortarSelfContact, AFacetOverTwoBodiesHasBothAsMasters) {
+  const auto pairs =
+      parted_bodies({{-0.5, 0.5, 0, 1, 1}, {0.5, 1.5, 0, 1, 1}, {0.1, 0.9, 0, -1, 1}});
+  ASSERT_EQ(pairs.size(), 1u);
+  EXPECT_EQ(pairs[0].slave.facets.front().body, 2);
+  EXPECT_EQ(pairs[0].master.facets.size(), 2u);
 }

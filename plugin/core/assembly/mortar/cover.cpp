@@ -16,6 +16,8 @@ constexpr Real overlapping = 1e-11;
 /// A point lies in a facet where no barycentric coordinate is below this: a point on the edge of
 /// two facets is to lie in one of them at least.
 constexpr Real inside_facet = -1e-9;
+/// A facet of a surface that touches itself lies this near to itself, over its size: rounding.
+constexpr Real on_itself = 1e-6;
 
 /// Overlaps up to this share of a facet are looked at no further: no body is so thin.
 constexpr Real thinnest = 1e-3;
@@ -220,7 +222,8 @@ class Covering {
       const Real distance = p.distance(xi);
       const bool away = master_.planes[m].normal.dot(base.normal) >= facing;
       if (!away && !own_.is_through_body(slave_, f, master_.facet(m), xi)) continue;
-      if (p.at(xi).head(d_).minCoeff() >= inside_facet && distance < 0 && distance > -depth)
+      if (p.at(xi).head(d_).minCoeff() >= inside_facet && distance < -on_itself * base.size &&
+          distance > -depth)
         return true;
     }
     return false;

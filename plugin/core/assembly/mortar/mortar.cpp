@@ -44,7 +44,8 @@ class Assembly {
         D_(Vector::Zero(size())),
         offset_(nodes_.X.size(), Vec3::Zero()),
         least_(nodes_.X.size(), infinity),
-        faced_(nodes_.X.size()) {
+        faced_(nodes_.X.size()),
+        statistics_(of.pairs.back().given + 1) {
     for (std::size_t p = 0; p < of.pairs.size(); ++p)
       add_pair(static_cast<Index>(p), of.slaves[p], of.masters[p], of.covers[p]);
   }
@@ -87,11 +88,7 @@ class Assembly {
  private:
   Index size() const { return static_cast<Index>(nodes_.X.size()); }
   /// Of the pair that the script gave.
-  Statistics& statistics_of(Index p) {
-    const Index given = of_.pairs[p].given;
-    if (Index(statistics_.size()) <= given) statistics_.resize(given + 1);
-    return statistics_[given];
-  }
+  Statistics& statistics_of(Index p) { return statistics_[of_.pairs[p].given]; }
   bool is_mid_edge(Index i) const { return number_of_edge_.count(i) > 0; }
   bool is_held(const Facet& facet) const {
     return std::all_of(facet.node.begin(), facet.node.begin() + nodes_.dimension,
@@ -152,7 +149,8 @@ class Assembly {
     }
     takes_removed_.assign(size(), 0);
     for (Index i = 0; i < size(); ++i) {
-      takes_removed_[i] = ownership_.common.of_master[i] && D_[i] + sum[i] > D_[i] / 2;
+      takes_removed_[i] =
+          sum[i] != 0 && ownership_.common.of_master[i] && D_[i] + sum[i] > D_[i] / 2;
       D_[i] += takes_removed_[i] ? sum[i] : taken[i];
     }
     for (const auto& e : removed_) {

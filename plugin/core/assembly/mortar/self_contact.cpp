@@ -112,22 +112,6 @@ std::map<Index, Encounter> encounters(const Side& side, const Cover& cover,
   return found;
 }
 
-/// The body that each facet is nearest to, of those before it.
-std::vector<Index> nearest_bodies(const Side& side, const Cover& cover,
-                                  const std::vector<Vec3>& X) {
-  std::vector<Index> body(side.facets(), -1);
-  for (Index f = 0; f < side.facets(); ++f) {
-    Real nearest = infinity;
-    for (const Cell& cell : cover.cells[f]) {
-      const Facet& other = side.facet(cell.master);
-      const Projection p = project(side.d, side.planes[f], other, X);
-      const Real away = std::abs(p.distance(centroid(cell.part)));
-      if (away < nearest) nearest = away, body[f] = other.body;
-    }
-  }
-  return body;
-}
-
 /// A body of several, and by what they are told apart: one key after the other, where they differ.
 struct RankedBody {
   Index body;
@@ -198,19 +182,43 @@ void spread(const Side& side, std::vector<Index> decided, std::vector<char>& is_
     }
 }
 
+/// The body that each facet is nearest to, of those before it; of some as near the first in rank,
+/// so that a facet over two is the slave of either.
+std::vector<Index> nearest_bodies(const Side& side, const Cover& cover,
+                                  const std::map<Index, Index>& rank, const std::vector<Vec3>& X) {
+  std::vector<Index> body(side.facets(), -1);
+  for (Index f = 0; f < side.facets(); ++f) {
+    Real nearest = infinity;
+    const Real as_near = equal * side.planes[f].size;
+    for (const Cell& cell : cover.cells[f]) {
+      const Facet& other = side.facet(cell.master);
+      const Projection p = project(side.d, side.planes[f], other, X);
+      const Real away = std::abs(p.distance(centroid(cell.part)));
+      const bool first = away < nearest - as_near ||
+                         (away < nearest + as_near && rank.at(other.body) < rank.at(body[f]));
+      if (first) nearest = away, body[f] = other.body;
+    }
+  }
+  return body;
+}
+
 Roles roles_of(const Nodes& nodes, const Pair& pair, Real maxgap) {
   const Side side(nodes.dimension, pair.slave, nodes.X);
   const OwnSurface own(side, nodes, true);
   const Eigen::Matrix3d axes = own_axes(side, own);
   const Cover faced = cover(nodes, true, side, side, maxgap);
-  const std::vector<Index> before = nearest_bodies(side, faced, nodes.X);
-  std::map<Index, Index> rank = ranks(side, own, axes);
+  const std::map<Index, Index> rank = ranks(side, own, axes);
+  const std::vector<Index> before = nearest_bodies(side, faced, rank, nodes.X);
+  std::set<std::pair<Index, Index>> sees;  // bodies, one the other
+  for (Index f = 0; f < side.facets(); ++f)
+    for (const Cell& cell : faced.cells[f])
+      sees.emplace(side.facet(f).body, side.facet(cell.master).body);
   std::vector<char> is_slave(side.facets(), 0);
   std::vector<Index> decided;
   for (Index f = 0; f < side.facets(); ++f) {
     const Index body = side.facet(f).body;
     if (faced.cells[f].empty() || before[f] == body) continue;
-    is_slave[f] = rank[body] > rank[before[f]];
+    is_slave[f] = rank.at(body) > rank.at(before[f]) || sees.count({before[f], body}) == 0;
     decided.push_back(f);
   }
   for (const auto& [root, encounter] : encounters(side, faced, before, nodes.X)) {
@@ -220,22 +228,18 @@ Roles roles_of(const Nodes& nodes, const Pair& pair, Real maxgap) {
     decided.insert(decided.end(), encounter.facets.begin(), encounter.facets.end());
   }
   if (decided.empty()) return {};
-  std::vector<std::set<Index>> masters(rank.size());  // by rank
-  for (Index f : decided) {
+  spread(side, decided, is_slave);
+  Roles roles{is_slave, std::vector<std::pair<Index, std::set<Index>>>(rank.size())};
+  for (const auto& [body, k] : rank) roles.faced[k].first = body;
+  for (Index f = 0; f < side.facets(); ++f) {
     const Index body = side.facet(f).body;
     if (!is_slave[f]) continue;
     for (const Cell& cell : faced.cells[f]) {
       const Index other = side.facet(cell.master).body;
-      if (other == body ? before[f] == body : rank[other] < rank[body])
-        masters[rank[body]].insert(other);
+      if (other == before[f] || rank.at(other) < rank.at(body))
+        roles.faced[rank.at(body)].second.insert(other);
     }
   }
-  spread(side, decided, is_slave);
-  Roles roles{is_slave, std::vector<std::pair<Index, std::set<Index>>>(rank.size())};
-  for (const auto& [body, k] : rank) roles.faced[k] = {body, std::move(masters[k])};
-  const auto has_none = [](const auto& of) { return of.second.empty(); };
-  roles.faced.erase(std::remove_if(roles.faced.begin(), roles.faced.end(), has_none),
-                    roles.faced.end());
   return roles;
 }
 
@@ -270,9 +274,17 @@ bool OwnSurface::excludes(const Side& side, Index f, const Facet& m, const Vec2&
 void find_roles(const Nodes& nodes, const std::vector<Pair>& pairs, Real maxgap,
                 std::vector<Roles>& decided) {
   decided.resize(pairs.size());
-  for (std::size_t p = 0; p < pairs.size(); ++p)
-    if (decided[p].is_slave.empty() && touches_itself(pairs[p]))
-      decided[p] = roles_of(nodes, pairs[p], maxgap);
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
+    if (!touches_itself(pairs[p])) continue;
+    const Roles now = roles_of(nodes, pairs[p], maxgap);
+    std::vector<std::pair<Index, std::set<Index>>>& faced = decided[p].faced;
+    if (faced.empty())
+      decided[p] = now;
+    else  // a body may come to be before others
+      for (const auto& [body, masters] : now.faced)
+        for (auto& [slave, all] : faced)
+          if (slave == body && !all.empty()) all.insert(masters.begin(), masters.end());
+  }
 }
 
 std::vector<Pair> parted(const std::vector<Pair>& given, const std::vector<Roles>& roles,
@@ -289,7 +301,7 @@ std::vector<Pair> parted(const std::vector<Pair>& given, const std::vector<Roles
       add(slave).master = master;
       continue;
     }
-    if (roles[p].is_slave.empty()) {
+    if (roles[p].faced.empty()) {
       if (!moves)
         refuse(labels_of(slave),
                " does not face itself: no facet lies opposite another one, along its normal; name "
@@ -300,6 +312,7 @@ std::vector<Pair> parted(const std::vector<Pair>& given, const std::vector<Roles
     std::map<Index, std::size_t> own;                    // the pair of a body's slaves
     std::map<Index, std::vector<std::size_t>> faced_by;  // those of which it is before the slaves
     for (const auto& [body, masters] : roles[p].faced) {
+      if (masters.empty()) continue;
       own[body] = pairs.size();
       for (Index other : masters) faced_by[other].push_back(pairs.size());
       add({slave.quadratic, slave.labels, {}});

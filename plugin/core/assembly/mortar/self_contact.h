@@ -35,16 +35,17 @@ bool touches_itself(const Pair& pair);
 
 /// Who is slave of whom on a surface that touches itself.
 struct Roles {
-  std::vector<char> is_slave;  ///< per facet; empty of a pair that does not touch or face itself
-  /// The bodies that have slaves, in the order of their laws, and those that are before them.
+  std::vector<char> is_slave;  ///< per facet
+  /// All bodies in the order of their laws, and those that are before their slaves; empty of a pair
+  /// that does not touch or face itself.
   std::vector<std::pair<Index, std::set<Index>>> faced;
 };
 
-/// Finds those of pairs that touch themselves of which it is not decided. Of two bodies the slave
-/// is that with the smaller facets, or with equal ones that whose mean place comes later along the
-/// surface's own axes; a facet belongs to the body that it is nearest to. Of facets of one body
-/// that face each other and what hangs together with them, a is the direction along which they do
-/// so, the nearest before all:
+/// Finds those of pairs that touch themselves of which it is not decided, and adds to the others
+/// what bodies have come to be before. Of two bodies the slave is the later one in an order of all:
+/// by smaller facets, then along the surface's own axes; a facet belongs to the body that it is
+/// nearest to. Of facets of one body that face each other and what hangs together with them, a is
+/// the direction along which they do so, the nearest before all:
 ///
 ///   (sum w n n') a = lambda a,   lambda the largest,   w = measure / (distance + size)
 ///

@@ -133,22 +133,24 @@ void validate_cover(const Arrangement& of, const Options& options) {
   const Nodes& nodes = of.nodes;
   const std::vector<Side>& slaves = of.slaves;
   refuse_slaves_as_masters(of);
+  std::set<Ownership::State> states;  // of all parts of a pair that touches itself
+  bool waits = false;
   for (std::size_t p = 0; p < slaves.size(); ++p) {
     const Cover& cover = of.covers[p];
     const auto is_empty = [](const std::vector<Cell>& cells) { return cells.empty(); };
-    if (std::all_of(cover.cells.begin(), cover.cells.end(), is_empty)) {
-      // bodies that move may come apart, and one of several has other masters
-      if (!nodes.reference.empty() || of.pairs[p].itself) continue;
+    const bool faces_nothing = std::all_of(cover.cells.begin(), cover.cells.end(), is_empty);
+    if (faces_nothing && nodes.reference.empty() && !of.pairs[p].itself)
       refuse_nothing_faces(nodes, slaves[p], of.masters[p], cover, options);
-    }
     if (!options.weight.empty()) refuse_weightless(nodes, slaves[p], cover, options.weight);
-    std::set<Ownership::State> states;
     for (Index f = 0; f < slaves[p].facets(); ++f)
       for (int v = 0; v < slaves[p].d && !cover.cells[f].empty(); ++v)
         states.insert(of.ownership->state[slaves[p].facet(f).node[v]]);
-    const auto some = [&](Ownership::State state) { return states.count(state) > 0; };
-    if (some(Ownership::State::kept) || may_carry_later(of, slaves[p])) continue;
-    if (of.pairs[p].itself && of.pairs.size() > 1) continue;
+    waits = waits || may_carry_later(of, slaves[p]);
+    if (p + 1 < slaves.size() && of.pairs[p + 1].given == of.pairs[p].given) continue;
+    const std::set<Ownership::State> all = std::exchange(states, {});
+    const auto some = [&](Ownership::State state) { return all.count(state) > 0; };
+    // bodies that move may come apart
+    if (std::exchange(waits, false) || all.empty() || some(Ownership::State::kept)) continue;
     const bool others = std::any_of(cover.cells.begin(), cover.cells.end(), is_empty);
     const std::string labels = "every slave node (" + labels_of(slaves[p].surface) + ")" +
                                (others ? " that faces the master" : "");
