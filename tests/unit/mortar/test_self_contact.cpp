@@ -333,12 +333,13 @@ TEST(MortarSelfContact, WhatASlaveDoesNotSeeIsItsSlave) {
     all.facets.push_back(f);
   }
   const auto flank = [](Real side) {
-    return [side](const Vec3& x) { return Vec3(side * 0.6 * x[0], 0.1 + 2 * x[0], 0); };
+    return [side](const Vec3& x) { return Vec3(side * 0.6 * x[0], 0.3 + 2 * x[0], 0); };
   };
   for (Real side : {-1., 1.})
     for (Facet f : s.sheet(4, -1, flank(side), 1).facets) {
       f.body = 1;
       f.outward = Vec3(side, -0.3, 0);
+      f.thickness = 0;  // its flanks are no partners
       all.facets.push_back(f);
     }
   s.pairs[0].master = all;
