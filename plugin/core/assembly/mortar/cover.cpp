@@ -76,8 +76,8 @@ class Covering {
       const auto is_none = [&](const Cell& cell) { return is_no_partner(f, cell, deep); };
       cells.erase(std::remove_if(cells.begin(), cells.end(), is_none), cells.end());
       const auto distance = [&](const Cell& cell) {
-        const std::optional<Projection> begun = deciding(f, cell.master);
-        return (begun ? *begun : onto(cell.master, f)).distance;
+        const std::optional<Begun> begun = before(f, cell.master);
+        return (begun && begun->faced ? begun->projection : onto(cell.master, f)).distance;
       };
       keep_nearest_sheet(master_, slave_.planes[f].size, distance, cells);
       for (const Cell& cell : cells) result.fraction[f] += extent(cell.part) / whole;
@@ -114,12 +114,12 @@ class Covering {
       if (c.extent <= vanishing) continue;
       const Vec2 middle = centroid(c.part);
       c.distance = c.projection.distance(middle);
-      const std::optional<Projection> begun = deciding(f, m);
+      const std::optional<Begun> begun = before(f, m);
       const Real apart =
-          begun ? begun->distance(centroid(inside(d_, reference_facet(d_), *begun))) : c.distance;
+          begun && begun->faced ? begun->projection.distance(centroid(begun->part)) : c.distance;
       if (std::abs(apart) > maxgap) continue;
       const Real deepest = std::max(base.size, master_.planes[m].size);
-      if (earlier_ && c.distance < -deepest && !before(f, m)) continue;  // it has come past its end
+      if (earlier_ && c.distance < -deepest && !begun) continue;  // it has come past its end
       if (own_.excludes(slave_, f, master_.facet(m), middle, c.distance, deepest)) continue;
       c.left = infinity, c.right = -infinity;
       for (const Vec2& xi : c.part)
@@ -127,22 +127,22 @@ class Covering {
       candidates_.push_back(std::move(c));
     }
   }
-  /// Of a master's facet, where it was decided what faces what; none where no part of the slave
-  /// facet was before it, but their planes alone.
-  std::optional<Projection> before(Index f, Index master) const {
+  /// A master's facet, where it was decided what faces what.
+  struct Begun {
+    Projection projection;
+    Polygon part;  ///< of the slave facet, not empty
+    bool faced;    ///< it decides whether it does
+  };
+  /// None where no part of the slave facet was before it, but their planes alone: a plane far from
+  /// its facet tells nothing, and the place of now decides.
+  std::optional<Begun> before(Index f, Index master) const {
     if (!earlier_) return {};
-    const Projection p =
-        project(d_, earlier_->slave.planes[f], earlier_->master.facet(master), earlier_->X);
-    if (!p.inverts || inside(d_, reference_facet(d_), p).empty()) return {};
-    return p;
-  }
-  /// The same of one that faced the slave facet, by which it is decided whether it does. A plane
-  /// far from its facet tells nothing: where no part was before, the place of now decides.
-  std::optional<Projection> deciding(Index f, Index master) const {
-    const std::optional<Projection> p = before(f, master);
-    if (!p) return {};
-    const Real along = earlier_->master.planes[master].normal.dot(earlier_->slave.planes[f].normal);
-    return along < facing ? p : std::nullopt;
+    const Plane& base = earlier_->slave.planes[f];
+    const Projection p = project(d_, base, earlier_->master.facet(master), earlier_->X);
+    if (!p.inverts) return {};
+    const Polygon part = inside(d_, reference_facet(d_), p);
+    if (part.empty()) return {};
+    return Begun{p, part, earlier_->master.planes[master].normal.dot(base.normal) < facing};
   }
   /// Fills nearer_: pairs whose parts overlap, found by a sweep along xi_1.
   void separate() {

@@ -395,7 +395,7 @@ Mortar::Mortar(const Nodes& all, const std::vector<Pair>& given, const Options& 
   Nodes then = straight(nodes.before);
   const std::vector<Pair> given_then = carried(d, given, nodes.X, then.X);
   find_roles(then, given_then, options.maxgap, roles);
-  find_roles(nodes, given, options.maxgap, roles);  // of what faces itself now alone
+  find_roles(nodes, given, options.maxgap, roles);  // and of what faces itself by now
   // What decides where an increment begins knows of no forces, nor of normals given for now.
   Options plain = options;
   plain.force.clear();

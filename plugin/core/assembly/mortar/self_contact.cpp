@@ -80,12 +80,18 @@ struct Half {
   }
 };
 
-/// Of the facets that face their own body.
+/// How far a cell is from facet f [length].
+Real distance_of(const Side& side, Index f, const Cell& cell, const std::vector<Vec3>& X) {
+  const Projection p = project(side.d, side.planes[f], side.facet(cell.master), X);
+  return std::abs(p.distance(centroid(cell.part)));
+}
+
+/// Of the facets that face their own body; nearest: nearest_bodies().
 std::map<Index, Encounter> encounters(const Side& side, const Cover& cover,
-                                      const std::vector<Index>& before,
+                                      const std::vector<Index>& nearest,
                                       const std::vector<Vec3>& X) {
   const auto faces_own = [&](Index f) {
-    return !cover.cells[f].empty() && before[f] == side.facet(f).body;
+    return !cover.cells[f].empty() && nearest[f] == side.facet(f).body;
   };
   Groups groups(side.facets());
   std::map<Index, Index> first;  // facet at a vertex
@@ -102,12 +108,10 @@ std::map<Index, Encounter> encounters(const Side& side, const Cover& cover,
     Encounter& encounter = found[groups.of(f)];
     encounter.facets.push_back(f);
     const Plane& plane = side.planes[f];
-    for (const Cell& cell : cover.cells[f]) {
-      const Projection p = project(side.d, plane, side.facet(cell.master), X);
-      const Real away = std::abs(p.distance(centroid(cell.part)));
-      encounter.directions += extent(cell.part) * plane.measure / (away + plane.size) *
-                              plane.normal * plane.normal.transpose();
-    }
+    for (const Cell& cell : cover.cells[f])
+      encounter.directions += extent(cell.part) * plane.measure /
+                              (distance_of(side, f, cell, X) + plane.size) * plane.normal *
+                              plane.normal.transpose();
   }
   return found;
 }
@@ -131,7 +135,7 @@ void sort_by(std::vector<RankedBody>& bodies, std::size_t begin, std::size_t end
     }
 }
 
-/// The place of each body in the order in which they are slaves: of what comes before it.
+/// The place of each body in an order of all: it is the slave of those that come before it.
 std::map<Index, Index> ranks(const Side& side, const OwnSurface& own, const Eigen::Matrix3d& axes) {
   struct Mean {
     Real size = 0, count = 0;
@@ -191,12 +195,11 @@ std::vector<Index> nearest_bodies(const Side& side, const Cover& cover,
     Real nearest = infinity;
     const Real as_near = equal * side.planes[f].size;
     for (const Cell& cell : cover.cells[f]) {
-      const Facet& other = side.facet(cell.master);
-      const Projection p = project(side.d, side.planes[f], other, X);
-      const Real away = std::abs(p.distance(centroid(cell.part)));
+      const Index other = side.facet(cell.master).body;
+      const Real away = distance_of(side, f, cell, X);
       const bool first = away < nearest - as_near ||
-                         (away < nearest + as_near && rank.at(other.body) < rank.at(body[f]));
-      if (first) nearest = away, body[f] = other.body;
+                         (away < nearest + as_near && rank.at(other) < rank.at(body[f]));
+      if (first) nearest = away, body[f] = other;
     }
   }
   return body;
@@ -208,7 +211,7 @@ Roles roles_of(const Nodes& nodes, const Pair& pair, Real maxgap) {
   const Eigen::Matrix3d axes = own_axes(side, own);
   const Cover faced = cover(nodes, true, side, side, maxgap);
   const std::map<Index, Index> rank = ranks(side, own, axes);
-  const std::vector<Index> before = nearest_bodies(side, faced, rank, nodes.X);
+  const std::vector<Index> nearest = nearest_bodies(side, faced, rank, nodes.X);
   std::set<std::pair<Index, Index>> sees;  // bodies, one the other
   for (Index f = 0; f < side.facets(); ++f)
     for (const Cell& cell : faced.cells[f])
@@ -217,11 +220,11 @@ Roles roles_of(const Nodes& nodes, const Pair& pair, Real maxgap) {
   std::vector<Index> decided;
   for (Index f = 0; f < side.facets(); ++f) {
     const Index body = side.facet(f).body;
-    if (faced.cells[f].empty() || before[f] == body) continue;
-    is_slave[f] = rank.at(body) > rank.at(before[f]) || sees.count({before[f], body}) == 0;
+    if (faced.cells[f].empty() || nearest[f] == body) continue;
+    is_slave[f] = rank.at(body) > rank.at(nearest[f]) || sees.count({nearest[f], body}) == 0;
     decided.push_back(f);
   }
-  for (const auto& [root, encounter] : encounters(side, faced, before, nodes.X)) {
+  for (const auto& [root, encounter] : encounters(side, faced, nearest, nodes.X)) {
     const Vec3 a = eigenpairs(encounter.directions).vectors.col(2);
     const Half one(encounter, side, own, a), other(encounter, side, own, -a);
     for (Index f : (one.before(other, axes) ? one : other).facets) is_slave[f] = 1;
@@ -229,14 +232,14 @@ Roles roles_of(const Nodes& nodes, const Pair& pair, Real maxgap) {
   }
   if (decided.empty()) return {};
   spread(side, decided, is_slave);
-  Roles roles{is_slave, std::vector<std::pair<Index, std::set<Index>>>(rank.size())};
+  Roles roles{std::move(is_slave), std::vector<std::pair<Index, std::set<Index>>>(rank.size())};
   for (const auto& [body, k] : rank) roles.faced[k].first = body;
   for (Index f = 0; f < side.facets(); ++f) {
     const Index body = side.facet(f).body;
-    if (!is_slave[f]) continue;
+    if (!roles.is_slave[f]) continue;
     for (const Cell& cell : faced.cells[f]) {
       const Index other = side.facet(cell.master).body;
-      if (other == before[f] || rank.at(other) < rank.at(body))
+      if (other == nearest[f] || rank.at(other) < rank.at(body))
         roles.faced[rank.at(body)].second.insert(other);
     }
   }
@@ -276,14 +279,14 @@ void find_roles(const Nodes& nodes, const std::vector<Pair>& pairs, Real maxgap,
   decided.resize(pairs.size());
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     if (!touches_itself(pairs[p])) continue;
-    const Roles now = roles_of(nodes, pairs[p], maxgap);
-    std::vector<std::pair<Index, std::set<Index>>>& faced = decided[p].faced;
-    if (faced.empty())
-      decided[p] = now;
-    else  // a body may come to be before others
-      for (const auto& [body, masters] : now.faced)
-        for (auto& [slave, all] : faced)
-          if (slave == body && !all.empty()) all.insert(masters.begin(), masters.end());
+    Roles now = roles_of(nodes, pairs[p], maxgap);
+    if (decided[p].faced.empty()) {
+      decided[p] = std::move(now);
+      continue;
+    }
+    std::map<Index, std::set<Index>> more(now.faced.begin(), now.faced.end());
+    for (auto& [body, masters] : decided[p].faced)
+      if (!masters.empty()) masters.merge(more[body]);
   }
 }
 

@@ -50,8 +50,7 @@ void refuse_slaves_as_masters(const Sides& of) {
                " is slave of one pair (master: ", labels_of(masters[found->second].surface),
                ") and master of another (slave: ", labels_of(slaves[q].surface),
                "); exchange slave and master of one of the two, leave out by maxgap what does not "
-               "touch "
-               "there, or, in one space, name all of the labels on both sides");
+               "touch there, or, in one space, name all of the labels on both sides");
       }
 }
 
