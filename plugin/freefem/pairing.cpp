@@ -63,7 +63,10 @@ class InterfaceBuilder {
       mortar::Facet facet;
       facet.label = f.label;
       facet.outward = f.normal;
-      if (!body_.empty()) facet.body = body_[f.element];
+      if (!body_.empty()) {
+        facet.body = body_[f.element];
+        facet.thickness = space.thickness(f.element, f.facet);
+      }
       for (std::size_t k = 0; k < f.node.size(); ++k) facet.node[k] = number[f.node[k]];
       if (is_master) look_behind(space, f, facet);
       for (std::size_t p : of_label[f.label]) {
@@ -82,7 +85,6 @@ class InterfaceBuilder {
     const SharedNode n = space.node_at_vertex(f.element, f.facet);
     const Index i = node(n);
     if (!is_elsewhere(n.x, all_.X[i], f.normal, space.d)) facet.behind = i;
-    if (!body_.empty()) facet.thickness = space.thickness(f.element, f.facet);
   }
   /// The number of a node, a new one if need be.
   Index node(const SharedNode& n) {

@@ -235,7 +235,7 @@ class SpaceOn final : public Space {
       for (int v = 0; v < n; ++v)
         if (v != from && rate[v] < 0 && -here[v] / rate[v] < step)
           out = v, step = -here[v] / rate[v];
-      if (out < 0) break;
+      if (out < 0) return infinity;
       depth += std::max(0., step);
       from = out;
       const Index behind = mesh().ElementAdj(element, from);
@@ -243,7 +243,7 @@ class SpaceOn final : public Space {
       element = behind;
       lambda = vertices(element).inverse();
     }
-    return infinity;
+    return depth;
   }
   void add_mesh_nodes(std::vector<Index>& node) const override {
     const Index first = node.empty() ? 0 : *std::max_element(node.begin(), node.end()) + 1;

@@ -40,7 +40,7 @@ class Space {
                             const char* inside = obstacle_inside) const = 0;
   virtual SharedNode node_at_vertex(Index element, int vertex) const = 0;
   /// How far it is from the middle of a facet through the mesh as given, along its normal, to where
-  /// the body ends; infinite beyond four times the facet's size.
+  /// the body ends, or to beyond four times the facet's size; infinite where rounding hides it.
   virtual double thickness(Index element, int facet) const = 0;
   /// Which node of the mesh each dof belongs to.
   virtual void add_mesh_nodes(std::vector<Index>& node) const = 0;

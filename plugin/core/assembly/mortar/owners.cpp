@@ -21,7 +21,9 @@ Real Ways::farther(std::size_t p, Index f, Index i) const {
   return (way(p, f, i) - least->second) / of_.slaves[p].planes[f].size;
 }
 
-/// With its sign: what overlaps most is nearest. Infinite where nothing faces the vertex itself.
+/// To the plane of what faces it, so that a corner on a slope is as far along a face that the slope
+/// hardly faces as along its foot. With its sign: what overlaps most is nearest. Infinite where
+/// nothing faces the vertex itself.
 Real Ways::way(std::size_t p, Index f, Index i) const {
   const int v = position(of_.slaves[p].facet(f), i);
   const std::vector<Cell>& cells = of_.covers[p].cells[f];
@@ -31,7 +33,10 @@ Real Ways::way(std::size_t p, Index f, Index i) const {
     });
   };
   if (std::none_of(cells.begin(), cells.end(), reaches)) return infinity;
-  return faced_at_vertex(v, of_.slaves[p], f, of_.masters[p], of_.nodes.X, cells).distance;
+  const FacedAtVertex there =
+      faced_at_vertex(v, of_.slaves[p], f, of_.masters[p], of_.nodes.X, cells);
+  return -there.distance *
+         of_.slaves[p].planes[f].normal.dot(of_.masters[p].planes[there.master].normal);
 }
 
 namespace {

@@ -258,10 +258,12 @@ bool touches_itself(const Pair& pair) {
 bool OwnSurface::is_through_body(const Side& side, Index f, const Facet& m, const Vec2& xi) const {
   // before a deformation what is behind may lie so many facets aside
   constexpr Real aside = 2;
-  if (side.facet(f).body != m.body || !std::isfinite(m.thickness)) return false;
+  if (side.facet(f).body != m.body) return false;
   const Projection p = project(side.d, planes[f], m, X);
-  return p.inverts && p.at(xi).head(side.d).minCoeff() >= -aside &&
-         -p.distance(xi) > m.thickness / 2;
+  const Real depth = -p.distance(xi);
+  if (!p.inverts || depth <= 0) return false;
+  if (depth > m.thickness / 2 && p.at(xi).head(side.d).minCoeff() >= -aside) return true;
+  return -p.distance(centroid(reference_facet(side.d))) > side.facet(f).thickness / 2;
 }
 
 bool OwnSurface::excludes(const Side& side, Index f, const Facet& m, const Vec2& xi, Real distance,

@@ -21,7 +21,7 @@ struct Facet {
   Index behind = -1;
   bool one_body = false;      ///< of a master: with its slave
   Index body = -1;            ///< its number; -1 where the sides are in two spaces of one process
-  Real thickness = infinity;  ///< behind a master; infinite where that is unknown [length]
+  Real thickness = infinity;  ///< of the body behind it; infinite where it is unknown [length]
 };
 
 /// One side of a contact pair, as a mesh has it.
