@@ -407,9 +407,9 @@ void refuse_component_blocks(const Scene& scene, const Triplets& A) {
       "by a varf([u1, u2], [v1, v2]) on that space");
 }
 
-void refuse_skew_penalties(const Scene& scene) {
+void refuse_lost_penalties(const Scene& scene) {
   const System& system = *scene.system->system();
-  const Index k = skew_penalty(system);
+  const auto [k, aslant] = lost_penalty(system);
   if (k < 0) return;
   Index i = 0;
   scene.system->to_global(Vector::Unit(system.dofs(), k)).cwiseAbs().maxCoeff(&i);
@@ -419,9 +419,13 @@ void refuse_skew_penalties(const Scene& scene) {
       at = " at " + mortar::place(scene.d, n.x);
   std::ostringstream m;
   m << "A(" << i << "," << i << ") = " << system.D[k] << at
-    << " is of a penalty along a direction between the axes (at contact nodes, between normal and "
-       "tangents), so large that A has rounded away what the body resists across it; take 1e8 "
-       "times the stiffness, which holds as well, or on() along an axis";
+    << (aslant
+            ? " is of a penalty along a direction between the axes (at contact nodes, between "
+              "normal and tangents), so large that A has rounded away what the body resists "
+              "across it"
+            : " is of a penalty at a node that may touch, so large that the force of the contact "
+              "there is lost in the rounding of its own")
+    << "; take 1e8 times the stiffness, which holds as well, or on() along an axis";
   throw IllegalInput(m.str());
 }
 

@@ -28,8 +28,8 @@ void check_load_for_data(const Scene& scene, const Vector& b, long verb);
 /// its rows without a force in that order alone.
 void refuse_component_blocks(const Scene& scene, const Triplets& A);
 
-/// Refuses penalties of skew_penalty().
-void refuse_skew_penalties(const Scene& scene);
+/// Refuses penalties of lost_penalty().
+void refuse_lost_penalties(const Scene& scene);
 
 /// Whether the blocks of A are those of two spaces, of as many dofs each, in the other order.
 bool are_exchanged(const Scene& scene, const Triplets& A);

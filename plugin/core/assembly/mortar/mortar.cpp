@@ -150,7 +150,8 @@ class Assembly {
     takes_removed_.assign(size(), 0);
     for (Index i = 0; i < size(); ++i) {
       takes_removed_[i] =
-          sum[i] != 0 && ownership_.common.of_master[i] && D_[i] + sum[i] > D_[i] / 2;
+          sum[i] != 0 && D_[i] + sum[i] > D_[i] / 2 &&
+          (ownership_.common.of_master[i] || ownership_.slips(ownership_.pair[i]));
       D_[i] += takes_removed_[i] ? sum[i] : taken[i];
     }
     for (const auto& e : removed_) {

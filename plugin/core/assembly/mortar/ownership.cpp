@@ -233,7 +233,6 @@ void Ownership::remove_held(const Sides& of, const std::vector<Vec3>& deciding) 
         }
 }
 
-/// Whether some body's normals let motions slip.
 bool Ownership::slips(Index p) const {
   return std::any_of(slipping.begin(), slipping.end(), [p](const auto& of_body) {
     return of_body.first[0] == p && of_body.second > 0;

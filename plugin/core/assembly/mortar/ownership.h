@@ -35,6 +35,8 @@ struct Ownership : Ranked {
   /// Whether the law of node i takes on itself what the removed node r moves by, since r's law
   /// would otherwise depend on that of i in a ring.
   bool takes(Index i, Index r) const { return taken.count({i, r}) > 0; }
+  /// Whether the normals of some body of pair p let motions slip.
+  bool slips(Index p) const;
 
   struct Carriers {
     std::array<bool, 3> kept{};   ///< vertices of the facet
@@ -112,7 +114,6 @@ struct Ownership : Ranked {
   bool on_master(Index i, Index p) const;
   void take_off_slaves(Sides& of) const;
   void remove_held(const Sides& of, const std::vector<Vec3>& deciding);
-  bool slips(Index p) const;
   void choose_carriers(Index p, const Side& slave, const Cover& cover, const Ownership* begun);
   void find_beyond(Index p, const Side& slave, const Cover& cover, const Ownership* begun);
   void put_off(Index p, const Side& slave, const Cover& cover, const std::vector<Carriers>& begun);
