@@ -316,7 +316,8 @@ LocalIncrement increment(const Vectors& vectors, const Scene& scene, PointLaws l
 bool passes_by_rounding(const Solution& s, Real contrast, const Arguments& args, bool at) {
   constexpr Real little = 1e-6;  // beyond it a field is too far from the laws to pass unasked
   if (!(contrast < felt_contrast) || !may_be_rounding(s.certificate)) return false;
-  return at || (!args.has(p_tol) && s.certificate.residual <= little);
+  if (at) return s.certificate.residual <= runaway_rounding;
+  return !args.has(p_tol) && s.certificate.residual <= little;
 }
 
 Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws) {

@@ -29,7 +29,7 @@ void check_load_for_data(const Scene& scene, const Vector& b, long verb);
 void refuse_component_blocks(const Scene& scene, const Triplets& A);
 
 /// Refuses penalties of lost_penalty().
-void refuse_lost_penalties(const Scene& scene);
+void refuse_lost_penalties(const Scene& scene, const Triplets& A);
 
 /// Whether the blocks of A are those of two spaces, of as many dofs each, in the other order.
 bool are_exchanged(const Scene& scene, const Triplets& A);

@@ -137,7 +137,7 @@ void Scene::assemble(const Triplets& A, Scene* before, bool alone) {
       if (e.col() < basis.local_dofs() && e.value() != 0) held[i] = 0;
   unit_load_.resize(0);
   refuse_component_blocks(*this, A);
-  refuse_lost_penalties(*this);
+  refuse_lost_penalties(*this, A);
   if (alone) before->solver->renew(system->system());
   solver = alone ? std::move(before->solver) : std::make_unique<Solver>(system->system());
 }

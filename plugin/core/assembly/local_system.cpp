@@ -113,6 +113,33 @@ std::function<Modes()> LocalSystem::in_local_dofs(std::function<Modes()> modes) 
   };
 }
 
+namespace {
+
+constexpr Real epsilon = std::numeric_limits<Real>::epsilon();
+
+/// As System::multiply_sized, without what rounding makes of rigid motions, however far bodies have
+/// come: the nearest ones are taken off w, and are felt where A resists them by more than its own
+/// rounding.
+Vector multiply_apart(const System& system, const Vector& w, Vector& Aw) {
+  constexpr int sweeps = 3;  // rotations are about places of the bodies, not their centres
+  constexpr Real rounded = 16 * epsilon;
+  Vector rest = w, of_rigid;
+  const Eigen::SparseMatrix<Real> M = rigid_candidates(system);
+  for (Index j = 0; j < sweeps * M.cols(); ++j) {
+    const auto motion = M.col(j % M.cols());
+    const Real size = motion.squaredNorm();
+    if (size > 0) rest -= motion.dot(rest) / size * motion;
+  }
+  Vector sizes = system.multiply_sized(w - rest, of_rigid);
+  const Eigen::Array<bool, Eigen::Dynamic, 1> felt =
+      of_rigid.array().abs() > rounded * sizes.array();
+  sizes = felt.select(sizes, 0.) + system.multiply_sized(rest, Aw);
+  Aw += felt.select(of_rigid, 0.);
+  return sizes;
+}
+
+}  // namespace
+
 /// F = T'b - K u_D - A w_old
 LocalLoad LocalSystem::load(const Vector& b, const Vector& u_old) const {
   require_size("b", Index(b.size()), Index(basis_->T.rows()), "dof");
@@ -132,14 +159,18 @@ LocalLoad LocalSystem::load_from(const Vector& b, const Vector& w_old) const {
   if (w_old.size() == 0) return load;
   load.start.head(w) = w_old;
   Vector Aw;
-  load.sizes += system_->multiply_sized(w_old, Aw);
+  Vector sizes = system_->multiply_sized(w_old, Aw);
+  constexpr Real hides = 1e-9;  // the load, where the sizes are rounded by this share of it
+  if (epsilon * norm_D(*system_, sizes) > hides * norm_D(*system_, load.external))
+    sizes = multiply_apart(*system_, w_old, Aw);
+  load.sizes += sizes;
   load.F -= Aw;
   return load;
 }
 
 void set_load(const LocalLoad& load, const System& system, Increment& increment) {
   increment.F = load.F;
-  increment.rounding = std::numeric_limits<Real>::epsilon() * norm_D(system, load.sizes);
+  increment.rounding = epsilon * norm_D(system, load.sizes);
   increment.load_norm = load_beside_inertia(system, load.external);
   increment.external_norm = norm_D(system, load.external);
   // what a displacement of before leaves of a body that nothing loads

@@ -12,6 +12,10 @@ constexpr Real epsilon = std::numeric_limits<Real>::epsilon();
 /// above it.
 constexpr Real rounding_margin = 10;
 
+/// Of the bound of what the load is rounded by, so much is left at least: x may meet the load as it
+/// was rounded, and another.
+constexpr Real known_share = 0.1;
+
 /// The share of the load that counts beside the contact forces: small enough that tol bounds the
 /// laws to 100 tol of contact forces down to 1e-4 of the load, large enough for those to vanish.
 /// Where nothing touches the load counts in full.
@@ -52,7 +56,7 @@ Real scale_of(const ContactProblem& problem, const Vector& x, const Vector& r, R
   const Increment& increment = problem.increment;
   const Real load = increment.load_that_counts(rounding);
   const Real contact = contact_force_norm(problem, x, r);
-  if (std::hypot(load, contact) > rounding_margin * rounding)
+  if (load > 0 || contact > rounding_margin * rounding)
     return std::max(forces_at_work(load, contact), rounding);
   const Real driving =
       std::max(driving_norm(*problem.system, increment), norm_D(*problem.system, increment.F - r));
@@ -85,7 +89,8 @@ Certificate certify(const ContactProblem& problem, const Vector& x) {
   Real squares[] = {c.equilibrium, of_laws.normal, of_laws.friction};
   problem.system->sum(squares, 3);
   std::tie(c.equilibrium, c.normal, c.friction) = std::tie(squares[0], squares[1], squares[2]);
-  const Real violation = std::sqrt(c.equilibrium + c.normal + c.friction);
+  const Real violation = std::max(std::sqrt(c.equilibrium + c.normal + c.friction),
+                                  known_share * problem.increment.rounding);
   c.scale = scale_of(problem, x, c.r, violation, rounding);
   c.attainable = rounding / c.scale;
   c.residual = violation / c.scale;

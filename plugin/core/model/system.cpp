@@ -139,6 +139,18 @@ Bodies bodies_of(const Matrix& A) {
   return bodies;
 }
 
+Matrix rigid_candidates(const System& system) {
+  Matrix made(system.dofs(), 0);  // returned in place: Eigen leaks a copy where memory runs out
+  if (!(system.body_modes || system.rigid_modes) || system.largest(system.dofs()) == 0) return made;
+  if (system.body_modes)
+    made = system.body_modes();
+  else
+    made = system.rigid_modes().sparseView();
+  const bool of_use = made.rows() == system.dofs() && made.coeffs().allFinite();
+  if (system.largest(of_use ? 0 : 1) > 0) made.resize(system.dofs(), 0);  // on all processes alike
+  return made;
+}
+
 Vector magnitude(const Matrix& A, const Vector& x) { return A.cwiseAbs() * x.cwiseAbs(); }
 
 namespace {

@@ -7,9 +7,6 @@ namespace frictioncg {
 /// k, <Dw,w> = 1. No columns where the system knows no candidates, or has none of n rows.
 DenseMatrix floating_motions(const System& system);
 
-/// The candidates: rigid motions of the bodies, n x k, whether supports resist them or not.
-Matrix rigid_candidates(const System& system);
-
 /// These motions, made when they are first asked for.
 class FloatingMotions {
  public:
