@@ -56,7 +56,7 @@ Real scale_of(const ContactProblem& problem, const Vector& x, const Vector& r, R
   const Increment& increment = problem.increment;
   const Real load = increment.load_that_counts(rounding);
   const Real contact = contact_force_norm(problem, x, r);
-  if (load > 0 || contact > rounding_margin * rounding)
+  if (std::hypot(load, contact) > rounding_margin * rounding)
     return std::max(forces_at_work(load, contact), rounding);
   const Real driving =
       std::max(driving_norm(*problem.system, increment), norm_D(*problem.system, increment.F - r));

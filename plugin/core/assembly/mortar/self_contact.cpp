@@ -8,9 +8,11 @@ namespace frictioncg::mortar {
 namespace {
 
 /// Sizes are equal up to the first share, by which those of a mesh that is equally fine everywhere
-/// may differ, from increment to increment the one way and the other; what tells directions, up to
-/// the second.
+/// may differ; what tells directions, up to the second.
 constexpr Real as_fine = 0.1, equal = 1e-3;
+/// The same of what has come to face within one surface, which is not the same from increment to
+/// increment: two states would take turns.
+constexpr Real as_fine_within = 0.25;
 
 /// The principal axes of a surface in the reference, as columns. A direction is that along which
 /// the surface is skew; where it is so along all but one of them, the right hand tells the last.
@@ -69,7 +71,7 @@ struct Half {
   }
   /// Along the axis, or where none tells the coordinate, along which they are furthest apart.
   bool before(const Half& o, const Eigen::Matrix3d& axes) const {
-    if (std::abs(size - o.size) > as_fine * size) return size < o.size;
+    if (std::abs(std::log(size / o.size)) > std::log(1 + as_fine_within)) return size < o.size;
     for (const Vec3& way : {Vec3(axes.transpose() * (place - o.place)), Vec3(place - o.place)}) {
       int most = 2;
       for (int c : {1, 0})
