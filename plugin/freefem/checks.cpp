@@ -407,31 +407,37 @@ void refuse_component_blocks(const Scene& scene, const Triplets& A) {
       "by a varf([u1, u2], [v1, v2]) on that space");
 }
 
+/// Large entries of a mortar's slivers are no penalties of A.
 void refuse_lost_penalties(const Scene& scene, const Triplets& A) {
   constexpr Real of_penalty = 0.01;
   const System& system = *scene.system->system();
-  const auto [k, aslant] = lost_penalty(system);
-  if (k < 0) return;
-  Index i = 0;
-  scene.system->to_global(Vector::Unit(system.dofs(), k)).cwiseAbs().maxCoeff(&i);
-  Real diagonal = 0;
+  const std::vector<LostPenalty> lost = lost_penalties(system);
+  if (lost.empty()) return;
+  Vector diagonal = Vector::Zero(A.n);
   for (std::size_t e = 0; e < A.size; ++e)
-    if (A.row(e) == i && A.col(e) == i) diagonal += A.a[e];
-  if (diagonal < of_penalty * system.D[k]) return;  // a large row of a mortar's sliver
-  std::string at;
-  for (const NodePlace& n : scene.places())
-    if (std::find(n.dof.begin(), n.dof.end(), i) != n.dof.end())
+    if (A.row(e) == A.col(e)) diagonal[A.row(e)] += A.a[e];
+  const std::vector<NodePlace> places = scene.places();
+  for (const auto& [k, aslant] : lost) {
+    Index i = 0;
+    scene.system->to_global(Vector::Unit(system.dofs(), k)).cwiseAbs().maxCoeff(&i);
+    std::string at;
+    for (const NodePlace& n : places) {
+      if (std::find(n.dof.begin(), n.dof.end(), i) == n.dof.end()) continue;
       at = " at " + mortar::place(scene.d, n.x);
-  std::ostringstream m;
-  m << "A(" << i << "," << i << ") = " << diagonal << at
-    << (aslant
-            ? " is of a penalty along a direction between the axes (at contact nodes, between "
-              "normal and tangents), so large that A has rounded away what the body resists "
-              "across it"
-            : " is of a penalty at a node that may touch, so large that the force of the contact "
-              "there is lost in the rounding of its own")
-    << "; take 1e8 times the stiffness, which holds as well, or on() along an axis";
-  throw IllegalInput(m.str());
+      for (Index j : n.dof)
+        if (j >= 0 && j < A.n && diagonal[j] > diagonal[i]) i = j;
+    }
+    if (i >= A.n || diagonal[i] < of_penalty * system.D[k]) continue;
+    std::ostringstream m;
+    m << "A(" << i << "," << i << ") = " << diagonal[i] << at
+      << (aslant ? " is of a penalty along a direction between the axes (at contact nodes, between "
+                   "normal and tangents), so large that A has rounded away what the body resists "
+                   "across it"
+                 : " is of a penalty at a node that may touch, so large that the force of the "
+                   "contact there is lost in the rounding of its own")
+      << "; take 1e8 times the stiffness, which holds as well, or on() along an axis";
+    throw IllegalInput(m.str());
+  }
 }
 
 bool are_exchanged(const Scene& scene, const Triplets& A) {

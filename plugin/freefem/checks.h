@@ -28,7 +28,7 @@ void check_load_for_data(const Scene& scene, const Vector& b, long verb);
 /// its rows without a force in that order alone.
 void refuse_component_blocks(const Scene& scene, const Triplets& A);
 
-/// Refuses penalties of lost_penalty().
+/// Refuses those of lost_penalties().
 void refuse_lost_penalties(const Scene& scene, const Triplets& A);
 
 /// Whether the blocks of A are those of two spaces, of as many dofs each, in the other order.

@@ -94,7 +94,7 @@ inline LocalIncrement pose(const SharedScene& shared, const Vector& b, const Vec
   LocalIncrement local;
   LocalLoad load;
   shared.domain->agree([&] {
-    load = shared.scene->system->load_from(b, w_old);
+    load = shared.scene->system->load_from(b, w_old, shared.scene->at != nullptr);
     local = shared.scene->increment(load, laws);
   });
   Increment& own = problem.increment = local.increment;

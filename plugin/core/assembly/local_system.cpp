@@ -125,6 +125,7 @@ Vector multiply_apart(const System& system, const Vector& w, Vector& Aw) {
   constexpr Real rounded = 16 * epsilon;
   Vector rest = w, of_rigid;
   const Eigen::SparseMatrix<Real> M = rigid_candidates(system);
+  if (M.cols() == 0) return system.multiply_sized(w, Aw);
   for (Index j = 0; j < sweeps * M.cols(); ++j) {
     const auto motion = M.col(j % M.cols());
     const Real size = motion.squaredNorm();
@@ -147,7 +148,7 @@ LocalLoad LocalSystem::load(const Vector& b, const Vector& u_old) const {
   return load_from(b, u_old.size() > 0 ? to_local(u_old) : u_old);
 }
 
-LocalLoad LocalSystem::load_from(const Vector& b, const Vector& w_old) const {
+LocalLoad LocalSystem::load_from(const Vector& b, const Vector& w_old, bool as_known) const {
   LocalLoad load;
   const Index w = basis_->local_dofs();
   load.start = Vector::Zero(w + fixed_dofs());
@@ -161,7 +162,7 @@ LocalLoad LocalSystem::load_from(const Vector& b, const Vector& w_old) const {
   Vector Aw;
   Vector sizes = system_->multiply_sized(w_old, Aw);
   constexpr Real hides = 1e-9;  // the load, where the sizes are rounded by this share of it
-  if (epsilon * norm_D(*system_, sizes) > hides * norm_D(*system_, load.external))
+  if (!as_known && epsilon * norm_D(*system_, sizes) > hides * norm_D(*system_, load.total))
     sizes = multiply_apart(*system_, w_old, Aw);
   load.sizes += sizes;
   load.F -= Aw;

@@ -74,7 +74,8 @@ class LocalSystem {
 
   /// The load of that increment alone, and the increment under it.
   LocalLoad load(const Vector& b, const Vector& u_old) const;
-  LocalLoad load_from(const Vector& b, const Vector& w_old) const;  ///< the state in local dofs
+  /// The state in local dofs. as_known: b is rounded by as much as A w_old, as with b = K U + r.
+  LocalLoad load_from(const Vector& b, const Vector& w_old, bool as_known = false) const;
   LocalIncrement increment(const LocalLoad& load, const PointLaws& laws) const;
 
   SystemPtr system() const { return system_; }

@@ -12,9 +12,9 @@ constexpr Real epsilon = std::numeric_limits<Real>::epsilon();
 /// above it.
 constexpr Real rounding_margin = 10;
 
-/// Of the bound of what the load is rounded by, so much is left at least: x may meet the load as it
-/// was rounded, and another.
-constexpr Real known_share = 0.1;
+/// x may meet a load that was rounded, and miss the load that was meant. What is rounded adds up to
+/// about this share of its bound.
+constexpr Real unknown_share = 0.1;
 
 /// The share of the load that counts beside the contact forces: small enough that tol bounds the
 /// laws to 100 tol of contact forces down to 1e-4 of the load, large enough for those to vanish.
@@ -51,13 +51,14 @@ Real nearest_gap(const ContactProblem& problem, const Vector& x) {
 }
 
 /// What the residual of x is measured in, > 0; violation: its norm; rounding: that of r.
+/// by_forces: forces are what it is measured in
 Real scale_of(const ContactProblem& problem, const Vector& x, const Vector& r, Real violation,
-              Real rounding) {
+              Real rounding, bool& by_forces) {
   const Increment& increment = problem.increment;
   const Real load = increment.load_that_counts(rounding);
   const Real contact = contact_force_norm(problem, x, r);
-  if (std::hypot(load, contact) > rounding_margin * rounding)
-    return std::max(forces_at_work(load, contact), rounding);
+  by_forces = std::hypot(load, contact) > rounding_margin * rounding;
+  if (by_forces) return std::max(forces_at_work(load, contact), rounding);
   const Real driving =
       std::max(driving_norm(*problem.system, increment), norm_D(*problem.system, increment.F - r));
   if (violation > rounding_margin * rounding)
@@ -89,11 +90,12 @@ Certificate certify(const ContactProblem& problem, const Vector& x) {
   Real squares[] = {c.equilibrium, of_laws.normal, of_laws.friction};
   problem.system->sum(squares, 3);
   std::tie(c.equilibrium, c.normal, c.friction) = std::tie(squares[0], squares[1], squares[2]);
-  const Real violation = std::max(std::sqrt(c.equilibrium + c.normal + c.friction),
-                                  known_share * problem.increment.rounding);
-  c.scale = scale_of(problem, x, c.r, violation, rounding);
+  const Real violation = std::sqrt(c.equilibrium + c.normal + c.friction);
+  bool by_forces = false;
+  c.scale = scale_of(problem, x, c.r, violation, rounding, by_forces);
   c.attainable = rounding / c.scale;
-  c.residual = violation / c.scale;
+  const Real unknown = by_forces ? unknown_share * problem.increment.rounding : 0;
+  c.residual = std::max(violation, unknown) / c.scale;
   for (Real* share : {&c.equilibrium, &c.normal, &c.friction}) *share = std::sqrt(*share) / c.scale;
   return c;
 }

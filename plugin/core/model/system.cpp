@@ -241,23 +241,26 @@ Vector node_weights(const System& system) {
   return weight;
 }
 
-LostPenalty lost_penalty(const System& system) {
+std::vector<LostPenalty> lost_penalties(const System& system) {
   constexpr Real lost = 1e4;         // over where penalties begin: a hundred times more costs 7 %
   constexpr Real force_lost = 1e12;  // likewise: forces of 500 times more have left their cones
-  constexpr Real aslant = 1e-6;
+  constexpr Real along_an_axis = 1e-6;
   const std::vector<Index>& node = system.mesh_node;
-  if (node.empty()) return {};
+  std::vector<LostPenalty> all;
+  if (node.empty()) return all;
   const Penalties found = penalties(system, node_stiffness(system));
   for (Index k : found.dofs) {
     if (system.D[k] < lost * found.most) continue;
-    if (k >= system.interior() && system.D[k] > force_lost * found.most) return {k, false};
+    bool aslant = false;
     for (Matrix::InnerIterator a(system.entries(), k); a; ++a) {
       const Index l = static_cast<Index>(a.col());
       const Real both = system.D[k] * system.D[l], square = a.value() * a.value();
-      if (l != k && node[k] == node[l] && both - square < aslant * both) return {k, true};
+      aslant |= l != k && node[k] == node[l] && both - square < along_an_axis * both;
     }
+    if (aslant || (k >= system.interior() && system.D[k] > force_lost * found.most))
+      all.push_back({k, aslant});
   }
-  return {};
+  return all;
 }
 
 Real contrast(const System& system) {

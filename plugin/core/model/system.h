@@ -140,14 +140,14 @@ Vector magnitude(const Matrix& A, const Vector& x);
 /// all others.
 Vector node_weights(const System& system);
 
-/// A dof whose penalty is so large that the laws do not see what is beside it.
+/// A dof with a penalty so large that A has rounded away the stiffness or the force beside it.
 struct LostPenalty {
-  Index dof = -1;       ///< none: there is no such, or mesh_node is not known
-  bool aslant = false;  ///< it holds a direction between the axes of its node, and its entries have
-                        ///< rounded away what the body resists across it; otherwise it is of a
-                        ///< contact node, whose force is lost in the rounding of its own
+  Index dof;
+  bool aslant;  ///< along a direction between the axes of its node, across which the body's
+                ///< stiffness is lost; otherwise of a contact node, whose force is
 };
-LostPenalty lost_penalty(const System& system);
+/// None where mesh_node is not known.
+std::vector<LostPenalty> lost_penalties(const System& system);
 
 /// How many times as stiff A is at one node as at another, nodes aside that penalties hold.
 Real contrast(const System& system);

@@ -559,7 +559,7 @@ TEST(MortarIncrement, TheSlaveOfASurfaceThatTouchesItselfStaysIt) {
       s.pairs[0].slave = s.pairs[0].master = all;
       return s;
     };
-    const Real at = jump(opening, 1, 1.6, change);
+    const Real at = jump(opening, 1, 1.3, change);
     expect_continuous([&](Real t) { return opening(at + t); }, hold_facing);
   }
 }

@@ -137,29 +137,33 @@ class Assembly {
         P_.emplace_back(i, master.node[l], psi.dot(moments.master[c].col(l)));
     }
   }
-  bool takes(Index i, Index r) const { return takes_removed_[i] || ownership_.takes(i, r); }
-  /// A node with the master's normal takes on itself what removed nodes r move by: that normal lets
-  /// slip what turns the master at its own place alone. Where the weights of r, which have no sign
-  /// on slivers, would take half of D_i, they stay those of r. The gap stays that of all.
+  /// A node with the master's normal, and one of a slave that slips along itself beside another
+  /// that is held, and has another normal: either lets slip what turns at its own place alone.
+  bool may_take(Index i, Index r) const {
+    return ownership_.common.of_master[i] ||
+           (ownership_.state[r] == Ownership::State::held &&
+            ownership_.normal[r] != ownership_.normal[i] && ownership_.slips(ownership_.pair[i]));
+  }
+  bool takes(Index i, Index r) const {
+    return (takes_removed_[i] && may_take(i, r)) || ownership_.takes(i, r);
+  }
+  /// Such nodes take on themselves what removed nodes r move by. Where the weights of r, which have
+  /// no sign on slivers, would take half of D_i, they stay those of r. The gap stays that of all.
   void place_removed() {
-    Vector sum = Vector::Zero(size()), taken = sum;
-    for (const auto& e : removed_) {
-      sum[e.row()] += e.value();
-      if (ownership_.takes(e.row(), e.col())) taken[e.row()] += e.value();
-    }
+    Vector sum = Vector::Zero(size());
+    for (const auto& e : removed_)
+      if (may_take(e.row(), e.col())) sum[e.row()] += e.value();
     takes_removed_.assign(size(), 0);
-    for (Index i = 0; i < size(); ++i) {
-      takes_removed_[i] =
-          sum[i] != 0 && D_[i] + sum[i] > D_[i] / 2 &&
-          (ownership_.common.of_master[i] || ownership_.slips(ownership_.pair[i]));
-      D_[i] += takes_removed_[i] ? sum[i] : taken[i];
-    }
+    for (Index i = 0; i < size(); ++i)
+      takes_removed_[i] = sum[i] != 0 && D_[i] + sum[i] > D_[i] / 2;
     for (const auto& e : removed_) {
       const Index i = e.row(), r = e.col();
-      if (takes(i, r))
+      if (takes(i, r)) {
+        D_[i] += e.value();
         offset_[i] -= e.value() * (nodes_.X[r] - nodes_.X[i]);
-      else
+      } else {
         N_.emplace_back(i, r, e.value());
+      }
     }
   }
   void add_edges(const Side& slave, Index f, const Moments& moments) {

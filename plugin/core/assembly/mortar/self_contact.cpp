@@ -8,11 +8,9 @@ namespace frictioncg::mortar {
 namespace {
 
 /// Sizes are equal up to the first share, by which those of a mesh that is equally fine everywhere
-/// may differ; what tells directions, up to the second.
+/// may differ, from increment to increment the one way and the other; what tells directions, up to
+/// the second.
 constexpr Real as_fine = 0.1, equal = 1e-3;
-/// The same of what has come to face within one surface, which is not the same from increment to
-/// increment: two states would take turns.
-constexpr Real as_fine_within = 0.25;
 
 /// The principal axes of a surface in the reference, as columns. A direction is that along which
 /// the surface is skew; where it is so along all but one of them, the right hand tells the last.
@@ -71,7 +69,7 @@ struct Half {
   }
   /// Along the axis, or where none tells the coordinate, along which they are furthest apart.
   bool before(const Half& o, const Eigen::Matrix3d& axes) const {
-    if (std::abs(std::log(size / o.size)) > std::log(1 + as_fine_within)) return size < o.size;
+    if (std::abs(size - o.size) > as_fine * size) return size < o.size;
     for (const Vec3& way : {Vec3(axes.transpose() * (place - o.place)), Vec3(place - o.place)}) {
       int most = 2;
       for (int c : {1, 0})
@@ -260,12 +258,13 @@ bool touches_itself(const Pair& pair) {
 bool OwnSurface::is_through_body(const Side& side, Index f, const Facet& m, const Vec2& xi) const {
   // before a deformation what is behind may lie so many facets aside
   constexpr Real aside = 2;
-  if (side.facet(f).body != m.body) return false;
+  constexpr Real at_corner = 0.9;  // of the thickness: the end of a convex body is no nearer
+  const Facet& own = side.facet(f);
+  if (own.body != m.body || std::isinf(std::min(own.thickness, m.thickness))) return false;
   const Projection p = project(side.d, planes[f], m, X);
-  const Real depth = -p.distance(xi);
-  if (!p.inverts || depth <= 0) return false;
-  if (depth > m.thickness / 2 && p.at(xi).head(side.d).minCoeff() >= -aside) return true;
-  return -p.distance(centroid(reference_facet(side.d))) > side.facet(f).thickness / 2;
+  const Real depth = -p.distance(xi), at_middle = -p.distance(centroid(reference_facet(side.d)));
+  if (!p.inverts || depth <= 0 || p.at(xi).head(side.d).minCoeff() < -aside) return false;
+  return depth > m.thickness / 2 || at_middle > at_corner * own.thickness;
 }
 
 bool OwnSurface::excludes(const Side& side, Index f, const Facet& m, const Vec2& xi, Real distance,

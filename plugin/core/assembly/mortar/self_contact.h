@@ -19,9 +19,9 @@ struct OwnSurface {
         touches_itself(itself) {}
 
   /// Whether facet m of the master lies behind f, below xi, as the other face of the same body: by
-  /// more than half of what the body is thick there, or, beside a corner that f ends at, at the
-  /// middle of f. Ends of a split ring, the faces of a crack or of a fold, which may overlap, have
-  /// a thickness of their own.
+  /// more than half of what the body is thick there, or, beside a corner that f ends at, by what it
+  /// is thick at the middle of f. Ends of a split ring, the faces of a crack or of a fold, which
+  /// may overlap, have a thickness of their own.
   bool is_through_body(const Side& side, Index f, const Facet& m, const Vec2& xi) const;
 
   /// Whether facet m of the master is none that facet f can touch: m lies behind f, `distance` < 0
