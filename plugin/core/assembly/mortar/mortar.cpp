@@ -71,6 +71,9 @@ class Assembly {
     set_gaps(mortar);  // from the integrals as they are
     set_distances(mortar);
     set_distances_of_edges(mortar);
+    for (const SlaveNode& node : mortar.nodes_)
+      if (takes_removed_[node.node] && !ownership_.common.of_master[node.node])
+        of_.choices[node.node].most_change = most_where_taken;
     for (const auto& [i, r] : ownership_.taken) of_.choices[i].most_change = most_where_taken;
     take(balanced(mortar.P_, mortar.G_, mortar.nodes_, nodes_.X, of_.choices));
     take(along_normals(mortar.P_, mortar.G_, mortar.nodes_, ownership_.common.of_master,
