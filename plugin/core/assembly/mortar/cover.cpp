@@ -59,7 +59,10 @@ class Covering {
         own_(slave, nodes, itself),
         earlier_(earlier),
         moved_(earlier ? moved_since(*earlier, X_) : 0),
-        tree_(d_, master.surface.facets, master.planes, X_) {}
+        tree_(d_, master.surface.facets, master.planes, X_) {
+    for (Index f = 0; f < slave.facets(); ++f)
+      for (int v = 0; v < d_; ++v) at_vertex_[slave.facet(f).node[v]].push_back(f);
+  }
 
   Cover run() {
     Cover result;
@@ -121,11 +124,29 @@ class Covering {
       const Real deepest = std::max(base.size, master_.planes[m].size);
       if (earlier_ && c.distance < -deepest && !begun) continue;  // it has come past its end
       if (own_.excludes(slave_, f, master_.facet(m), middle, c.distance, deepest)) continue;
+      if (apart < -thinnest * deepest && looks_better_beyond_edge(f, m)) continue;
       c.left = infinity, c.right = -infinity;
       for (const Vec2& xi : c.part)
         c.left = std::min(c.left, xi[0]), c.right = std::max(c.right, xi[0]);
       candidates_.push_back(std::move(c));
     }
+  }
+  /// A corner that overlaps a face does so with both of its sides: it is before the one that looks
+  /// at the face, not before one that hardly does and would be pushed along it.
+  bool looks_better_beyond_edge(Index f, Index m) const {
+    const Side& slave = earlier_ ? earlier_->slave : slave_;
+    const Vec3& normal = (earlier_ ? earlier_->master : master_).planes[m].normal;
+    const Real own = normal.dot(slave.planes[f].normal);
+    const auto does = [&](Index g) {
+      return normal.dot(slave.planes[g].normal) < leaning &&
+             slave.planes[f].normal.dot(slave.planes[g].normal) < sharp;
+    };
+    const auto at_vertex = [&](Index i) {
+      const std::vector<Index>& facets = at_vertex_.at(i);
+      return std::any_of(facets.begin(), facets.end(), does);
+    };
+    const auto& node = slave_.facet(f).node;
+    return own > hardly && std::any_of(node.begin(), node.begin() + d_, at_vertex);
   }
   /// A master's facet, where it was decided what faces what.
   struct Begun {
@@ -246,6 +267,7 @@ class Covering {
   const std::optional<Earlier>& earlier_;
   const Real moved_;
   FacetTree tree_;
+  std::map<Index, std::vector<Index>> at_vertex_;  ///< facets of the slave, by nodes
   std::vector<Index> found_;
   std::vector<Candidate> candidates_;
   std::vector<std::vector<std::size_t>> nearer_;  ///< per candidate: those that hide parts of it

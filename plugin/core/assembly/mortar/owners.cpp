@@ -1,5 +1,6 @@
 #include "assembly/mortar/owners.h"
 
+#include "assembly/mortar/search.h"
 #include "assembly/mortar/sheets.h"
 
 namespace frictioncg::mortar {
@@ -22,8 +23,8 @@ Real Ways::farther(std::size_t p, Index f, Index i) const {
 }
 
 /// To the plane of what faces it, so that a corner on a slope is as far along a face that the slope
-/// hardly faces as along its foot. With its sign: what overlaps most is nearest. Infinite where
-/// nothing faces the vertex itself.
+/// hardly faces as along its foot; there the foot is a little nearer. With its sign: what overlaps
+/// most is nearest. Infinite where nothing faces the vertex itself.
 Real Ways::way(std::size_t p, Index f, Index i) const {
   const int v = position(of_.slaves[p].facet(f), i);
   const std::vector<Cell>& cells = of_.covers[p].cells[f];
@@ -35,8 +36,9 @@ Real Ways::way(std::size_t p, Index f, Index i) const {
   if (std::none_of(cells.begin(), cells.end(), reaches)) return infinity;
   const FacedAtVertex there =
       faced_at_vertex(v, of_.slaves[p], f, of_.masters[p], of_.nodes.X, cells);
-  return -there.distance *
-         of_.slaves[p].planes[f].normal.dot(of_.masters[p].planes[there.master].normal);
+  const Plane& plane = of_.slaves[p].planes[f];
+  const Real cosine = plane.normal.dot(of_.masters[p].planes[there.master].normal);
+  return -there.distance * cosine + (cosine > hardly ? 2 * equally_near * plane.size : 0);
 }
 
 namespace {

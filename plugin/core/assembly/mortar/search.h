@@ -7,6 +7,8 @@ namespace frictioncg::mortar {
 
 /// Facets face each other where the cosine of their normals is below this.
 constexpr Real facing = -0.1;
+/// Where the cosine is above this they hardly do, and a face beside that does it better has the law.
+constexpr Real hardly = -0.5;
 
 /// A binary tree over facets, by boxes and by cones of normals: built in O(n log n), and a facet
 /// finds those before it without a look at the rest.

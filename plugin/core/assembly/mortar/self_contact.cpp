@@ -228,7 +228,8 @@ Roles roles_of(const Nodes& nodes, const Pair& pair, Real maxgap) {
     const Vec3 a = eigenpairs(encounter.directions).vectors.col(2);
     const Half one(encounter, side, own, a), other(encounter, side, own, -a);
     for (Index f : (one.before(other, axes) ? one : other).facets) is_slave[f] = 1;
-    decided.insert(decided.end(), encounter.facets.begin(), encounter.facets.end());
+    for (const Half* half : {&one, &other})
+      decided.insert(decided.end(), half->facets.begin(), half->facets.end());
   }
   if (decided.empty()) return {};
   spread(side, decided, is_slave);
