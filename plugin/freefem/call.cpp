@@ -381,6 +381,7 @@ Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws)
   write_outputs(scene, solution, laws, progress, out);
   if (scene.moving) write_motions(scene, solution, moved, call.motions);
   if (call.verb > 0) warn_of_large_displacements(scene, field);
+  if (call.verb > 0) warn_of_far_slips(scene, solution, moved);
   if (call.verb > 0 && scene.moving) warn_of_turns(scene, moved);
   const Times& t = solution.times;
   Vector seconds(8);

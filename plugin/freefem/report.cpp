@@ -240,6 +240,33 @@ void warn_of_large_displacements(const Scene& scene, const Vector& u) {
   }
 }
 
+void warn_of_far_slips(const Scene& scene, const Solution& solution, const Vector& moved) {
+  if (!scene.pairing || scene.at || moved.size() == 0) return;
+  const Interface& faces = scene.pairing->between();
+  Real largest = 0, farthest = 0;
+  for (const mortar::Pair& pair : faces.pairs)
+    for (const mortar::Facet& f : pair.slave.facets)
+      for (int v = 0; v < faces.d; ++v)
+        largest =
+            std::max(largest, (faces.X[f.node[v]] - faces.X[f.node[(v + 1) % faces.d]]).norm());
+  const System& system = *scene.system->system();
+  const Matrix& W = scene.system->basis().W;
+  const Vector w = scene.system->to_local(moved);
+  for (Index k = 0; k < system.nodes(); ++k) {
+    const Index T = system.first[k] + 1;
+    if (scene.on_obstacle(k) || solution.state[k] == NodeState::separated) continue;
+    if (system.tangents(k) == 0) continue;
+    Real own = 0;  // of a row beside removed nodes, which sees more than its node slip
+    for (Index i : scene.contact_point(k).point.dof) own += i < 0 ? 0 : std::abs(W.coeff(T, i));
+    const Real slip = w.segment(T, system.tangents(k)).norm();
+    farthest = std::max(farthest, slip * 2 * own / W.row(T).cwiseAbs().sum());
+  }
+  if (farthest > largest)
+    line() << "warning: bodies in contact slip by up to " << farthest << ", past facets of size "
+           << largest << ", while they face what they faced; at=U in increments follows them"
+           << std::endl;
+}
+
 void report_leftover(Real most, long verb) {
   if (verb <= 0 || most == 0) return;
   line() << "b has up to " << most

@@ -17,6 +17,8 @@ void warn_of_displacements(Real most, const char* of_what, Real size);
 /// A warning for a field that moves a node further than its body is large: the laws hold on the
 /// undeformed geometry, and what balances such a load there hardly holds it.
 void warn_of_large_displacements(const Scene& scene, const Vector& u);
+/// Where facets of a pair have slipped past those they faced. moved: as LocalSystem::to_global.
+void warn_of_far_slips(const Scene& scene, const Solution& solution, const Vector& moved);
 
 /// The contrast of A from which on a thousandth of the answer and more is lost to rounding.
 constexpr Real felt_contrast = 1e10;
