@@ -24,6 +24,7 @@ namespace frictioncg {
 using Real = double;
 using Index = int;
 constexpr Real infinity = std::numeric_limits<Real>::infinity();
+constexpr Real epsilon = std::numeric_limits<Real>::epsilon();
 using Vector = Eigen::VectorXd;
 using Vec3 = Eigen::Vector3d;  ///< 2D: third component 0
 using DenseMatrix = Eigen::MatrixXd;

@@ -2,6 +2,7 @@
 
 #include <iostream>
 
+#include "../core/model/rigid_candidates.h"
 #include "moving_obstacles.h"
 #include "report.h"
 

@@ -1,6 +1,7 @@
 #include "assembly/local_system.h"
 
 #include "model/inertia.h"
+#include "model/rigid_candidates.h"
 #include "model/validate.h"
 
 namespace frictioncg {
@@ -115,26 +116,19 @@ std::function<Modes()> LocalSystem::in_local_dofs(std::function<Modes()> modes) 
 
 namespace {
 
-constexpr Real epsilon = std::numeric_limits<Real>::epsilon();
-
 /// As System::multiply_sized, without what rounding makes of rigid motions, however far bodies have
 /// come: the nearest ones are taken off w, and are felt where A resists them by more than its own
 /// rounding.
 Vector multiply_apart(const System& system, const Vector& w, Vector& Aw) {
-  constexpr int sweeps = 3;  // rotations are about places of the bodies, not their centres
   constexpr Real rounded = 16 * epsilon;
-  Vector rest = w, of_rigid;
-  const Eigen::SparseMatrix<Real> M = rigid_candidates(system);
-  if (M.cols() == 0) return system.multiply_sized(w, Aw);
-  for (Index j = 0; j < sweeps * M.cols(); ++j) {
-    const auto motion = M.col(j % M.cols());
-    const Real size = motion.squaredNorm();
-    if (size > 0) rest -= motion.dot(rest) / size * motion;
-  }
-  Vector sizes = system.multiply_sized(w - rest, of_rigid);
+  const RigidCandidates all(system);
+  if (all.count() == 0) return system.multiply_sized(w, Aw);
+  const Vector rigid = all.nearest_to(w);
+  Vector of_rigid;
+  Vector sizes = system.multiply_sized(rigid, of_rigid);
   const Eigen::Array<bool, Eigen::Dynamic, 1> felt =
       of_rigid.array().abs() > rounded * sizes.array();
-  sizes = felt.select(sizes, 0.) + system.multiply_sized(rest, Aw);
+  sizes = felt.select(sizes, 0.) + system.multiply_sized(w - rigid, Aw);
   Aw += felt.select(of_rigid, 0.);
   return sizes;
 }

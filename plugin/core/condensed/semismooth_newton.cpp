@@ -225,7 +225,7 @@ bool SemismoothNewton::ran_away() const {
 /// What S x cannot resolve of the residual, in the same units.
 Real SemismoothNewton::rounding() const {
   const Real size = std::sqrt((problem_.D.array() * x_.array().square()).sum());
-  return rounding_margin * std::numeric_limits<Real>::epsilon() * size / unit();
+  return rounding_margin * epsilon * size / unit();
 }
 
 std::size_t SemismoothNewton::fingerprint() const {

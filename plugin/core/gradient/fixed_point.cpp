@@ -170,7 +170,7 @@ class FixedPoint {
     const Certificate& c = solution_.certificate;
     const Real factor =
         eps_margin * std::min(1.0, std::max(settings_.tol, c.attainable) / c.residual);
-    const Real least = std::numeric_limits<Real>::epsilon() * displacement_scale();
+    const Real least = epsilon * displacement_scale();
     if (settings_.regeps > 0 || factor * solution_.eps < least) {
       solution_.status = Status::regularized;
       return false;

@@ -6,8 +6,6 @@ namespace frictioncg {
 
 namespace {
 
-constexpr Real epsilon = std::numeric_limits<Real>::epsilon();
-
 /// Forces below this many times the rounding of Ax are taken as rounding: solvers stop a little
 /// above it.
 constexpr Real rounding_margin = 10;
@@ -50,20 +48,23 @@ Real nearest_gap(const ContactProblem& problem, const Vector& x) {
   return -problem.system->largest(-nearest);
 }
 
-/// What the residual of x is measured in, > 0; violation: its norm; rounding: that of r.
-/// by_forces: forces are what it is measured in
-Real scale_of(const ContactProblem& problem, const Vector& x, const Vector& r, Real violation,
-              Real rounding, bool& by_forces) {
+struct Scale {
+  Real size;     ///< > 0
+  Real unknown;  ///< of the residual, where it is measured in forces
+};
+/// What the residual of x is measured in.   violation: its norm; rounding: that of r
+Scale scale_of(const ContactProblem& problem, const Vector& x, const Vector& r, Real violation,
+               Real rounding) {
   const Increment& increment = problem.increment;
   const Real load = increment.load_that_counts(rounding);
   const Real contact = contact_force_norm(problem, x, r);
-  by_forces = std::hypot(load, contact) > rounding_margin * rounding;
-  if (by_forces) return std::max(forces_at_work(load, contact), rounding);
+  if (std::hypot(load, contact) > rounding_margin * rounding)
+    return {std::max(forces_at_work(load, contact), rounding), unknown_share * increment.rounding};
   const Real driving =
       std::max(driving_norm(*problem.system, increment), norm_D(*problem.system, increment.F - r));
   if (violation > rounding_margin * rounding)
-    return std::max(violation, std::min(driving, nearest_gap(problem, x)));
-  return driving > 0 ? driving : 1;
+    return {std::max(violation, std::min(driving, nearest_gap(problem, x))), 0};
+  return {driving > 0 ? driving : 1, 0};
 }
 
 }  // namespace
@@ -91,11 +92,10 @@ Certificate certify(const ContactProblem& problem, const Vector& x) {
   problem.system->sum(squares, 3);
   std::tie(c.equilibrium, c.normal, c.friction) = std::tie(squares[0], squares[1], squares[2]);
   const Real violation = std::sqrt(c.equilibrium + c.normal + c.friction);
-  bool by_forces = false;
-  c.scale = scale_of(problem, x, c.r, violation, rounding, by_forces);
+  const Scale scale = scale_of(problem, x, c.r, violation, rounding);
+  c.scale = scale.size;
   c.attainable = rounding / c.scale;
-  const Real unknown = by_forces ? unknown_share * problem.increment.rounding : 0;
-  c.residual = std::max(violation, unknown) / c.scale;
+  c.residual = std::max(violation, scale.unknown) / c.scale;
   for (Real* share : {&c.equilibrium, &c.normal, &c.friction}) *share = std::sqrt(*share) / c.scale;
   return c;
 }

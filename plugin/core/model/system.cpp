@@ -19,7 +19,7 @@ bool costs_negative_energy(const System& system, const Vector& p) {
   Vector Ap;
   const Vector sizes = system.multiply_sized(p, Ap);
   const Real energy = system.sum(p.dot(Ap)), size = system.sum(p.cwiseAbs().dot(sizes));
-  return energy < -beyond_rounding * std::numeric_limits<Real>::epsilon() * size;
+  return energy < -beyond_rounding * epsilon * size;
 }
 
 Groups::Groups(Index n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
@@ -137,18 +137,6 @@ Bodies bodies_of(const Matrix& A) {
   for (Index i = 0; i < n; ++i)  // a root comes before the dofs it stands for
     bodies.of[i] = groups.of(i) == i ? bodies.count++ : bodies.of[groups.of(i)];
   return bodies;
-}
-
-Matrix rigid_candidates(const System& system) {
-  Matrix made(system.dofs(), 0);  // returned in place: Eigen leaks a copy where memory runs out
-  if (!(system.body_modes || system.rigid_modes) || system.largest(system.dofs()) == 0) return made;
-  if (system.body_modes)
-    made = system.body_modes();
-  else
-    made = system.rigid_modes().sparseView();
-  const bool of_use = made.rows() == system.dofs() && made.coeffs().allFinite();
-  if (system.largest(of_use ? 0 : 1) > 0) made.resize(system.dofs(), 0);  // on all processes alike
-  return made;
 }
 
 Vector magnitude(const Matrix& A, const Vector& x) { return A.cwiseAbs() * x.cwiseAbs(); }

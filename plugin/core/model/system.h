@@ -104,10 +104,6 @@ struct AssembledSystem final : System {
   const Matrix& entries() const override { return A; }
 };
 
-/// Candidates for motions that A leaves free: rigid motions of the bodies, n x k, whether supports
-/// resist them or not. No columns where the system knows none, or none of n rows.
-Matrix rigid_candidates(const System& system);
-
 /// Whether two systems have their contact dofs and their mesh nodes in the same places.
 bool same_dofs(const System& one, const System& other);
 /// The same, and the entries of A: what is laid out by the one then serves the other.

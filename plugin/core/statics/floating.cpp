@@ -2,6 +2,7 @@
 
 #include "factorization.h"
 #include "linear_algebra.h"
+#include "model/rigid_candidates.h"
 
 namespace frictioncg {
 
@@ -34,85 +35,11 @@ DenseMatrix candidates_of_a_body(const DenseMatrix& in_A, const DenseMatrix& in_
   return V * ritz.vectors.leftCols(count);
 }
 
-/// Candidates for the rigid motions of bodies: parts of the graph of A, which share no entry of it.
-struct Candidates {
-  explicit Candidates(const System& system);
-
-  Index count() const { return static_cast<Index>(M.cols()); }
-  /// Of candidate j among those of a body; negative where it is none of them.
-  Index place(Index body, Index j) const {
-    const std::vector<Index>& own = of_body[body];
-    if (static_cast<Index>(own.size()) == count()) return j;
-    const auto found = std::lower_bound(own.begin(), own.end(), j);
-    return found != own.end() && *found == j ? Index(found - own.begin()) : -1;
-  }
-
-  Matrix M;  ///< n x k; no columns where the system knows none, or none of use
-  Bodies bodies;
-  std::vector<std::vector<Index>> of_body;  ///< which of them move something of a body, ascending
-};
-
-Candidates::Candidates(const System& system) : M(rigid_candidates(system)) {
-  if (count() == 0) return;
-  bodies = system.bodies();
-  std::vector<Real> pairs;  // body k + candidate
-  std::vector<Index> last(count(), -1);
-  for (Index i = 0; i < M.rows(); ++i)
-    for (Matrix::InnerIterator m(M, i); m; ++m)
-      if (std::exchange(last[m.col()], bodies.of[i]) != bodies.of[i])
-        pairs.push_back(Real(bodies.of[i]) * count() + m.col());
-  Vector all = system.gathered(Eigen::Map<const Vector>(pairs.data(), Index(pairs.size())));
-  std::sort(all.begin(), all.end());
-  of_body.resize(bodies.count);
-  const auto end = std::unique(all.begin(), all.end());
-  for (auto pair = all.begin(); pair != end; ++pair)
-    of_body[Index(*pair / count())].push_back(Index(std::fmod(*pair, count())));
-}
-
-/// Adds up those of all processes, in one go.
-void sum(const System& system, std::vector<DenseMatrix>& of_bodies) {
-  std::vector<Real> all;
-  for (const DenseMatrix& own : of_bodies)
-    all.insert(all.end(), own.data(), own.data() + own.size());
-  system.sum(all.data(), Index(all.size()));
-  const Real* from = all.data();
-  for (DenseMatrix& own : of_bodies) {
-    std::copy_n(from, own.size(), own.data());
-    from += own.size();
-  }
-}
-
-/// Sums over each body's dofs of M_i' R_i, for entries (i, j, value) of R, whose columns are those
-/// of the candidates: one matrix a body.
-template <class Entries>
-std::vector<DenseMatrix> gram(const System& system, const Candidates& all,
-                              const Entries& for_each) {
-  std::vector<DenseMatrix> sums;
-  for (const std::vector<Index>& own : all.of_body)
-    sums.push_back(DenseMatrix::Zero(Index(own.size()), Index(own.size())));
-  for_each([&](Index i, Index j, Real value) {
-    const Index body = all.bodies.of[i], to = all.place(body, j);
-    if (to < 0) return;  // a zero that is stored, or what rounding leaves between bodies
-    for (Matrix::InnerIterator m(all.M, i); m; ++m)
-      sums[body](all.place(body, Index(m.col())), to) += m.value() * value;
-  });
-  sum(system, sums);
-  return sums;
-}
-
-/// The same of the candidates in the product of a diagonal.
-std::vector<DenseMatrix> gram_in(const System& system, const Candidates& all, const Vector& diag) {
-  return gram(system, all, [&](const auto& visit) {
-    for (Index i = 0; i < diag.size(); ++i)
-      for (Matrix::InnerIterator m(all.M, i); m; ++m) visit(i, Index(m.col()), diag[i] * m.value());
-  });
-}
-
 /// The rigid ones among combinations of candidates. Bodies share no entry of A: one product tries a
 /// combination of each.
 class RigidMotions {
  public:
-  RigidMotions(const System& system, const Candidates& all)
+  RigidMotions(const System& system, const RigidCandidates& all)
       : system_(system), all_(all), W_(system.dofs(), 0) {}
 
   /// c: of each body, as columns over its own candidates. Adds those that are motions, and says
@@ -175,7 +102,7 @@ class RigidMotions {
   }
 
   const System& system_;
-  const Candidates& all_;
+  const RigidCandidates& all_;
   DenseMatrix W_;  ///< n x k: the motions, <Dw,w> = 1
 };
 
@@ -221,15 +148,14 @@ DenseMatrix beside(const Matrix& V, const std::vector<Index>& candidates, Index 
 }  // namespace
 
 DenseMatrix floating_motions(const System& system) {
-  const Candidates all(system);
+  const RigidCandidates all(system);
   if (all.count() == 0) return DenseMatrix(system.dofs(), 0);
   const auto of_A = [&](const auto& visit) {
     system.product(all.M, [&](Index i, const std::vector<Index>& columns, const Vector& values) {
       for (Index j : columns) visit(i, j, values[j]);
     });
   };
-  const std::vector<DenseMatrix> in_A = gram(system, all, of_A),
-                                 in_D = gram_in(system, all, system.D);
+  const std::vector<DenseMatrix> in_A = all.gram(of_A), in_D = all.gram_in(system.D);
   const Index each = rigid_components(system.dimension);
   RigidMotions motions(system, all);
   // first those of each candidate's body alone: beside a stiff body that a coupling joins to it in
@@ -255,24 +181,12 @@ DenseMatrix floating_motions(const System& system) {
   return motions.columns();
 }
 
-/// What the candidates leave of w, body by body:   w'w - w'M (M'M)^+ M'w <= bent^2 w'w. In the
-/// product of D soft parts would not count, whose bending is what lets stiff ones move.
+/// In the product of D soft parts would not count, whose bending is what lets stiff ones move.
 bool may_be_rigid(const System& system, const Vector& w) {
-  const Candidates all(system);
+  const RigidCandidates all(system);
   if (all.count() == 0) return true;
-  std::vector<DenseMatrix> mixed;  // one column each
-  for (const std::vector<Index>& own : all.of_body)
-    mixed.push_back(Vector::Zero(Index(own.size())));
-  for (Index i = 0; i < Index(w.size()); ++i)
-    for (Matrix::InnerIterator m(all.M, i); m; ++m)
-      mixed[all.bodies.of[i]](all.place(all.bodies.of[i], Index(m.col()))) += m.value() * w[i];
-  const std::vector<DenseMatrix> size = gram_in(system, all, Vector::Ones(w.size()));
-  const Real whole = system.sum(w.squaredNorm());
-  Real rest = whole;
-  sum(system, mixed);
-  for (std::size_t body = 0; body < size.size(); ++body)
-    rest -= mixed[body].cwiseProduct(least_squares(size[body], mixed[body])).sum();
-  return rest <= bent * bent * whole;
+  const Real rest = (w - all.nearest_to(w)).squaredNorm();
+  return system.sum(rest) <= bent * bent * system.sum(w.squaredNorm());
 }
 
 DenseMatrix motions_of_interior(const DenseMatrix& W, Index interior) {
