@@ -222,9 +222,12 @@ class Covering {
     const Vec3 lambda = slave_coordinates(d_, xi);
     Vec3 x = Vec3::Zero();
     for (int v = 0; v < d_; ++v) x += lambda[v] * X_[slave_.facet(f).node[v]];
-    refuse("slave and master overlap by ", depth, " at ", place(d_, x),
-           ", deeper than their facets are long (", size,
-           "); move the bodies apart, or, where this is no overlap, give maxgap below ", depth);
+    refuse(
+        "slave and master overlap by ", depth, " at ", place(d_, x),
+        ", deeper than their facets are long (", size,
+        "); move the bodies apart, and give what a fit is pressed by as gap < 0, or, where this is "
+        "no overlap, give maxgap below ",
+        depth);
   }
   bool leans(Index f, const std::vector<Cell>& cells) const {
     return std::all_of(cells.begin(), cells.end(), [&](const Cell& cell) {
