@@ -18,13 +18,10 @@ struct Layout {
   explicit Layout(const CondensedProblem& problem) {
     for (Index i = 0; i < problem.laws.nodes(); ++i) {
       N.push_back(problem.normal(i));
-      begin.push_back(static_cast<Index>(T.size()));
       for (Index k = 1; k <= problem.laws.tangents(i); ++k) T.push_back(problem.normal(i) + k);
     }
-    begin.push_back(static_cast<Index>(T.size()));
   }
   std::vector<Index> N, T;
-  std::vector<Index> begin;  ///< m + 1, in T
 };
 
 /// S_TT, with a stiffness added against the motions along the obstacle, which are its kernel.
@@ -59,8 +56,8 @@ Vector bounds(const CondensedProblem& problem, const DenseMatrix& W) {
   DenseMatrix M = DenseMatrix::Identity(m, m);
   for (Index i = 0; i < m; ++i)
     for (Index j = 0; j < m; ++j) {
-      const Index first = dofs.begin[j], t = dofs.begin[j + 1] - first;
-      const Real unit = H.col(i).segment(first, t).norm();
+      const Index first = problem.normal(j) - j;  // in T
+      const Real unit = H.col(i).segment(first, problem.laws.tangents(j)).norm();
       M(i, j) -= increment.mu[j] * unit;
       if (increment.cohesion.size() > 0) N0[i] += increment.cohesion[j] * unit;
     }
