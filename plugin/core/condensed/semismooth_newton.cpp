@@ -149,13 +149,10 @@ bool SemismoothNewton::assemble() {
     }
   });
   M_.resize(size, size);
-  const Index *unknown = unknown_.data(), *normal = normal_.data();
-  const Real *scale = scale_.data(), *factor = factor_.data();
   for (Index q = 0; q < size; ++q) {
-    const Real* column = S.col(unknown[q]).data();
-    Real* M = M_.col(q).data();
+    const auto column = S.col(unknown_[q]);
     for (Index p = 0; p < size; ++p)
-      M[p] = scale[p] * scale[q] * (column[unknown[p]] - factor[p] * column[normal[p]]);
+      M_(p, q) = scale_[p] * scale_[q] * (column[unknown_[p]] - factor_[p] * column[normal_[p]]);
   }
   M_.diagonal().array() += problem_.springs;  // a slip row refers to normals that are no unknowns
   for_each_slip([&](const Branch& n, Index, Index p, Index t) {
