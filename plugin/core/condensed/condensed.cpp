@@ -4,7 +4,6 @@
 #include "condensed/bounded_pressure.h"
 #include "condensed/interior_point.h"
 #include "condensed/limits.h"
-#include "condensed/regularized.h"
 #include "statics/rigid_motions.h"
 #include "statics/undetermined.h"
 #include "statics/floating.h"

@@ -6,7 +6,7 @@
 #include "../statics/bodies.h"
 #include "core/condensed/interior_point.h"
 #include "core/condensed/semismooth_newton.h"
-#include "core/condensed/regularized.h"
+#include "core/condensed/limits.h"
 #include "core/solver.h"
 
 using namespace frictioncg;
