@@ -15,13 +15,10 @@ constexpr Index first_block = 7;  ///< one more than a single body has
 
 /// Columns without structure, so that they have a part along every motion.
 DenseMatrix arbitrary(Index n, Index columns) {
-  DenseMatrix W(n, columns);
-  for (Index j = 0; j < columns; ++j)
-    for (Index i = 0; i < n; ++i) {
-      const Real t = std::sin(12.9898 * (i + 1) + 78.233 * (j + 1)) * 43758.5453;
-      W(i, j) = t - std::floor(t) - 0.5;
-    }
-  return W;
+  return DenseMatrix::NullaryExpr(n, columns, [](Index i, Index j) {
+    const Real t = std::sin(12.9898 * (i + 1) + 78.233 * (j + 1)) * 43758.5453;
+    return t - std::floor(t) - 0.5;
+  });
 }
 
 }  // namespace
