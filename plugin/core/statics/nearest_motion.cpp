@@ -301,7 +301,8 @@ void StandOnEdge::sum(const System& system) {
 
 Real StandOnEdge::share() const {
   const Real moment = std::abs(sums_[0]), change = std::abs(sums_[1]), most = sums_[2] + sums_[3];
-  const bool is_round = sums_[2]<round_lever * sums_[4], rubs = sums_[3]> 0;
+  const bool is_round = sums_[2] < round_lever * sums_[4];
+  const bool rubs = sums_[3] > 0;
   return is_round && rubs ? std::min(moment, change) / most : 0;
 }
 
