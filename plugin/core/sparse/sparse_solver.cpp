@@ -2,7 +2,6 @@
 
 #include "condensed/interior_point.h"
 #include "multigrid/faces.h"
-#include "sparse/sparse_path.h"
 #include "statics/undetermined.h"
 
 namespace frictioncg {

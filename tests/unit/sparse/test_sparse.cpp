@@ -6,7 +6,7 @@
 #include "../verifier.h"
 #include "core/condensed/interior_point.h"
 #include "core/solver.h"
-#include "core/sparse/sparse_path.h"
+#include "core/sparse/factored_matrix.h"
 #include "core/statics/rigid_motions.h"
 
 using namespace frictioncg;
