@@ -1,5 +1,4 @@
 #pragma once
-#include "status.h"
 #include "types.h"
 
 namespace frictioncg {

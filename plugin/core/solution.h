@@ -4,6 +4,35 @@
 
 namespace frictioncg {
 
+/// How a legal run ended. Illegal input is an exception.
+enum class Status {
+  converged = 0,
+  max_iterations = 1,
+  stagnated = 2,
+  no_equilibrium = 3,
+  not_positive_definite = 4,
+  fixed_point_diverged = 5,
+  regularized = 6,  ///< the regularized problem is solved; regeps keeps the certificate above tol
+  /// The laws hold, and a body has turned by more than small rotations can mean, though neither
+  /// supports nor friction hold it. Said by whoever knows where the nodes are: not by this core.
+  runaway = 7
+};
+
+/// In words, in their order.
+inline constexpr const char* status_names[] = {"converged",
+                                               "max_iterations",
+                                               "stagnated",
+                                               "no_equilibrium",
+                                               "not_positive_definite",
+                                               "fixed_point_diverged",
+                                               "regularized",
+                                               "runaway"};
+
+static_assert(sizeof(status_names) / sizeof(*status_names) ==
+              static_cast<int>(Status::runaway) + 1);
+
+constexpr const char* name_of(Status status) { return status_names[static_cast<int>(status)]; }
+
 enum class Route {
   iterative,  ///< a method of the paper on A
   condensed,  ///< one factorization, then the laws on the contact dofs
@@ -87,16 +116,12 @@ inline bool is_rounding(const Certificate& c) {
   return c.residual <= std::max(at_rounding, known ? c.attainable : 0);
 }
 
-/// Bound on the iterations of a call that names none.   Collective.
-inline Index default_iterations(const ContactProblem& problem) {
+/// Bound on the iterations of a call, all layers together.   Collective.
+inline Index bound_of(const ContactProblem& problem, const Settings& settings) {
+  if (settings.nbiter > 0) return settings.nbiter;
   Real size[] = {Real(problem.nodes()), Real(problem.dofs())};
   problem.system->sum(size, 2);
   return 10000 + static_cast<Index>(20 * (size[0] + std::sqrt(size[1])));
-}
-
-/// Bound on the iterations of a call, all layers together.
-inline Index bound_of(const ContactProblem& problem, const Settings& settings) {
-  return settings.nbiter > 0 ? settings.nbiter : default_iterations(problem);
 }
 
 /// With the iterations that an answer to the problem has left; none: nbiter <= 0.

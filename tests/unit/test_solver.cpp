@@ -688,7 +688,7 @@ TEST(Solver, ACallThatWasToBeShortLooksForNoMotions) {
 
 TEST(Solver, WithoutABoundACallTakesTenThousandIterationsAndTwentyForEachNodeAndRootOfDofs) {
   const Posed system = block(BlockOptions()).system();  // 5 nodes, 50 dofs
-  EXPECT_EQ(default_iterations(system.problem()), 10000 + 20 * 5 + 141);
+  EXPECT_EQ(bound_of(system.problem(), Settings()), 10000 + 20 * 5 + 141);
 }
 
 TEST(Solver, ThePlanLeavesOutWhatTheSceneDoesNotNeed) {

@@ -1,8 +1,6 @@
 #pragma once
 #include "condensed/semismooth_newton.h"
 #include "condensed/elimination.h"
-#include "statics/equilibrium.h"
-#include "solution.h"
 
 namespace frictioncg {
 

@@ -1,6 +1,5 @@
 #pragma once
 #include "condensed/semismooth_newton.h"
-#include "solution.h"
 
 namespace frictioncg {
 

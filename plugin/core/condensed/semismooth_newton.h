@@ -1,7 +1,7 @@
 #pragma once
 #include "condensed/condensed_problem.h"
 #include "model/branch.h"
-#include "status.h"
+#include "solution.h"
 
 namespace frictioncg {
 
