@@ -1,5 +1,6 @@
 #include "condensed/interior_point.h"
 
+#include "factorization.h"
 #include "model/law.h"
 
 namespace frictioncg {
@@ -36,6 +37,60 @@ Real room_in_cone(Real h, const Tangent& v, Real dh, const Tangent& dv) {
     if (a > 0) room = std::min(room, a);
   return room;
 }
+
+/// K = D^{-1/2} S D^{-1/2}, dense.
+class DensePathMatrix final : public PathMatrix {
+ public:
+  explicit DensePathMatrix(const CondensedProblem& problem) : laws_(problem.laws) {
+    const Vector inverse = problem.D.cwiseSqrt().cwiseInverse();
+    K_ = inverse.asDiagonal() * problem.S * inverse.asDiagonal();
+    K_.diagonal().array() += problem.springs;
+  }
+
+  Vector multiply(const Vector& y) const override { return K_ * y; }
+
+  bool factor(const PathLaws& laws) override {
+    symmetric_ = laws.symmetric;
+    M_ = K_;
+    for (Index i = 0; i < laws_.nodes(); ++i) {
+      const Index N = laws_.system->first[i] - laws_.interior(), size = laws_.tangents(i) + 1;
+      M_.block(N, N, size, size) += laws.blocks[i];
+    }
+    if (!(M_.diagonal().minCoeff() > 0) || !M_.allFinite()) return false;
+    scale_ = M_.diagonal().cwiseSqrt().cwiseInverse();
+    M_ = scale_.asDiagonal() * M_ * scale_.asDiagonal();
+    if (symmetric_) return llt_.emplace(M_).found();
+    single_.reset();
+    if (M_.rows() >= single_pays && !fine_)
+      single_ = std::make_unique<const SinglePrecision>(M_);
+    else
+      lu_.emplace(M_);
+    return true;
+  }
+
+  Vector solve(const Vector& b) override {
+    const Vector scaled = scale_.cwiseProduct(b);
+    if (symmetric_) return scale_.cwiseProduct(llt_->solve(scaled));
+    if (single_) {
+      const Vector y = single_->solve(scaled);
+      if (y.size() > 0) return scale_.cwiseProduct(y);
+      fine_ = true;
+      single_.reset();
+      lu_.emplace(M_);
+    }
+    return scale_.cwiseProduct(lu_->solve(scaled));
+  }
+
+ private:
+  const ContactProblem& laws_;
+  DenseMatrix K_, M_;
+  Vector scale_;  ///< of M, D^{-1/2}
+  bool symmetric_ = true;
+  std::optional<Cholesky> llt_;  ///< in M, as are lu and, beside it, single
+  std::optional<LU> lu_;
+  std::unique_ptr<const SinglePrecision> single_;
+  bool fine_ = false;  ///< single precision does not do any more
+};
 
 }  // namespace
 

@@ -1,6 +1,5 @@
 #pragma once
-#include "condensed/condensed_problem.h"
-#include "factorization.h"
+#include "types.h"
 
 namespace frictioncg {
 
@@ -21,25 +20,6 @@ class PathMatrix {
   virtual Vector multiply(const Vector& y) const = 0;  ///< K y
   virtual bool factor(const PathLaws& laws) = 0;       ///< false where M has no factor
   virtual Vector solve(const Vector& b) = 0;           ///< M^{-1} b
-};
-
-/// K = D^{-1/2} S D^{-1/2}, dense.
-class DensePathMatrix final : public PathMatrix {
- public:
-  explicit DensePathMatrix(const CondensedProblem& problem);
-  Vector multiply(const Vector& y) const override { return K_ * y; }
-  bool factor(const PathLaws& laws) override;
-  Vector solve(const Vector& b) override;
-
- private:
-  const ContactProblem& laws_;
-  DenseMatrix K_, M_;
-  Vector scale_;  ///< of M, D^{-1/2}
-  bool symmetric_ = true;
-  std::optional<Cholesky> llt_;  ///< in M, as are lu and, beside it, single
-  std::optional<LU> lu_;
-  std::unique_ptr<const SinglePrecision> single_;
-  bool fine_ = false;  ///< single precision does not do any more
 };
 
 }  // namespace frictioncg
