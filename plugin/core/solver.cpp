@@ -118,16 +118,14 @@ Plan make_plan(const ContactProblem& problem, const Settings& settings) {
   return plan;
 }
 
-Solver::Solver(SystemPtr system) : system_(std::move(system)), floating_(system_) {
-  validate(*system_);
-}
+Solver::Solver(SystemPtr system) : system_(std::move(system)) { validate(*system_); }
 Solver::~Solver() = default;
 
 void Solver::renew(SystemPtr system) {
   validate(*system);
   const bool dofs = same_dofs(*system_, *system), pattern = same_pattern(*system_, *system);
   system_ = std::move(system);
-  floating_ = FloatingMotions(system_);
+  floating_.reset();
   poor_ = dofs && poor_;
   factored_ = indefinite_ = false;
   memory_needed_ = 0;
@@ -146,7 +144,7 @@ Solution Solver::solve(const Increment& increment, const Settings& settings, con
   validate_start(x0, *system_);
   const ContactProblem problem{system_, increment};
   return answer(
-      problem, settings, [&] { return floating_(); },
+      problem, settings, [&] { return floating(); },
       [&] {
         const Request request{problem, settings, x0, observer};
         return or_as_held_before(by_route(request), request);
@@ -312,9 +310,14 @@ Solution Solver::by_gradients(const Request& request) {
   // The rigid motions that neither A nor the laws determine are named, and taken out of the answer;
   // where the system knows no candidates for them they are not looked for.
   if (s.certificate.residual > settings.tol) return s;
-  s.undetermined = left_free(floating_(), problem, branches_of(problem, s.x, s.certificate));
+  s.undetermined = left_free(floating(), problem, branches_of(problem, s.x, s.certificate));
   leave_least(problem, settings.tol, s);
   return s;
+}
+
+const DenseMatrix& Solver::floating() {
+  if (!floating_) floating_ = floating_motions(*system_);
+  return *floating_;
 }
 
 /// J without a bound at the present sliding limit says nothing about Coulomb's law, and a stall
@@ -324,7 +327,7 @@ void Solver::decide_on_equilibrium(const ContactProblem& problem, Solution& s) {
   const bool open = s.status == Status::stagnated || s.status == Status::fixed_point_diverged ||
                     s.status == Status::max_iterations;
   if (!open) return;
-  const auto motion = unheld_motion(floating_(), problem);
+  const auto motion = unheld_motion(floating(), problem);
   s.unheld_motion = motion.value_or(Vector());
   if (motion) s.status = Status::no_equilibrium;
 }

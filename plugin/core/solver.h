@@ -50,6 +50,7 @@ class Solver {
   void try_on_A(const Request& request, Solution& s);
   void buckle(const Request& request, Solution& s);
   Solution by_gradients(const Request& request);
+  const DenseMatrix& floating();
   void decide_on_equilibrium(const ContactProblem& problem, Solution& s);
   Solution by_multigrid(const Request& request);
   Solution by_sparse_factors(const Request& request);
@@ -62,8 +63,8 @@ class Solver {
   bool condense(const Request& request);
 
   SystemPtr system_;
-  FloatingMotions floating_;
-  Costs costs_;  ///< of the plan
+  std::optional<DenseMatrix> floating_;  ///< of A, once they were asked for
+  Costs costs_;                          ///< of the plan
   std::unique_ptr<CondensedSolver> condensed_;
   double memory_needed_ = 0;  ///< by the condensed route, as far as it is known [bytes]
   bool factored_ = false;

@@ -7,20 +7,6 @@ namespace frictioncg {
 /// k, <Dw,w> = 1. No columns where the system knows no candidates, or has none of n rows.
 DenseMatrix floating_motions(const System& system);
 
-/// These motions, made when they are first asked for.
-class FloatingMotions {
- public:
-  explicit FloatingMotions(SystemPtr system) : system_(std::move(system)) {}
-  const DenseMatrix& operator()() {
-    if (!motions_) motions_ = floating_motions(*system_);
-    return *motions_;
-  }
-
- private:
-  SystemPtr system_;
-  std::optional<DenseMatrix> motions_;
-};
-
 /// Whether w moves each body by a combination of the candidates, or the system knows none. A body
 /// may be so slender, or so soft in places, that its bending costs next to nothing, and A cannot
 /// tell.
