@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "../core/model/rigid_candidates.h"
+#include "../core/statics/floating.h"
 #include "moving_obstacles.h"
 #include "report.h"
 

@@ -12,7 +12,7 @@ namespace {
 constexpr Index seldom = 10;
 /// Scenes that were solved took 150 to 1500 steps, and flops of dense factors that are half a
 /// minute's work.
-constexpr Index most_steps = 2000;
+constexpr Index most_passes = 2000;
 constexpr double most_flops = 3e11;
 
 constexpr Real least_stiffness = 1e-8;  ///< of diag(S) over D, to precondition with
@@ -81,7 +81,7 @@ Attempt by_limits(const CondensedProblem& problem, const Settings& settings) {
   Attempt a;
   if (problem.laws.increment.law != Law::coulomb || settings.nbiter <= 0) return a;
   const auto affordable = static_cast<Index>(
-      std::min<double>(most_flops / std::pow(double(problem.f.size()), 3), most_steps));
+      std::min<double>(most_flops / std::pow(double(problem.f.size()), 3), most_passes));
   const ContactProblem p = problem.on_contact_dofs();
   TrescaOnS tresca(problem, p, std::min(settings.nbiter, affordable));
   const Solution s = fixed_point(p, settings, tresca, Vector());
