@@ -19,7 +19,7 @@ Scales scales_of(const Scene& scene, const Vector& b, const System& system, Real
   const Vector& D = system.D;
   Real load = 0, diagonal[] = {D.sum(), Real(D.size())};
   for (Index i = 0; i < scene.ndof(); ++i)
-    if (!scene.held[i] && all.owns(i)) load = std::max(load, std::abs(b[i]));
+    if (!scene.holds(i) && all.owns(i)) load = std::max(load, std::abs(b[i]));
   system.sum(diagonal, 2);
   Scales s;
   s.extent = extent;
@@ -91,7 +91,7 @@ std::map<Real, OneValue> labels_of_one_value(const Scene& scene, const Vector& b
                                              const std::vector<LabelledNode>& nodes) {
   std::map<std::pair<int, long>, std::vector<const LabelledNode*>> of_label;
   for (const LabelledNode& n : nodes)
-    if (!scene.held[n.dof[c]]) of_label[{n.space, n.label}].push_back(&n);
+    if (!scene.holds(n.dof[c])) of_label[{n.space, n.label}].push_back(&n);
   std::map<Real, OneValue> found;
   for (const auto& [label, own] : of_label) {
     const Real value = b[own.front()->dof[c]];
@@ -107,7 +107,7 @@ std::map<Real, OneValue> labels_of_one_value(const Scene& scene, const Vector& b
 std::size_t count_value(const Scene& scene, const Vector& b, int c, Real value) {
   const std::vector<NodePlace> places = scene.places();
   return std::count_if(places.begin(), places.end(), [&](const NodePlace& n) {
-    return !scene.held[n.dof[c]] && b[n.dof[c]] == value;
+    return !scene.holds(n.dof[c]) && b[n.dof[c]] == value;
   });
 }
 
@@ -128,7 +128,7 @@ std::map<std::pair<int, long>, HeldDofs> held_labels(const Scene& scene, const V
   std::map<std::pair<int, long>, int> loads;  // of free labels: nodes with one over those without
   for (const LabelledNode& n : scene.labelled()) {
     held[{n.space, n.label}].all.insert(n.dof[c]);
-    if (!scene.held[n.dof[c]]) loads[{n.space, n.label}] += b[n.dof[c]] != 0 ? 1 : -1;
+    if (!scene.holds(n.dof[c])) loads[{n.space, n.label}] += b[n.dof[c]] != 0 ? 1 : -1;
   }
   std::set<Index> of_free;
   for (const auto& [label, more] : loads) {
@@ -254,7 +254,7 @@ void refuse_data_without_row(const Scene& scene, const Vector& b, const Scales& 
   constexpr Real absurd = 1e10, overflow = 1e60;
   for (long i = 0; i < scene.ndof(); ++i) {
     const Real size = std::abs(b[i]);
-    if (scene.held[i] || !(size > absurd * s.extent * s.stiffness) || size > overflow) continue;
+    if (scene.holds(i) || !(size > absurd * s.extent * s.stiffness) || size > overflow) continue;
     const DofInWords dof = in_words(scene, i);
     refuse("b[", i, "] = ", b[i], " is Dirichlet data, tgv times a displacement, where A has ",
            "no Dirichlet row: it lacks the on(..., ", dof.component, "=...) at ", dof.place,
@@ -275,7 +275,7 @@ struct Leftover {
     bool held = false, any = false;
     for (int c = 0; c < scene.d; ++c) {
       const Index i = n.dof[c];
-      if (!scene.held[i]) continue;
+      if (!scene.holds(i)) continue;
       held = true;
       if (b[i] == 0) continue;
       any = true;
@@ -329,7 +329,7 @@ Real check_data(const Scene& scene, const Vector& b, const Vector& u0, const Sys
   const Scales s = scales_of(scene, b, system, extent, all);
   long i = -1;  // the dof held whose data are largest; -1 where all are 0
   for (long k = 0; k < scene.ndof(); ++k)
-    if (scene.held[k] && b[k] != 0 && (i < 0 || std::abs(u0[k]) > std::abs(u0[i]))) i = k;
+    if (scene.holds(k) && b[k] != 0 && (i < 0 || std::abs(u0[k]) > std::abs(u0[i]))) i = k;
   all.agree([&] {
     refuse_data_without_row(scene, b, s);
     if (i >= 0 && std::abs(u0[i]) > tgv_ratio * std::max(s.extent, s.moved))
@@ -372,7 +372,7 @@ void check_one_value(const Scene& scene, const Vector& b, long verb) {
 void check_load_for_data(const Scene& scene, const Vector& b, long verb) {
   if (scene.at || !scene.system->dirichlet().has_unit_rows()) return;
   bool any = false;
-  for (long i = 0; i < scene.ndof(); ++i) any = any || (scene.held[i] && b[i] != 0);
+  for (long i = 0; i < scene.ndof(); ++i) any = any || (scene.holds(i) && b[i] != 0);
   if (!any) return;
   for (int c = 0; c < scene.d; ++c)
     for (const auto& [label, dofs] : held_labels(scene, b, c)) {
@@ -392,13 +392,13 @@ void check_load_for_data(const Scene& scene, const Vector& b, long verb) {
 
 void refuse_component_blocks(const Scene& scene, const Triplets& A) {
   if (scene.dofs.first > 0 || scene.dofs.count % scene.d != 0) return;
-  const Dirichlet& held = scene.system->dirichlet();
-  bool inside = held.size() == 0;
+  bool inside = scene.system->dirichlet().size() == 0;
   std::vector<char> on_boundary(scene.dofs.count, 0);
   for (const LabelledNode& n : scene.labelled())
     for (Index dof : n.dof)
       if (dof >= 0) on_boundary[dof] = 1;
-  for (Index i = 0; i < scene.dofs.count && !inside; ++i) inside = held.holds(i) && !on_boundary[i];
+  for (Index i = 0; i < scene.dofs.count && !inside; ++i)
+    inside = scene.holds(i) && !on_boundary[i];
   if (!inside) return;  // on() holds nodes of labels alone
   if (!BlockOrder(scene.places(), scene.d, scene.dofs).exchanged(A)) return;
   throw IllegalInput(

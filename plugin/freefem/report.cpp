@@ -315,7 +315,7 @@ void report_held_friction(const Scene& scene, const ContactProblem& problem,
     if (solution.state[i] == NodeState::separated || !rubs) continue;
     Vec3 by = Vec3::Zero();
     for (int c = 0; c < scene.d; ++c)
-      if (const Index k = n.point.dof[c]; scene.held[k])
+      if (const Index k = n.point.dof[c]; scene.holds(k))
         by[c] = u0[k] - (u_old.size() > 0 ? u_old[k] : 0);
     if (!((by - n.point.normal.dot(by) * n.point.normal).norm() > least)) continue;
     if (moved.empty()) first = &n;

@@ -130,11 +130,6 @@ void Scene::assemble(const Triplets& A, Scene* before, bool alone) {
     return std::make_unique<LocalSystem>(A, d, std::move(points), mesh_node, shape, last,
                                          moving ? moving->rigid : none);
   });
-  const Basis& basis = system->basis();  // rows of dofs held have prescribed displacements alone
-  held.assign(basis.T.rows(), 1);
-  for (Index i = 0; i < basis.T.rows(); ++i)
-    for (Matrix::InnerIterator e(basis.T, i); e; ++e)
-      if (e.col() < basis.local_dofs() && e.value() != 0) held[i] = 0;
   unit_load_.resize(0);
   refuse_component_blocks(*this, A);
   refuse_lost_penalties(*this, A);

@@ -91,15 +91,15 @@ struct Scene : Geometry {
   /// Of the forces of contact that turn with the geometry; null where A is as it is.
   std::unique_ptr<Stiffened> stiffened;
   double copy_seconds = 0;
-  std::vector<char> held;  ///< per dof: by a Dirichlet condition
   /// Space's, of the dofs held; found when it is first asked for.
   const Vector& unit_load() const {
     if (unit_load_.size() > 0) return unit_load_;
     unit_load_ = Vector::Zero(ndof());
-    for (const SpacePtr& V : spaces) V->add_unit_load(held, unit_load_);
+    for (const SpacePtr& V : spaces) V->add_unit_load(system->dirichlet(), unit_load_);
     return unit_load_;
   }
   long ndof() const { return dofs.count; }
+  bool holds(Index dof) const { return system->dirichlet().holds(dof); }
   const BoundaryNode& contact_point(Index k) const { return nodes[system->node(k).point]; }
   /// Of the contact points, those of pairs come first.
   std::size_t paired() const { return pairing ? nodes.size() - beside_pairs : 0; }

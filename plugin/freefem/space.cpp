@@ -287,8 +287,8 @@ class SpaceOn final : public Space {
                        offset > 0 ? 1 : 0});
     }
   }
-  void add_unit_load(const std::vector<char>& of, Vector& load) const override {
-    const auto is_wanted = [&](Index i) { return of[i] != 0; };
+  void add_unit_load(const Dirichlet& of, Vector& load) const override {
+    const auto is_wanted = [&](Index i) { return of.holds(i); };
     for_each_element(is_wanted, [&](int k, const Element& K, const Interpolation& ip) {
       const auto at_corner = [&](int p) { return corner_at(ip.hat[p], D::d) >= 0; };
       const bool quadratic = std::any_of(ip.hat.begin(), ip.hat.end(), [](const Vec3& hat) {

@@ -49,8 +49,8 @@ class Space {
   /// Facet by facet, by all its labels.
   virtual void add_labelled(std::vector<LabelledNode>& nodes) const = 0;
   /// What a load of 1 per content makes of each dof, up to a common factor: the integral of its
-  /// function. of: per dof, which ones are wanted.
-  virtual void add_unit_load(const std::vector<char>& of, Vector& load) const = 0;
+  /// function. of: which dofs are wanted.
+  virtual void add_unit_load(const Dirichlet& of, Vector& load) const = 0;
   /// Makes a node the point at which expressions are evaluated: where it has been moved to, and in
   /// its element, by which functions on the mesh are read. Returns the place.
   virtual Vec3 go_to(Stack stack, const BoundaryNode& node) const = 0;

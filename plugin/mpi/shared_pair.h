@@ -234,7 +234,7 @@ inline void check_transformed(const Triplets& A, const Domain& part, const Share
   shared.domain->update(u);
   Vector f = Vector::Zero(u.size());
   for_each_entry(A, [&](Index i, Index j, Real a) {
-    if (part.owns(i) && !shared.scene->held[i]) f[i] += a * u[j];
+    if (part.owns(i) && !shared.scene->holds(i)) f[i] += a * u[j];
   });
   if (shared.stiffened) shared.stiffened->multiply_addend(u, f);
   shared.domain->update(f);
@@ -301,7 +301,6 @@ inline void read_pair(Stack stack, const Arguments& args, const Expression A, bo
   shared.domain = grown->domain;
   place_guests(*shared.domain, scene);
   scene.dofs.count = shared.domain->dofs();
-  scene.held = grown->held;
   shared.own_points = scene.nodes.size();
   add_ghost_points(*shared.domain, scene);
   assemble_grown(grown, part->rank() == 0 ? read_verb(stack, args) : 0, shared);
