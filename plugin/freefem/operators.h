@@ -233,10 +233,10 @@ inline void refuse_what_C_lacks(const Arguments& args, const Scene& scene) {
 class SolveIncrement : public E_F0mps {
  public:
   using Result = KN_<double>;
-  explicit SolveIncrement(const basicAC_F0& args)
-      : arguments_(Arguments::of_contactproblem(args, false)),
+  explicit SolveIncrement(const basicAC_F0& args, bool renews = false)
+      : arguments_(Arguments::of_contactproblem(args, renews)),
         C_(to<ContactProblemVariable*>(args[0])),
-        b_(to<KN_<double>>(args[1])) {}
+        b_(to<KN_<double>>(args[renews ? 2 : 1])) {}
   AnyType operator()(Stack stack) const override {
     return translated(operator_name, [&] {
       const PosedProblem posed = posed_by(GetAny<ContactProblemVariable*>((*C_)(stack)));
@@ -254,14 +254,10 @@ class SolveIncrement : public E_F0mps {
 };
 
 /// u[] = frictionalContactCG(C, A, b, ...): C has the matrix A from here on.
-class Renew : public E_F0mps {
+class Renew : public SolveIncrement {
  public:
-  using Result = KN_<double>;
   explicit Renew(const basicAC_F0& args)
-      : arguments_(Arguments::of_contactproblem(args, true)),
-        C_(to<ContactProblemVariable*>(args[0])),
-        A_(to<Matrice_Creuse<double>*>(args[1])),
-        b_(to<KN_<double>>(args[2])) {}
+      : SolveIncrement(args, true), A_(to<Matrice_Creuse<double>*>(args[1])) {}
   AnyType operator()(Stack stack) const override {
     return translated(operator_name, [&] {
       ContactProblemVariable* const C = GetAny<ContactProblemVariable*>((*C_)(stack));
@@ -286,8 +282,7 @@ class Renew : public E_F0mps {
   }
 
  private:
-  Arguments arguments_;
-  Expression C_, A_, b_;
+  Expression A_;
 };
 
 /// Calls add(types) for one space and for two, on a mesh and on a mesh3, and for labels in each
