@@ -225,7 +225,7 @@ std::vector<BoundaryNode> Pairing::face(const Triplets& A, mortar::Options optio
   options.freedom = [&] {
     asked = true;
     const std::vector<NodePlace> all = places();
-    const std::vector<Index> body = body_of_nodes(all, A.n);
+    const std::vector<Index> body = body_of_nodes(between_.dof, all, between_.d, A.n);
     return freedom_of(A, *dirichlet_, all, between_.d, extent_of(between_.X), body, count_of(body));
   };
   const mortar::Nodes nodes = nodes_at(u_old, obstacle);
@@ -313,13 +313,6 @@ Vector Pairing::on_free_dofs(const std::vector<Vec3>& of_node, Index n) const {
     for (int c = 0; c < between_.d; ++c)
       if (const Index k = between_.dof[i][c]; !dirichlet_->holds(k)) of_dof[k] = of_node[i][c];
   return of_dof;
-}
-
-std::vector<Index> Pairing::body_of_nodes(const std::vector<NodePlace>& places, Index n) const {
-  const std::vector<Index> of_dof = body_of_dofs(places, between_.d, n);
-  std::vector<Index> body;
-  for (const auto& dof : between_.dof) body.push_back(of_dof[dof[0]]);
-  return body;
 }
 
 std::vector<Vec3> Pairing::at_nodes(const Vector& u) const {

@@ -107,8 +107,6 @@ class Pairing {
   /// Values at the nodes by all n dofs: 0 where Dirichlet conditions hold, and elsewhere.
   Vector on_free_dofs(const std::vector<Vec3>& of_node, Index n) const;
   const Interface& between() const { return between_; }
-  /// Of the Interface, by the places of all nodes of the n dofs.
-  std::vector<Index> body_of_nodes(const std::vector<NodePlace>& places, Index n) const;
   /// A displacement or force by the dofs of the script, at each node.
   std::vector<Vec3> at_nodes(const Vector& u) const;
   const FacedPart& faced() const { return faced_; }

@@ -202,10 +202,7 @@ std::shared_ptr<Scene> scene_at(const Stage& stage, const Spaces& any_stage, con
 }
 
 std::vector<Index> body_of_points(const Scene& scene, const std::vector<NodePlace>& places) {
-  const std::vector<Index> of_dof = body_of_dofs(places, scene.d, scene.ndof());
-  std::vector<Index> body;
-  for (const BoundaryNode& p : scene.nodes) body.push_back(of_dof[p.point.dof[0]]);
-  return body;
+  return body_of_nodes(dofs_of(points_of(scene.nodes)), places, scene.d, scene.ndof());
 }
 
 void follow_free_motions(const Triplets& A, const std::vector<NodePlace>& places,

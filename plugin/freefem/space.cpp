@@ -516,6 +516,14 @@ std::vector<Index> body_of_dofs(const std::vector<NodePlace>& nodes, int d, Inde
   return body;
 }
 
+std::vector<Index> body_of_nodes(const NodeDofs& some, const std::vector<NodePlace>& all, int d,
+                                 Index n) {
+  const std::vector<Index> of_dof = body_of_dofs(all, d, n);
+  std::vector<Index> body;
+  for (const auto& dof : some) body.push_back(of_dof[dof[0]]);
+  return body;
+}
+
 int corner_at(const Vec3& hat, int d) {
   const double lambda[4] = {1 - hat[0] - hat[1] - hat[2], hat[0], hat[1], hat[2]};
   for (int v = 0; v <= d; ++v)

@@ -85,6 +85,10 @@ Spaces at(const Stage& stage, const Spaces& spaces);
 /// The body of each of n dofs; -1 where it is none of these nodes.
 std::vector<Index> body_of_dofs(const std::vector<NodePlace>& nodes, int d, Index n);
 
+/// Those of some nodes.
+std::vector<Index> body_of_nodes(const NodeDofs& some, const std::vector<NodePlace>& all, int d,
+                                 Index n);
+
 /// The vertex at a place of the reference simplex, or -1.
 int corner_at(const Vec3& hat, int d);
 

@@ -13,7 +13,7 @@ inline std::vector<InterfaceNode> interface_nodes(Stack stack, const Arguments& 
   const Interface& faces = scene.pairing->between();
   std::vector<InterfaceNode> nodes;
   const auto held = mortar::held_components(scene.d, faces.dof, dirichlet);
-  const auto body = scene.pairing->body_of_nodes(scene.places(), static_cast<Index>(scene.ndof()));
+  const auto body = body_of_nodes(faces.dof, scene.places(), scene.d, scene.ndof());
   for (std::size_t i = 0; i < faces.dof.size(); ++i) {
     const auto& dof = faces.dof[i];
     for (Index c = 1; c < scene.d; ++c)
