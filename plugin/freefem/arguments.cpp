@@ -107,16 +107,14 @@ std::function<long(Stack, const char*)> label_of(const C_F0& given) {
   const bool real = type == atype<double>() || type == atype<double*>();
   const bool boolean = type == atype<bool>() || type == atype<bool*>();
   const Expression e = real ? to<double>(given) : boolean ? to<bool>(given) : to<long>(given);
-  if (!real && !boolean) return [e](Stack stack, const char*) { return GetAny<long>((*e)(stack)); };
-  return [real, e](Stack stack, const char* what) -> long {
-    std::ostringstream value;
-    if (real)
-      value << "the real " << GetAny<double>((*e)(stack));
-    else
-      value << "the bool " << (GetAny<bool>((*e)(stack)) ? "true" : "false");
-    refuse(what, " has ", value.str(),
-           "; a label is a whole number, as in 1, [1, 2] or an int[int], and all that is no label "
-           "is given by name, as in mu=0.3");
+  return [=](Stack stack, const char* what) {
+    constexpr const char* rule =
+        "; a label is a whole number, as in 1, [1, 2] or an int[int], and all that is no label is "
+        "given by name, as in mu=0.3";
+    const AnyType value = (*e)(stack);
+    if (real) refuse(what, " has the real ", GetAny<double>(value), rule);
+    if (boolean) refuse(what, " has the bool ", GetAny<bool>(value) ? "true" : "false", rule);
+    return GetAny<long>(value);
   };
 }
 
@@ -161,6 +159,8 @@ void refuse_without_effect(const Arguments& args, const Settings& s) {
 }
 
 }  // namespace
+
+const char* name_of(Parameter p) { return parameters[p].name; }
 
 std::string DofCount::in_words() const {
   if (first == 0) return "Vh has " + std::to_string(count) + " degrees of freedom";

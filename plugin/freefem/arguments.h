@@ -4,7 +4,6 @@
 
 // FreeFEM's, whom this room and those of the space and of the operators know by more than name.
 class E_F0;
-class C_F0;
 class basicAC_F0;
 template <class>
 class KN;

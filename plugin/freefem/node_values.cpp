@@ -50,6 +50,15 @@ Vec3 unit_vector(Stack stack, const Arguments& args, Parameter p, const Boundary
   return norm > 0 && std::isfinite(norm) ? Vec3(n / norm) : Vec3(Vec3::Zero());
 }
 
+/// Whether another point of the node has the opposite normal, as at a tip midway between two
+/// plates, which faces both alike: one of them does.
+bool has_opposite(const std::vector<BoundaryNode>& points, const BoundaryNode& node) {
+  constexpr Real opposite = 1e-3;
+  for (auto p = points.rbegin(); p != points.rend() && p->point.dof == node.point.dof; ++p)
+    if (length(p->point.normal + node.point.normal) < opposite) return true;
+  return false;
+}
+
 /// A traction at each contact node, as a force.
 Vector forces_at_nodes(Stack stack, const Arguments& args, Parameter p, const Scene& scene) {
   Vector force = at_nodes(stack, args, p, scene.nodes);
@@ -114,19 +123,6 @@ Vector moved_along_normals(const Scene& scene) {
 }
 
 bool faces_away(const BoundaryNode& node, const Vec3& n) { return dot(node.mean, n) < -1e-6; }
-
-namespace {
-
-/// Whether another point of the node has the opposite normal, as at a tip midway between two
-/// plates, which faces both alike: one of them does.
-bool has_opposite(const std::vector<BoundaryNode>& points, const BoundaryNode& node) {
-  constexpr Real opposite = 1e-3;
-  for (auto p = points.rbegin(); p != points.rend() && p->point.dof == node.point.dof; ++p)
-    if (length(p->point.normal + node.point.normal) < opposite) return true;
-  return false;
-}
-
-}  // namespace
 
 void set_normals(Stack stack, const Arguments& args, Scene& scene) {
   const Parameter normal = scene.pairing ? p_obstaclenormal : p_normal;

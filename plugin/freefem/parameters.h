@@ -68,12 +68,7 @@ enum Parameter {
       parameter_count
 };
 
-inline const char* name_of(Parameter p) {
-#define FRICTIONCG_NAME(name, type) #name,
-  constexpr const char* names[] = {FRICTIONCG_PARAMETERS(FRICTIONCG_NAME)};
-#undef FRICTIONCG_NAME
-  return names[p];
-}
+const char* name_of(Parameter p);
 
 /// The parameters that give a contact problem its tangential laws.
 constexpr Parameter frictions[] = {p_mu, p_cohesion, p_slidinglimit};

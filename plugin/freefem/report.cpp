@@ -115,24 +115,23 @@ void report_left_out(const Arguments& args, const Scene& scene, const ContactPro
 }
 
 /// What faces what, in numbers.
-void report_faces(const mortar::Statistics& s, std::size_t slaves, std::size_t masters) {
-  if (s.facing == 0) {
-    std::cout << "none of " << counted(slaves, "slave facet") << " faces one of "
-              << counted(masters, "master facet") << ": open";
-    return;
-  }
-  std::cout << counted(s.facing, "slave node") << " on " << counted(slaves, "facet") << " face "
-            << counted(masters, "master facet") << ", gap " << s.least_gap << " to "
-            << s.largest_gap << "; " << counted(s.partly_covered, "slave facet")
-            << " partly covered, ";
-  std::cout << counted(s.removed, "node") << " removed";
+void report_faces(const FacingPair& pair) {
+  const mortar::Statistics& s = pair.found;
+  if (s.facing == 0)
+    std::cout << "none of " << counted(pair.slaves, "slave facet") << " faces one of "
+              << counted(pair.masters, "master facet") << ": open";
+  else
+    std::cout << counted(s.facing, "slave node") << " on " << counted(pair.slaves, "facet")
+              << " face " << counted(pair.masters, "master facet") << ", gap " << s.least_gap
+              << " to " << s.largest_gap << "; " << counted(s.partly_covered, "slave facet")
+              << " partly covered, " << counted(s.removed, "node") << " removed";
 }
 
 /// The same of one pair; nodes that carry no law are named by place.
 void report_pair(const FacingPair& pair, bool only) {
   const mortar::Statistics& s = pair.found;
   line() << (only ? "two bodies" : pair.labels) << ": ";
-  report_faces(s, pair.slaves, pair.masters);
+  report_faces(pair);
   if (s.held > 0)
     std::cout << ", " << s.held << " of them since Dirichlet conditions hold the normal or a part "
               << "of it, as at " << pair.held_at << ": their neighbours take their share";
@@ -460,24 +459,23 @@ void report_pairs(const Scene& scene, long verb) {
     for (const FacingPair& pair : pairs) report_pair(pair, count == 1);
     return;
   }
-  mortar::Statistics all = pairs.front().found;
-  std::size_t slaves = 0, masters = 0;
-  all.facing = all.removed = all.partly_covered = 0;
-  all.least_gap = infinity;
-  all.largest_gap = -all.least_gap;
+  FacingPair all;
+  mortar::Statistics& found = all.found;
+  found.least_gap = infinity;
+  found.largest_gap = -infinity;
   for (const FacingPair& pair : pairs) {
     const mortar::Statistics& s = pair.found;
-    slaves += pair.slaves;
-    masters += pair.masters;
-    all.facing += s.facing;
-    all.removed += s.removed;
-    all.partly_covered += s.partly_covered;
+    all.slaves += pair.slaves;
+    all.masters += pair.masters;
+    found.facing += s.facing;
+    found.removed += s.removed;
+    found.partly_covered += s.partly_covered;
     if (s.facing == 0) continue;
-    all.least_gap = std::min(all.least_gap, s.least_gap);
-    all.largest_gap = std::max(all.largest_gap, s.largest_gap);
+    found.least_gap = std::min(found.least_gap, s.least_gap);
+    found.largest_gap = std::max(found.largest_gap, s.largest_gap);
   }
   line() << count << " pairs: ";
-  report_faces(all, slaves, masters);
+  report_faces(all);
   std::cout << "; verb=3 has each" << std::endl;
 }
 
