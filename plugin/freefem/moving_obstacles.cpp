@@ -30,7 +30,7 @@ void check_size(Parameter p, std::size_t size, const MovingObstacles& moving, in
 /// origin.
 void find_pivots(Stack stack, const Arguments& args, const Scene& scene, MovingObstacles& moving) {
   if (!args.has(p_pivot)) return;
-  PointGuard guard(stack);
+  const auto guard = point_guard(stack);
   std::vector<char> seen(moving.pivot.size(), 0);
   for (std::size_t k = 0; k < scene.nodes.size(); ++k) {
     const BoundaryNode& node = scene.nodes[k];

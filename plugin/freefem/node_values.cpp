@@ -94,7 +94,7 @@ Vector at_nodes(Stack stack, const Arguments& args, Parameter p,
                 const std::vector<BoundaryNode>& nodes) {
   Vector result = Vector::Zero(static_cast<Index>(nodes.size()));
   if (!args.has(p)) return result;
-  PointGuard guard(stack);
+  const auto guard = point_guard(stack);
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     nodes[k].space->go_to(stack, nodes[k]);
     result[k] = args.value<double>(stack, p);
@@ -132,7 +132,7 @@ void set_normals(Stack stack, const Arguments& args, Scene& scene) {
       throw IllegalInput("the outward normals at " + place(node, scene.d) +
                          " cancel; give normal=[...] explicitly");
   if (!scene.given_normals) return;
-  PointGuard guard(stack);
+  const auto guard = point_guard(stack);
   std::vector<BoundaryNode> facing;
   for (BoundaryNode& node : scene.nodes) {
     node.point.normal = unit_vector(stack, args, normal, node);
@@ -162,7 +162,7 @@ void refuse_inward(const Scene& scene) {
 
 std::vector<Vec3> slave_normals(Stack stack, const Arguments& args, const Scene& scene) {
   std::vector<Vec3> normals;
-  PointGuard guard(stack);
+  const auto guard = point_guard(stack);
   for (const BoundaryNode& node : scene.pairing->slave_nodes())
     normals.push_back(unit_vector(stack, args, p_normal, node));
   return normals;
@@ -170,7 +170,7 @@ std::vector<Vec3> slave_normals(Stack stack, const Arguments& args, const Scene&
 
 void set_orthotropy(Stack stack, const Arguments& args, const Vector& mu, Scene& scene) {
   const Vector mu2 = at_nodes(stack, args, p_mu2, scene.nodes);
-  PointGuard guard(stack);
+  const auto guard = point_guard(stack);
   for (std::size_t k = 0; k < scene.nodes.size(); ++k) {
     BoundaryNode& node = scene.nodes[k];
     if ((mu[k] > 0) != (mu2[k] > 0)) {
@@ -232,7 +232,7 @@ PointLaws read_laws(Stack stack, const Arguments& args, const Scene& scene, Poin
 
 void set_weights(Stack stack, const Arguments& args, Scene& scene) {
   if (!args.has(p_weight)) return;
-  PointGuard guard(stack);
+  const auto guard = point_guard(stack);
   for (BoundaryNode& node : scene.nodes) {
     node.weight = 0;
     for (const AdjacentFacet& facet : node.facets)

@@ -265,9 +265,7 @@ class SpaceOn final : public Space {
         if (e.coefficient == 1) at_point[e.point].dof[e.component] = dof(K, e.dof);
       for (std::size_t p = 0; p < at_point.size(); ++p) {
         NodePlace& n = at_point[p];
-        bool whole = true;
-        for (int c = 0; c < D::d; ++c) whole &= n.dof[c] >= 0;
-        if (!whole || seen[n.dof[0]]) continue;
+        if (std::count(n.dof.begin(), n.dof.begin() + D::d, -1) > 0 || seen[n.dof[0]]) continue;
         n.x = node(k, ip.hat[p], n.dof);
         n.body = first + body[k];
         places.push_back(n);
@@ -531,10 +529,9 @@ int corner_at(const Vec3& hat, int d) {
   return -1;
 }
 
-PointGuard::PointGuard(Stack stack)
-    : stack_(stack), saved_(std::make_shared<const MeshPoint>(*MeshPointStack(stack))) {}
-PointGuard::~PointGuard() {
-  *MeshPointStack(stack_) = *static_cast<const MeshPoint*>(saved_.get());
+std::shared_ptr<const void> point_guard(Stack stack) {
+  const MeshPoint saved = *MeshPointStack(stack);
+  return {nullptr, [stack, saved](const void*) { *MeshPointStack(stack) = saved; }};
 }
 
 }  // namespace frictioncg

@@ -92,17 +92,8 @@ std::vector<Index> body_of_nodes(const NodeDofs& some, const std::vector<NodePla
 /// The vertex at a place of the reference simplex, or -1.
 int corner_at(const Vec3& hat, int d);
 
-/// Saves where expressions are evaluated, and restores it, whatever happens between.
-class PointGuard {
- public:
-  explicit PointGuard(Stack stack);
-  ~PointGuard();
-  PointGuard(const PointGuard&) = delete;
-  PointGuard& operator=(const PointGuard&) = delete;
-
- private:
-  Stack stack_;
-  std::shared_ptr<const void> saved_;
-};
+/// Where expressions are evaluated is restored when what this returns goes, whatever happens until
+/// then.
+std::shared_ptr<const void> point_guard(Stack stack);
 
 }  // namespace frictioncg
