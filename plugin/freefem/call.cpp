@@ -224,15 +224,6 @@ Solution newton_step(Solution s, const Vector& u0, const Settings& settings, con
 
 }  // namespace
 
-Call::Call(Stack stack, const Arguments& arguments, const Expression load)
-    : args(arguments),
-      settings(read_settings(stack, arguments)),
-      verb(read_verb(stack, arguments)),
-      b(vector_of(stack, load, "b")),
-      u_old(args.vector(stack, p_uold)),
-      u_init(args.vector(stack, args.start())),
-      motions(stack, args) {}
-
 void report_plain(long verb) {
   if (verb > 1)
     line() << "A less the stiffness of forceold has no answer here, as where it is indefinite: A "

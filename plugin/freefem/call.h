@@ -8,12 +8,15 @@ namespace frictioncg {
 /// What a call says beside geometry and laws. Every expression of the script is evaluated before
 /// anything is solved or written: one of them may throw, or change what the call works on.
 struct Call {
+  Stack stack;
   const Arguments& args;
-  Settings settings;
-  long verb;
-  Vector b, u_old, u_init;  ///< u_old and u_init empty where they are not given
-  Motions motions;          ///< of obstacles that move
-  Call(Stack stack, const Arguments& arguments, const Expression load);
+  Expression load;
+  Settings settings = read_settings(stack, args);
+  long verb = read_verb(stack, args);
+  Vector b = vector_of(stack, load, "b");
+  Vector u_old = args.vector(stack, p_uold);         ///< empty where it is not given
+  Vector u_init = args.vector(stack, args.start());  ///< likewise
+  Motions motions{stack, args};                      ///< of obstacles that move
 };
 
 /// A may be definite where it is not less the stiffness of contact forces.

@@ -156,15 +156,6 @@ void with_components_in_words(const Scene& scene, const std::function<void()>& m
   }
 }
 
-Motions::Motions(Stack stack, const Arguments& args)
-    : load(args.vector(stack, p_motionload)),
-      before(args.vector(stack, p_motionold)),
-      motion(args.output<KN<double>>(stack, p_motion)),
-      force(args.output<KN<double>>(stack, p_motionforce)),
-      has_load_(args.has(p_motionload)) {
-  guess = copy_of(motion);
-}
-
 void Motions::complete(const MovingObstacles& moving, int d) {
   const RigidObstacles& rigid = moving.rigid;
   const Index n = rigid.dofs();
@@ -180,11 +171,11 @@ void Motions::complete(const MovingObstacles& moving, int d) {
   fill(p_motion, guess.size() > 0, guess);
   fill(p_motionold, before.size() > 0, before);
   const bool any_free = std::count(rigid.free.begin(), rigid.free.end(), 1) > 0;
-  if (any_free && !has_load_)
+  if (any_free && !args.has(p_motionload))
     throw IllegalInput(
         "motionfree sets obstacles free, but there is no motionload; give the forces and moments "
         "on them, 0 where nothing loads them");
-  fill(p_motionload, has_load_, load);
+  fill(p_motionload, args.has(p_motionload), load);
   for (Index k = 0; k < n; ++k) {
     if (rigid.free[k]) continue;
     if (load[k] != 0)

@@ -18,17 +18,17 @@ std::optional<MovingObstacles> read_obstacles(Stack stack, const Arguments& args
 
 /// What a call says of the motions: n_q values each, or none where no obstacle moves.
 struct Motions {
-  Vector load;    ///< of free components the load, of given ones the motion, as b has them
-  Vector before;  ///< of uold
-  Vector guess;   ///< of the answer
-  KN<double>* motion = nullptr;  ///< out: null where it is not asked for
-  KN<double>* force = nullptr;   ///< out, likewise
-  Motions(Stack stack, const Arguments& args);
+  Stack stack;
+  const Arguments& args;
+  /// Of free components the load, of given ones the motion, as b has them.
+  Vector load = args.vector(stack, p_motionload);
+  Vector before = args.vector(stack, p_motionold);  ///< of uold
+  /// Out: null where they are not asked for.
+  KN<double>* motion = args.output<KN<double>>(stack, p_motion);
+  KN<double>* force = args.output<KN<double>>(stack, p_motionforce);
+  Vector guess = copy_of(motion);  ///< of the answer
   /// Sizes, and values; fills what is not given.
   void complete(const MovingObstacles& moving, int d);
-
- private:
-  const bool has_load_;
 };
 
 /// make(), whose refusal of a component gets its words.

@@ -176,7 +176,7 @@ class SolveOnce : public OnSite {
   explicit SolveOnce(const basicAC_F0& args) : OnSite(args, 2), b_(to<KN_<double>>(args[1])) {}
   AnyType operator()(Stack stack) const override {
     return translated(operator_name, [&] {
-      const Call call(stack, arguments_, b_);
+      const Call call{stack, arguments_, b_};
       PointLaws laws;
       const auto scene = read_scene(stack, arguments_, A_, site_, false, laws);
       return result(stack, solve(stack, call, *scene, laws));
@@ -241,7 +241,7 @@ class SolveIncrement : public E_F0mps {
     return translated(operator_name, [&] {
       const PosedProblem posed = posed_by(GetAny<ContactProblemVariable*>((*C_)(stack)));
       refuse_what_C_lacks(arguments_, *posed.scene);
-      const Call call(stack, arguments_, b_);
+      const Call call{stack, arguments_, b_};
       const PointLaws laws = read_laws(stack, arguments_, *posed.scene,
                                        begun_laws(stack, arguments_, posed.laws), posed.laws.gap);
       return result(stack, solve(stack, call, *posed.scene, laws));
@@ -271,7 +271,7 @@ class Renew : public SolveIncrement {
       for (Parameter p : {p_normal, p_obstaclenormal})
         if (arguments_.has(p) && arguments_.dimension(p) != d)
           refuse(name_of(p), " has ", 5 - d, " components, and C is of dimension ", d);
-      const Call call(stack, arguments_, b_);
+      const Call call{stack, arguments_, b_};
       check_vectors(call, posed.scene->dofs);
       PointLaws laws;
       constexpr long own = 2;  // that of C, and the present one

@@ -123,7 +123,7 @@ class SharedSolveOnce : public SolveOnce {
       return solved_alone([&] { return SolveOnce::operator()(stack); });
     opening.alone([&] {
       refuse_options(arguments_, site_.two_bodies());
-      opening.call = std::make_unique<Call>(stack, arguments_, b_);
+      opening.call = std::make_unique<Call>(Call{stack, arguments_, b_});
       set_method(opening.call->settings);
     });
     return opening.together_with(domain.get(), [&] {
@@ -172,7 +172,7 @@ class SharedSolveIncrement : public SolveIncrement {
       refuse_obstacles(arguments_);
       refuse_options(arguments_, posed.shared->interface != nullptr);
       refuse_friction_of_none("P", arguments_, *posed.scene);
-      opening.call = std::make_unique<Call>(stack, arguments_, b_);
+      opening.call = std::make_unique<Call>(Call{stack, arguments_, b_});
       set_method(opening.call->settings);
       opening.laws = begun_laws(stack, arguments_, posed.laws);
     });

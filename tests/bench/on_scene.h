@@ -38,7 +38,7 @@ class OnScene : public E_F0mps {
   }
   AnyType operator()(Stack stack) const override {
     return translated(Body::name, [&] {
-      const Call call(stack, arguments_, b_);
+      const Call call{stack, arguments_, b_};
       PointLaws laws;
       const auto scene = read_scene(stack, arguments_, A_, site_, true, laws);
       const LocalIncrement now = increment(Vectors(call, *scene), *scene, laws);
