@@ -46,8 +46,7 @@ void forbid(Parameter p, const std::string& rule) {
 }
 
 /// Those of several that are there.
-template <std::size_t count>
-void forbid(const Arguments& args, const Parameter (&of)[count], const char* rule) {
+void forbid(const Arguments& args, std::initializer_list<Parameter> of, const char* rule) {
   for (Parameter p : of)
     if (args.has(p)) forbid(p, rule);
 }
@@ -295,6 +294,12 @@ template KNM<double>* Arguments::value(Stack, Parameter) const;
 
 Vector Arguments::vector(Stack stack, Parameter p) const {
   return has(p) ? vector_of(stack, named_[p], name_of(p)) : Vector();
+}
+
+Vector Arguments::vector(Stack stack, Parameter p, const DofCount& dofs) const {
+  const Vector v = vector(stack, p);
+  if (has(p)) check_vector(v, name_of(p), dofs);
+  return v;
 }
 
 std::vector<long> Arguments::integers(Stack stack, Parameter p) const {

@@ -56,13 +56,11 @@ class Arguments {
   void allow_only(std::initializer_list<Parameter> allowed) const;
   bool has(Parameter p) const { return named_[p] != nullptr; }
   /// Whether one of several is there.
-  template <std::size_t count>
-  bool has_any(const Parameter (&of)[count]) const {
-    return std::any_of(of, of + count, [this](Parameter p) { return has(p); });
+  bool has_any(std::initializer_list<Parameter> of) const {
+    return std::any_of(of.begin(), of.end(), [this](Parameter p) { return has(p); });
   }
   /// Refuses those of several that are there.
-  template <std::size_t count>
-  void refuse(const Parameter (&of)[count], const char* why) const {
+  void refuse(std::initializer_list<Parameter> of, const char* why) const {
     for (Parameter p : of)
       if (has(p)) frictioncg::refuse(name_of(p), " ", why);
   }
@@ -84,6 +82,8 @@ class Arguments {
   }
   Vector vector(Stack stack, Parameter p) const;               ///< empty where it is not given
   std::vector<long> integers(Stack stack, Parameter p) const;  ///< likewise
+  /// Likewise, and checked where it is given.
+  Vector vector(Stack stack, Parameter p, const DofCount& dofs) const;
   /// Of normal, obstaclenormal, direction or pivot.
   double component(Stack stack, Parameter p, int c) const;
   Expression expression(Parameter p) const { return named_[p]; }

@@ -32,17 +32,13 @@ void face_bodies(Stack stack, const Arguments& args, const Expression A, Scene& 
   options.weight = slave_weights(stack, args, scene);
   if (scene.force.size() > 0) options.force = scene.pairing->at_nodes(scene.force);
   Vector u_old;  // where the increment of a geometry that moves began
-  if (scene.at && args.has(p_uold)) {
-    u_old = args.vector(stack, p_uold);
-    check_vector(u_old, "uold", scene.dofs);
-  }
+  if (scene.at) u_old = args.vector(stack, p_uold, scene.dofs);
   const Triplets matrix = matrix_of(stack, A, scene.dofs);  // once no expression may change A
   refuse_exchanged_blocks(scene, matrix);
-  constexpr Parameter chosen[] = {p_maxgap, p_smooth, p_normal, p_weight};
+  const bool again = !args.has_any({p_maxgap, p_smooth, p_normal, p_weight});
   const Stopwatch watch(scene.copy_seconds);
   const std::vector<BoundaryNode> of_obstacle = std::move(scene.nodes);
-  scene.nodes =
-      scene.pairing->face(matrix, options, u_old, of_obstacle, scene.places, !args.has_any(chosen));
+  scene.nodes = scene.pairing->face(matrix, options, u_old, of_obstacle, scene.places, again);
   scene.nodes.insert(scene.nodes.end(), of_obstacle.begin(), of_obstacle.end());
   scene.beside_pairs = of_obstacle.size();
 }
@@ -108,10 +104,7 @@ void face(Stack stack, const Arguments& args, const Expression A, Scene& scene) 
     const std::vector<NodePlace> places = scene.places();
     follow_free_motions(matrix_of(stack, A, scene.dofs), places, extent_of(places), scene);
   }
-  if (args.has(p_forceold)) {
-    scene.force = args.vector(stack, p_forceold);
-    check_vector(scene.force, name_of(p_forceold), scene.dofs);
-  }
+  if (args.has(p_forceold)) scene.force = args.vector(stack, p_forceold, scene.dofs);
   if (scene.pairing) face_bodies(stack, args, A, scene);
 }
 

@@ -428,15 +428,14 @@ void refuse_lost_penalties(const Scene& scene, const Triplets& A) {
         if (j >= 0 && j < A.n && diagonal[j] > diagonal[i]) i = j;
     }
     if (i >= A.n || diagonal[i] < of_penalty * system.D[k]) continue;
-    std::ostringstream m;
-    m << "A(" << i << "," << i << ") = " << diagonal[i] << at
-      << (aslant ? " is of a penalty along a direction between the axes (at contact nodes, between "
-                   "normal and tangents), so large that A has rounded away what the body resists "
-                   "across it"
-                 : " is of a penalty at a node that may touch, so large that the force of the "
-                   "contact there is lost in the rounding of its own")
-      << "; take 1e8 times the stiffness, which holds as well, or on() along an axis";
-    throw IllegalInput(m.str());
+    refuse(
+        "A(", i, ",", i, ") = ", diagonal[i], at,
+        (aslant ? " is of a penalty along a direction between the axes (at contact nodes, between "
+                  "normal and tangents), so large that A has rounded away what the body resists "
+                  "across it"
+                : " is of a penalty at a node that may touch, so large that the force of the "
+                  "contact there is lost in the rounding of its own"),
+        "; take 1e8 times the stiffness, which holds as well, or on() along an axis");
   }
 }
 

@@ -71,18 +71,18 @@ enum Parameter {
 const char* name_of(Parameter p);
 
 /// The parameters that give a contact problem its tangential laws.
-constexpr Parameter frictions[] = {p_mu, p_cohesion, p_slidinglimit};
+constexpr std::initializer_list<Parameter> frictions = {p_mu, p_cohesion, p_slidinglimit};
 /// The tractions that bound friction, which contact integrates.
-constexpr Parameter tractions[] = {p_cohesion, p_shearmax, p_slidinglimit};
+constexpr std::initializer_list<Parameter> tractions = {p_cohesion, p_shearmax, p_slidinglimit};
 /// What an obstacle beside pairs of bodies has.
-constexpr Parameter of_obstacle_beside_pairs[] = {p_obstacle, p_obstaclegap, p_obstaclenormal,
-                                                  p_obstacleforce};
+constexpr std::initializer_list<Parameter> of_obstacle_beside_pairs = {
+    p_obstacle, p_obstaclegap, p_obstaclenormal, p_obstacleforce};
 /// What a new matrix of a contactproblem may bring along.
-constexpr Parameter of_geometry[] = {p_normal, p_obstaclenormal, p_maxgap, p_smooth, p_weight,
-                                     p_at,     p_forceold};
+constexpr std::initializer_list<Parameter> of_geometry = {
+    p_normal, p_obstaclenormal, p_maxgap, p_smooth, p_weight, p_at, p_forceold};
 /// What lets an obstacle move.
-constexpr Parameter of_moving_obstacle[] = {p_pivot,      p_obstacles, p_motionfree, p_motion,
-                                            p_motionload, p_motionold, p_motionforce};
+constexpr std::initializer_list<Parameter> of_moving_obstacle = {
+    p_pivot, p_obstacles, p_motionfree, p_motion, p_motionload, p_motionold, p_motionforce};
 
 /// A table of the values that a string parameter may take.
 template <class T>

@@ -26,9 +26,7 @@ inline std::vector<InterfaceNode> interface_nodes(Stack stack, const Arguments& 
   };
   const auto given = [&](Parameter p) -> std::vector<Vec3> {
     if (!args.has(p)) return {};
-    const Vector v = args.vector(stack, p);
-    check_vector(v, name_of(p), scene.dofs);
-    return scene.pairing->at_nodes(v);
+    return scene.pairing->at_nodes(args.vector(stack, p, scene.dofs));
   };
   if (scene.at) {
     set(&InterfaceNode::now, faces.moved);
