@@ -137,7 +137,7 @@ void add_points(const SharedNode& node, std::size_t i, int d, const SurfaceNorma
   if (averaged) groups = {node.facets};
   const Vec3 mean = mean_normal(node.facets);
   for (const FacetGroup& group : groups) {
-    BoundaryNode p;
+    BoundaryNode p{group.front()};
     p.point.dof = node.dof;
     const FanNormal found = averaged ? FanNormal{mean, 0} : normal(i, group);
     p.point.normal = found.normal;
@@ -145,7 +145,6 @@ void add_points(const SharedNode& node, std::size_t i, int d, const SurfaceNorma
     p.x = node.x + node.aside;
     p.moved = node.moved;
     p.aside = node.aside;
-    p.set_place(group.front());
     p.mean = mean;
     p.averaged = averaged;
     p.facets = group;
@@ -199,11 +198,6 @@ std::vector<BoundaryNode> contact_points(int d, Boundary boundary, const Boundar
 bool any_curved(const std::vector<BoundaryNode>& points) {
   return std::any_of(points.begin(), points.end(),
                      [](const auto& p) { return p.deciding().turn > 0; });
-}
-
-bool any_begun(const std::vector<BoundaryNode>& points) {
-  return std::any_of(points.begin(), points.end(),
-                     [](const auto& p) { return p.begun != nullptr; });
 }
 
 void follow_by_body(int d, const std::vector<Index>& body, Index bodies, bool has_begun,

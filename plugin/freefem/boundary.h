@@ -65,7 +65,7 @@ struct Boundary {
 /// A contact point as FreeFEM sees it: one normal of a node, where to evaluate expressions, and its
 /// share of the boundary. A node in a corner has several.
 struct BoundaryNode : FacetPoint {
-  ContactPoint point;
+  ContactPoint point = {};
   Vec3 x = Vec3::Zero();
   double weight = 0;  ///< integral of its shape function over the facets of this normal, weighted
   Vec3 moved =
@@ -75,11 +75,9 @@ struct BoundaryNode : FacetPoint {
   Vec3 mean = Vec3::Zero();  ///< mean outward normal of all facets at the node; 0 where they cancel
   double turn = 0;           ///< angle to its facets, of a curved surface; 0 where that is flat
   bool averaged = false;     ///< it stands for more normals than the node can obey
-  std::vector<AdjacentFacet> facets;    ///< of this normal; none between two bodies
-  std::shared_ptr<BoundaryNode> begun;  ///< itself where the increment began; null: here
+  std::vector<AdjacentFacet> facets = {};    ///< of this normal; none between two bodies
+  std::shared_ptr<BoundaryNode> begun = {};  ///< itself where the increment began; null: here
   const BoundaryNode& deciding() const { return begun ? *begun : *this; }
-  /// As the facet sees it.
-  void set_place(const FacetPoint& seen) { FacetPoint::operator=(seen); }
 };
 
 /// A node of a boundary with a label: its share is the integral of its trace.
@@ -110,9 +108,6 @@ void merge_equal_normals(std::vector<BoundaryNode>& points);
 
 /// Whether points are on a curved surface, where that is decided.
 bool any_curved(const std::vector<BoundaryNode>& points);
-
-/// Whether any of them has been elsewhere where the increment began.
-bool any_begun(const std::vector<BoundaryNode>& points);
 
 /// follow(body, points, decided): which motions the points of the body have been made tangential
 /// to.

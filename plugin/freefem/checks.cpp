@@ -87,10 +87,9 @@ struct OneValue {
 };
 
 /// Of a component, the labels whose free nodes all have one value of b, but 0, by that value.
-std::map<Real, OneValue> labels_of_one_value(const Scene& scene, const Vector& b, int c,
-                                             const std::vector<LabelledNode>& nodes) {
+std::map<Real, OneValue> labels_of_one_value(const Scene& scene, const Vector& b, int c) {
   std::map<std::pair<int, long>, std::vector<const LabelledNode*>> of_label;
-  for (const LabelledNode& n : nodes)
+  for (const LabelledNode& n : scene.labelled())
     if (!scene.holds(n.dof[c])) of_label[{n.space, n.label}].push_back(&n);
   std::map<Real, OneValue> found;
   for (const auto& [label, own] : of_label) {
@@ -354,9 +353,8 @@ Real check_data(const Scene& scene, const Vector& b, const Vector& u0) {
 void check_one_value(const Scene& scene, const Vector& b, long verb) {
   const bool refused = scene.system->dirichlet().has_unit_rows();
   if (!refused && verb == 0) return;
-  const std::vector<LabelledNode>& nodes = scene.labelled();
   for (int c = 0; c < scene.d; ++c)
-    for (const auto& [value, one] : labels_of_one_value(scene, b, c, nodes)) {
+    for (const auto& [value, one] : labels_of_one_value(scene, b, c)) {
       if (!one.like_data() || one.share.size() != count_value(scene, b, c, value)) continue;
       std::ostringstream m;
       m << "b is " << value << " at each node of a boundary, its ends included, as on(";

@@ -75,8 +75,7 @@ double weighted_share(Stack stack, const Arguments& args, const AdjacentFacet& f
   double at_node = 0, mean = 0;
   for (int v = 0; v <= d; ++v) {
     if (v == facet.facet) continue;
-    BoundaryNode vertex;
-    vertex.set_place(facet);
+    BoundaryNode vertex{facet};
     vertex.hat = Vec3(v == 1, v == 2, v == 3);
     vertex.point.normal = facet.normal / length(facet.normal);
     vertex.x = facet.space->go_to(stack, vertex);

@@ -344,11 +344,10 @@ BoundaryNode Pairing::slave_node(Index i, long label) const {
   const auto has_it = [label](const AdjacentFacet& f) { return f.label == label; };
   auto facet = std::find_if(shared.facets.begin(), shared.facets.end(), has_it);
   if (facet == shared.facets.end()) facet = shared.facets.begin();
-  BoundaryNode node;
+  BoundaryNode node{*facet};
   node.point.dof = shared.dof;
   node.point.normal = facet->normal / length(facet->normal);
   node.x = shared.x;
-  node.set_place(*facet);
   return node;
 }
 

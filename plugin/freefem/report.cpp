@@ -1,7 +1,6 @@
 #include "report.h"
 
 #include <iostream>
-#include <iterator>
 
 #include "node_values.h"
 

@@ -1,6 +1,5 @@
 #pragma once
 #include <chrono>
-#include <iosfwd>
 
 #include "../core/clock.h"
 #include "../core/model/certificate.h"

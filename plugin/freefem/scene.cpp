@@ -2,7 +2,6 @@
 
 #include <mutex>
 
-#include "../core/assembly/triplets.h"
 #include "../core/assembly/turning_normals.h"
 #include "../core/clock.h"
 #include "checks.h"
@@ -222,7 +221,7 @@ void follow_free_motions(const Triplets& A, const std::vector<NodePlace>& places
     of_obstacles.rightCols(1) = generators.about(scene.moving->pivot[q / each], q % each);
   }
   const auto sum = [&](Real* values, Index count) { all.sum(values, count); };
-  const bool has_begun = all.largest(any_begun(scene.nodes)) > 0;
+  const bool has_begun = scene.spaces.front()->begun() != nullptr;
   follow_by_body(scene.d, body, bodies, has_begun, scene.nodes,
                  [&](Index b, std::vector<PointNormal>& points, DecidedSlips decided) {
                    const DenseMatrix& own = freedom.of_body[b];

@@ -3,7 +3,6 @@
 #include "space.h"
 
 #include "../core/assembly/mortar/surface.h"
-#include "../core/assembly/mortar/topology.h"
 
 namespace frictioncg {
 
