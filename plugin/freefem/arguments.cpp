@@ -21,13 +21,6 @@ std::vector<long> copy_of(const KN_<long>& v) {
   return copy;
 }
 
-/// How A comes to have as many dofs.
-const char* assemble(const DofCount& dofs) {
-  return dofs.first == 0 ? "assemble A on the present Vh"
-                         : "give the matrix of both bodies, A = [[A1, 0], [0, A2]], and b = [b1, "
-                           "b2], or name once a space that has both";
-}
-
 /// Refuses the blocks of two bodies that come in the other order: nothing else would tell, where
 /// the sizes add up. Couplings that the script has put between the bodies are none of it.
 void refuse_other_order(const Triplets& A, const DofCount& dofs) {
@@ -224,9 +217,11 @@ Triplets matrix_of(Stack stack, Expression expression, const DofCount& dofs) {
     Matrice_Creuse<double>* const A = GetAny<Matrice_Creuse<double>*>((*expression)(stack));
     HashMatrix<int, double>* H = A ? A->pHM() : nullptr;
     if (!H) throw IllegalInput("A is empty; assemble it first, as in matrix A = a(Vh, Vh)");
-    if (H->n != dofs.count || H->m != dofs.count) {
-      refuse("A is ", H->n, " x ", H->m, " but ", dofs.in_words(), "; ", assemble(dofs));
-    }
+    if (H->n != dofs.count || H->m != dofs.count)
+      refuse("A is ", H->n, " x ", H->m, " but ", dofs.in_words(),
+             (dofs.first == 0 ? "; assemble A on the present Vh"
+                              : "; give the matrix of both bodies, A = [[A1, 0], [0, A2]], and b = "
+                                "[b1, b2], or name once a space that has both"));
     Triplets t;
     t.n = H->n;
     t.size = H->nnz;

@@ -172,10 +172,9 @@ void set_orthotropy(Stack stack, const Arguments& args, const Vector& mu, Scene&
   const auto guard = point_guard(stack);
   for (std::size_t k = 0; k < scene.nodes.size(); ++k) {
     BoundaryNode& node = scene.nodes[k];
-    if ((mu[k] > 0) != (mu2[k] > 0)) {
+    if ((mu[k] > 0) != (mu2[k] > 0))
       refuse("mu = ", mu[k], " but mu2 = ", mu2[k], " at ", place(node, scene.d),
              "; both coefficients are > 0, or both are 0");
-    }
     if (mu[k] == 0) continue;
     ContactPoint& p = node.point;
     p.direction = unit_vector(stack, args, p_direction, node);
