@@ -31,8 +31,8 @@ struct Coupling {
 using Places = std::vector<Index>;
 
 /// A in the local dofs: T = [T_w, T_D], A_local = T_w'A T_w, and K = T_w'A T_D, the forces of
-/// prescribed displacements. One pass over the triplets builds the rows; only entries that touch a
-/// row of T with several entries take a sparse product, T'(their part of A)T.
+/// prescribed displacements. Only entries that touch a row of T with several entries take a sparse
+/// product, T'(their part of A)T.
 ///
 /// For a matrix that comes again with other values A_local has the pattern of the last one, and
 /// places, of the last one, too, or empty, say where to look first. Where A has an entry outside
