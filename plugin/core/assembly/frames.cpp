@@ -17,28 +17,6 @@ constexpr Real parallel = 1e-12;
 
 Real cleaned(Real component) { return std::abs(component) > aligned ? component : 0; }
 
-/// Nearly all rows are rows of the identity, 1 at column unit[i]; where that is -1 the row has the
-/// entries given for it, of which equal places add.
-Matrix with_unit_rows(const std::vector<Index>& unit, Index columns, EntryList& entries) {
-  std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) {
-    return std::make_pair(a.row(), a.col()) < std::make_pair(b.row(), b.col());
-  });
-  Matrix M(unit.size(), columns);
-  M.reserve(unit.size() + entries.size());
-  auto e = entries.begin();
-  for (Index i = 0; i < M.rows(); ++i) {
-    M.startVec(i);
-    if (unit[i] >= 0) M.insertBack(i, unit[i]) = 1;
-    Real* value = nullptr;
-    for (Index last = -1; e != entries.end() && e->row() == i; last = e++->col()) {
-      if (e->col() != last) value = &(M.insertBack(i, e->col()) = 0);
-      *value += e->value();
-    }
-  }
-  M.finalize();
-  return M;
-}
-
 /// Finds the frames, numbers the local dofs, and fills the basis.
 class Framing {
  public:
@@ -138,8 +116,6 @@ class Framing {
     const auto orthogonalize = [&](int k) {
       for (int q = 0; q < k; ++q)
         orthonormal.row(k) -= orthonormal.row(k).dot(orthonormal.row(q)) * orthonormal.row(q);
-      for (int c = 0; c < d_; ++c)
-        if (dirichlet_.holds(f.dof[c])) orthonormal(k, c) = 0;
       orthonormal.row(k).normalize();
     };
     for (int k = 0; k < normals; ++k) orthogonalize(k);
@@ -227,13 +203,12 @@ class Framing {
   }
   void fill(Index n) {
     const Index w = basis_.local_dofs();
-    std::vector<Index> of_u(n, -1), of_w(w, -1);  // where a row is one of the identity
-    for (Index p = 0; p < unframed_; ++p) {
-      of_w[p] = basis_.origin[p];
-      of_u[basis_.origin[p]] = p;
-    }
-    for (Index k = 0; k < dirichlet_.size(); ++k) of_u[dirichlet_.dof(k)] = w + k;
     EntryList T, W;
+    for (Index p = 0; p < unframed_; ++p) {
+      T.emplace_back(basis_.origin[p], p, 1);
+      W.emplace_back(p, basis_.origin[p], 1);
+    }
+    for (Index k = 0; k < dirichlet_.size(); ++k) T.emplace_back(dirichlet_.dof(k), w + k, 1);
     for (const Frame& f : frames_)
       for (int c = 0; c < d_; ++c) {
         const bool held = dirichlet_.holds(f.dof[c]);
@@ -250,8 +225,8 @@ class Framing {
         }
         basis_.rotated |= entries > 1;
       }
-    basis_.T = with_unit_rows(of_u, w + dirichlet_.size(), T);
-    basis_.W = with_unit_rows(of_w, n, W);
+    basis_.T = sparse(n, w + dirichlet_.size(), T);
+    basis_.W = sparse(w, n, W);
   }
 
   const int d_;
