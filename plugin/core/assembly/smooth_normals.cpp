@@ -67,12 +67,8 @@ class Estimator {
     for (Index f : fan.facets)
       for (Index i : s_.facets[f].vertex)
         if (i != fan.vertex) ends.push_back(i);
-    std::sort(ends.begin(), ends.end());
-    for (std::size_t k = 0, q; k < ends.size(); k = q) {
-      for (q = k + 1; q < ends.size() && ends[q] == ends[k];) ++q;
-      if (q == k + 1) return true;
-    }
-    return false;
+    return std::any_of(ends.begin(), ends.end(),
+                       [&](Index i) { return std::count(ends.begin(), ends.end(), i) == 1; });
   }
   bool is_plane(const Fan& fan, const Vec3& n) const {
     return std::all_of(fan.facets.begin(), fan.facets.end(),

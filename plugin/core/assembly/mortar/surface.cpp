@@ -1,7 +1,5 @@
 #include "assembly/mortar/surface.h"
 
-#include <Eigen/LU>
-
 namespace frictioncg::mortar {
 
 std::string place(int d, const Vec3& x) {
@@ -38,8 +36,7 @@ namespace {
 constexpr Real degenerate = 1e-14;
 
 [[noreturn]] void refuse_flat(const Facet& facet, const Vec3& at) {
-  refuse("a facet of label ", facet.label, " at (", at[0], ", ", at[1], ", ", at[2],
-         ") has no extent");
+  refuse("a facet of label ", facet.label, " at ", place(3, at), " has no extent");
 }
 
 }  // namespace
