@@ -136,12 +136,6 @@ Vector multiply_apart(const System& system, const Vector& w, Vector& Aw) {
 }  // namespace
 
 /// F = T'b - K u_D - A w_old
-LocalLoad LocalSystem::load(const Vector& b, const Vector& u_old) const {
-  require_size("b", Index(b.size()), Index(basis_->T.rows()), "dof");
-  if (u_old.size() > 0) require_size("u_old", Index(u_old.size()), Index(basis_->T.rows()), "dof");
-  return load_from(b, u_old.size() > 0 ? to_local(u_old) : u_old);
-}
-
 LocalLoad LocalSystem::load_from(const Vector& b, const Vector& w_old, bool as_known) const {
   LocalLoad load;
   const Index w = basis_->local_dofs();
@@ -149,7 +143,7 @@ LocalLoad LocalSystem::load_from(const Vector& b, const Vector& w_old, bool as_k
   load.start.tail(fixed_dofs()) = dirichlet_.data(b);
   load.external = (basis_->T.transpose() * b).head(w);
   load.total = load.external - K_ * load.start.tail(fixed_dofs());
-  load.sizes = load.external.cwiseAbs() + magnitude(K_, load.start.tail(fixed_dofs()));
+  load.sizes = load.external.cwiseAbs() + K_.cwiseAbs() * load.start.tail(fixed_dofs()).cwiseAbs();
   load.F = load.total;
   if (w_old.size() == 0) return load;
   load.start.head(w) = w_old;
@@ -179,7 +173,9 @@ void set_load(const LocalLoad& load, const System& system, Increment& increment)
 
 LocalIncrement LocalSystem::increment(const Vector& b, const Vector& u_old,
                                       const PointLaws& laws) const {
-  return increment(load(b, u_old), laws);
+  require_size("b", Index(b.size()), Index(basis_->T.rows()), "dof");
+  if (u_old.size() > 0) require_size("u_old", Index(u_old.size()), Index(basis_->T.rows()), "dof");
+  return increment(load_from(b, u_old.size() > 0 ? to_local(u_old) : u_old), laws);
 }
 
 LocalIncrement LocalSystem::increment(const LocalLoad& load, const PointLaws& laws) const {

@@ -72,9 +72,8 @@ class LocalSystem {
   /// where A does not have the couplings that Dirichlet data need.
   LocalIncrement increment(const Vector& b, const Vector& u_old, const PointLaws& laws) const;
 
-  /// The load of that increment alone, and the increment under it.
-  LocalLoad load(const Vector& b, const Vector& u_old) const;
-  /// The state in local dofs. as_known: b is rounded by as much as A w_old, as with b = K U + r.
+  /// The load of that increment alone, by the state in local dofs, and the increment under it.
+  /// as_known: b is rounded by as much as A w_old, as with b = K U + r.
   LocalLoad load_from(const Vector& b, const Vector& w_old, bool as_known = false) const;
   LocalIncrement increment(const LocalLoad& load, const PointLaws& laws) const;
 

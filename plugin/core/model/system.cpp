@@ -139,8 +139,6 @@ Bodies bodies_of(const Matrix& A) {
   return bodies;
 }
 
-Vector magnitude(const Matrix& A, const Vector& x) { return A.cwiseAbs() * x.cwiseAbs(); }
-
 namespace {
 
 /// Over the usual stiffness: supports below hide nothing that tol asks for.

@@ -65,7 +65,7 @@ struct System : BodyShape {  // with motions in local frames
   Index tangents(Index i) const { return first[i + 1] - first[i] - 1; }
 
   virtual void multiply(const Vector& x, Vector& Ax) const = 0;  ///< Ax = A x
-  /// The same; returns |A||x|: what A x is summed of.
+  /// The same; returns |A||x|: rounding of Ax is about 2^-53 of it.
   virtual Vector multiply_sized(const Vector& x, Vector& Ax) const = 0;
   /// r -= A dx, where dx_C (contact_dofs) alone is not 0, by the rows of what moved.
   virtual void move_contact(const Vector& dx_C, Vector& r) const = 0;
@@ -120,9 +120,6 @@ bool costs_no_energy(const System& system, const Vector& w);
 /// Whether p'Ap < 0 beyond the rounding of |p|'|A||p|, on the matrix itself: what a method met on
 /// its way may be drift, or the rounding of an elimination. p: n, or empty on all processes.
 bool costs_negative_energy(const System& system, const Vector& p);
-
-/// |A||x|, the sum of the sizes of what Ax is summed of: rounding of Ax is about 2^-53 of it.
-Vector magnitude(const Matrix& A, const Vector& x);
 
 /// One stiffness per mesh node, the mean of its part of diag(A), spread over its dofs: a trace,
 /// which does not turn with the axes. A contact node has two, of its normal and of its tangents,

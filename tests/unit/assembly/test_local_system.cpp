@@ -264,10 +264,9 @@ TEST(LocalSystem, TheStateOfALoadMayBeGivenInLocalDofs) {
   const Scene s = small(false, 0.3);
   const LocalSystem system(s.triplets(), 2, s.points);
   const Vector u = Vector::LinSpaced(s.n, -1, 2);
-  const LocalLoad of_script = system.load(s.b, u),
-                  local = system.load_from(s.b, system.to_local(u));
-  EXPECT_EQ(local.F, of_script.F);
-  EXPECT_NE(local.F, system.load(s.b, {}).F);
+  const Vector F = system.load_from(s.b, system.to_local(u)).F;
+  EXPECT_EQ(F, system.increment(s.b, u, s.laws()).increment.F);
+  EXPECT_NE(F, system.increment(s.b, {}, s.laws()).increment.F);
 }
 
 TEST(LocalSystem, TheRoundingOfALoadIsThatOfTheTermsItIsSummedOf) {

@@ -132,7 +132,7 @@ TEST(Obstacles, GivenMotionsAreDirichletData) {
   EXPECT_EQ(s.local->system()->border.cols(), 0);
   Vector b = Vector::Zero(s.scene.n + 6);
   b.tail(6) << 1, 2, 3, 4, 5, 6;
-  const LocalLoad load = s.local->load(b, {});
+  const LocalLoad load = s.local->load_from(b, {});
   EXPECT_NEAR(
       (s.local->to_global(Vector::Zero(s.local->system()->dofs()), s.local->basis().T * load.start)
            .tail(6) -

@@ -329,12 +329,10 @@ TEST(Certificate, APenetrationWithoutALoadIsMeasuredByTheForceThatClosesIt) {
 }
 
 TEST(Certificate, MagnitudeIsTheProductOfTheSizes) {
-  Matrix A(2, 2);
-  A.insert(0, 0) = 2;
-  A.insert(0, 1) = -3;
-  A.insert(1, 0) = -3;
-  A.insert(1, 1) = 5;
-  const Vector size = magnitude(A, Eigen::Vector2d(1, -1));
+  AssembledSystem s;
+  s.A = sparse(2, 2, {{0, 0, 2}, {0, 1, -3}, {1, 0, -3}, {1, 1, 5}});
+  Vector Ax;
+  const Vector size = s.multiply_sized(Eigen::Vector2d(1, -1), Ax);
   EXPECT_EQ(size[0], 5);
   EXPECT_EQ(size[1], 8);
 }
