@@ -97,15 +97,12 @@ class Entries {
 /// M, which is empty, of entries in any order; those of one place add. By setFromTriplets the
 /// transformation would take twice as long, and more memory. Threads share rows.
 void fill(Matrix& M, const Entries& entries, bool zeros) {
-  const Index n = static_cast<Index>(M.rows());
-  Index* const row = M.outerIndexPtr();
-  entries.for_each(zeros, [&](Index, Index p, Index, Real) { ++row[p + 1]; });
-  std::partial_sum(row, row + n + 1, row);
-  M.resizeNonZeros(row[n]);
-  M.uncompress();
+  std::vector<Index> lengths(M.rows(), 0);
+  entries.for_each(zeros, [&](Index, Index p, Index, Real) { ++lengths[p]; });
+  M.reserve(lengths);
+  const Index* const row = M.outerIndexPtr();
   Index *const col = M.innerIndexPtr(), *const length = M.innerNonZeroPtr();
   Real* const a = M.valuePtr();
-  std::fill_n(length, n, 0);
   entries.for_each(zeros, [&](Index, Index p, Index q, Real value) {
     const Index at = row[p] + length[p]++;
     col[at] = q;
@@ -127,6 +124,7 @@ void fill(Matrix& M, const Entries& entries, bool zeros) {
       length[p] = at - row[p];
     }
   };
+  const Index n = static_cast<Index>(M.rows());
   with_threads(n, [&] { in_ranges(n, sort_rows); });
   M.makeCompressed();
 }
