@@ -26,12 +26,11 @@ RigidCandidates::RigidCandidates(const System& of_system)
     for (Matrix::InnerIterator m(M, i); m; ++m)
       if (std::exchange(last[m.col()], bodies.of[i]) != bodies.of[i])
         pairs.push_back(Real(bodies.of[i]) * count() + m.col());
-  Vector all = system_.gathered(Eigen::Map<const Vector>(pairs.data(), Index(pairs.size())));
-  std::sort(all.begin(), all.end());
+  const Vector all = system_.gathered(Eigen::Map<const Vector>(pairs.data(), Index(pairs.size())));
+  pairs.assign(all.begin(), all.end());
+  sort_once(pairs);
   of_body.resize(bodies.count);
-  const auto end = std::unique(all.begin(), all.end());
-  for (auto pair = all.begin(); pair != end; ++pair)
-    of_body[Index(*pair / count())].push_back(Index(std::fmod(*pair, count())));
+  for (Real pair : pairs) of_body[Index(pair / count())].push_back(Index(std::fmod(pair, count())));
 }
 
 void RigidCandidates::sum(std::vector<DenseMatrix>& of_bodies) const {

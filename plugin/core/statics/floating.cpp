@@ -35,76 +35,64 @@ DenseMatrix candidates_of_a_body(const DenseMatrix& in_A, const DenseMatrix& in_
   return V * ritz.vectors.leftCols(count);
 }
 
-/// The rigid ones among combinations of candidates. Bodies share no entry of A: one product tries a
-/// combination of each.
-class RigidMotions {
- public:
-  RigidMotions(const System& system, const RigidCandidates& all)
-      : system_(system), all_(all), W_(system.dofs(), 0) {}
-
-  /// c: of each body, as columns over its own candidates. Adds those that are motions, and says
-  /// which they are.
-  std::vector<std::vector<Index>> add(const std::vector<Matrix>& c) {
-    std::vector<std::vector<Index>> accepted(c.size());
-    const Matrix T = combined(c);
-    if (T.cols() == 0) return accepted;
-    DenseMatrix size = DenseMatrix::Zero(T.cols(), all_.bodies.count), energy = size;
-    system_.product(T, [&](Index i, const std::vector<Index>&, const Vector& AT) {
-      const Index body = all_.bodies.of[i];
-      for (Matrix::InnerIterator t(T, i); t; ++t) {
-        size(t.col(), body) += system_.D[i] * t.value() * t.value();
-        energy(t.col(), body) += t.value() * AT[t.col()];
+/// Row by row the candidates times the combinations c of the row's body.
+Matrix combined(const RigidCandidates& all, const std::vector<Matrix>& c) {
+  Index most = 0;
+  for (const Matrix& of_body : c) most = std::max(most, Index(of_body.cols()));
+  Matrix T(all.M.rows(), most);
+  Vector sum = Vector::Zero(most);
+  std::set<Index> columns;
+  for (Index i = 0; i < T.rows(); ++i) {
+    const Index body = all.bodies.of[i];
+    for (Matrix::InnerIterator m(all.M, i); m; ++m)
+      for (Matrix::InnerIterator x(c[body], all.place(body, Index(m.col()))); x; ++x) {
+        sum[x.col()] += m.value() * x.value();
+        columns.insert(Index(x.col()));
       }
-    });
-    system_.sum(size.data(), Index(size.size()));
-    system_.sum(energy.data(), Index(energy.size()));
-    Eigen::MatrixXi column = Eigen::MatrixXi::Constant(T.cols(), all_.bodies.count, -1);
-    const Index before = Index(W_.cols());
-    Index after = before;
-    for (Index body = 0; body < all_.bodies.count; ++body)
-      for (Index j = 0; j < Index(c[body].cols()); ++j) {
-        if (!(size(j, body) > 0) || !costs_no_energy(energy(j, body), size(j, body))) continue;
-        column(j, body) = after++;
-        accepted[body].push_back(j);
-      }
-    W_.conservativeResize(Eigen::NoChange, after);
-    W_.rightCols(after - before).setZero();
-    for (Index i = 0; i < W_.rows(); ++i)
-      for (Matrix::InnerIterator t(T, i); t; ++t) {
-        const Index body = all_.bodies.of[i], k = column(t.col(), body);
-        if (k >= 0) W_(i, k) = t.value() / std::sqrt(size(t.col(), body));
-      }
-    return accepted;
+    T.startVec(i);
+    for (Index j : columns) T.insertBack(i, j) = std::exchange(sum[j], 0);
+    columns.clear();
   }
-  const DenseMatrix& columns() const { return W_; }
+  T.finalize();
+  return T;
+}
 
- private:
-  /// Row by row the candidates times the combinations of the row's body.
-  Matrix combined(const std::vector<Matrix>& c) const {
-    Index most = 0;
-    for (const Matrix& of_body : c) most = std::max(most, Index(of_body.cols()));
-    Matrix T(all_.M.rows(), most);
-    Vector sum = Vector::Zero(most);
-    std::set<Index> columns;
-    for (Index i = 0; i < T.rows(); ++i) {
-      const Index body = all_.bodies.of[i];
-      for (Matrix::InnerIterator m(all_.M, i); m; ++m)
-        for (Matrix::InnerIterator x(c[body], all_.place(body, Index(m.col()))); x; ++x) {
-          sum[x.col()] += m.value() * x.value();
-          columns.insert(Index(x.col()));
-        }
-      T.startVec(i);
-      for (Index j : columns) T.insertBack(i, j) = std::exchange(sum[j], 0);
-      columns.clear();
+/// c: combinations of each body, as columns over its own candidates. Adds those that are rigid
+/// motions to W (n x k), <Dw,w> = 1, and says which they are. Bodies share no entry of A: one
+/// product tries a combination of each.
+std::vector<std::vector<Index>> add_rigid(const System& system, const RigidCandidates& all,
+                                          const std::vector<Matrix>& c, DenseMatrix& W) {
+  std::vector<std::vector<Index>> accepted(c.size());
+  const Matrix T = combined(all, c);
+  if (T.cols() == 0) return accepted;
+  DenseMatrix size = DenseMatrix::Zero(T.cols(), all.bodies.count), energy = size;
+  system.product(T, [&](Index i, const std::vector<Index>&, const Vector& AT) {
+    const Index body = all.bodies.of[i];
+    for (Matrix::InnerIterator t(T, i); t; ++t) {
+      size(t.col(), body) += system.D[i] * t.value() * t.value();
+      energy(t.col(), body) += t.value() * AT[t.col()];
     }
-    T.finalize();
-    return T;
-  }
-
-  const System& system_;
-  const RigidCandidates& all_;
-  DenseMatrix W_;  ///< n x k: the motions, <Dw,w> = 1
-};
+  });
+  system.sum(size.data(), Index(size.size()));
+  system.sum(energy.data(), Index(energy.size()));
+  Eigen::MatrixXi column = Eigen::MatrixXi::Constant(T.cols(), all.bodies.count, -1);
+  const Index before = Index(W.cols());
+  Index after = before;
+  for (Index body = 0; body < all.bodies.count; ++body)
+    for (Index j = 0; j < Index(c[body].cols()); ++j) {
+      if (!(size(j, body) > 0) || !costs_no_energy(energy(j, body), size(j, body))) continue;
+      column(j, body) = after++;
+      accepted[body].push_back(j);
+    }
+  W.conservativeResize(Eigen::NoChange, after);
+  W.rightCols(after - before).setZero();
+  for (Index i = 0; i < W.rows(); ++i)
+    for (Matrix::InnerIterator t(T, i); t; ++t) {
+      const Index body = all.bodies.of[i], k = column(t.col(), body);
+      if (k >= 0) W(i, k) = t.value() / std::sqrt(size(t.col(), body));
+    }
+  return accepted;
+}
 
 /// Of one body of A: of each group of `each` candidates, the motions that it makes alone.
 Matrix alone(const std::vector<Index>& candidates, Index each, const DenseMatrix& in_A,
@@ -149,7 +137,8 @@ DenseMatrix beside(const Matrix& V, const std::vector<Index>& candidates, Index 
 
 DenseMatrix floating_motions(const System& system) {
   const RigidCandidates all(system);
-  if (all.count() == 0) return DenseMatrix(system.dofs(), 0);
+  DenseMatrix W(system.dofs(), 0);
+  if (all.count() == 0) return W;
   const auto of_A = [&](const auto& visit) {
     system.product(all.M, [&](Index i, const std::vector<Index>& columns, const Vector& values) {
       for (Index j : columns) visit(i, j, values[j]);
@@ -157,7 +146,6 @@ DenseMatrix floating_motions(const System& system) {
   };
   const std::vector<DenseMatrix> in_A = all.gram(of_A), in_D = all.gram_in(system.D);
   const Index each = rigid_components(system.dimension);
-  RigidMotions motions(system, all);
   // first those of each candidate's body alone: beside a stiff body that a coupling joins to it in
   // A, what rounding leaves of a soft one would blur them
   std::vector<Matrix> c(all.bodies.count);
@@ -166,7 +154,7 @@ DenseMatrix floating_motions(const System& system) {
     c[body] = each < all.count() ? alone(own, each, in_A[body], in_D[body])
                                  : Matrix(Index(own.size()), 0);
   }
-  const std::vector<std::vector<Index>> accepted = motions.add(c);
+  const std::vector<std::vector<Index>> accepted = add_rigid(system, all, c, W);
   // then what is left in common
   for (Index body = 0; body < all.bodies.count; ++body) {
     EntryList kept;
@@ -177,8 +165,8 @@ DenseMatrix floating_motions(const System& system) {
                                         R.transpose() * in_D[body] * R, in_D[body].trace()))
                   .sparseView();
   }
-  motions.add(c);
-  return motions.columns();
+  add_rigid(system, all, c, W);
+  return W;
 }
 
 /// In the product of D soft parts would not count, whose bending is what lets stiff ones move.
