@@ -49,7 +49,7 @@ class Resistance {
     const Index k = static_cast<Index>(work_.size());
     const Vector w = W_.lazyProduct(c.head(k));  // of no rows, on some processes
     const Increment& increment = problem_.increment;
-    columns.clear();
+    std::vector<Real> own;
     most = 0;
     const Real pull_of_load = work_.dot(c.head(k));
     pull = pull_of_load;
@@ -75,30 +75,26 @@ class Resistance {
       Vector column = mu * along;
       column.head(k) += sense * W_.row(N).transpose();
       most = std::max(most, sense * w[N] + mu * slide);
-      columns.push_back(column);
+      own.insert(own.end(), column.begin(), column.end());
     }
-    share(pull_of_load, friction);
+    share(own, pull_of_load, friction);
     if (!given_) return;
-    columns.push_back(friction);
-    columns.push_back(unit_ * Vector::Unit(k + 1, k));  // no friction at all
+    columns.conservativeResize(Eigen::NoChange, columns.cols() + 2);
+    columns.rightCols(2) << friction, unit_ * Vector::Unit(k + 1, k);  // no friction at all
   }
 
   /// Every process gets the columns of all of them.
-  void share(Real pull_of_load, Vector& friction) {
+  void share(std::vector<Real>& own, Real pull_of_load, Vector& friction) {
     const System& system = *problem_.system;
     system.sum(friction.data(), static_cast<Index>(work_.size()));
     most = system.largest(most);
     pull = pull_of_load + system.sum(pull - pull_of_load);
     const Index rows = static_cast<Index>(friction.size());
-    Vector own(rows * static_cast<Index>(columns.size()));
-    for (std::size_t i = 0; i < columns.size(); ++i)
-      own.segment(static_cast<Index>(i) * rows, rows) = columns[i];
-    const Vector all = system.gathered(own);
-    columns.clear();
-    for (Index i = 0; i < all.size(); i += rows) columns.push_back(all.segment(i, rows));
+    const Vector all = system.gathered(Eigen::Map<Vector>(own.data(), Index(own.size())));
+    columns = all.reshaped(rows, all.size() / rows);
   }
 
-  std::vector<Vector> columns;
+  DenseMatrix columns;
   Real most = 0;  ///< w_N + mu |w_T|, the largest of the nodes, or 0; capped: w_N
   Real pull = 0;  ///< F.w less what bounded forces take of it
 

@@ -23,28 +23,30 @@ NearestInCone::NearestInCone(const Vector& target)
       Q_(target.size(), target.size()),
       R_(target.size(), target.size()) {}
 
-bool NearestInCone::add(const std::vector<Vector>& columns) {
+bool NearestInCone::add(const DenseMatrix& columns) {
   bool any = false;
-  std::vector<char> failed(columns.size(), 0);
-  for (std::size_t pass = 0; pass <= columns.size(); ++pass) {
-    std::size_t best = columns.size();
+  const Index all = static_cast<Index>(columns.cols());
+  std::vector<char> failed(all, 0);
+  for (Index pass = 0; pass <= all; ++pass) {
+    Index best = all;
     Real steepest = no_descent * rest_.norm();
-    for (std::size_t k = 0; k < columns.size(); ++k) {
+    for (Index k = 0; k < all; ++k) {
       if (failed[k]) continue;
-      const Real size = columns[k].norm(), slope = size > 0 ? columns[k].dot(rest_) / size : 0;
+      const auto column = columns.col(k);
+      const Real size = column.norm(), slope = size > 0 ? column.dot(rest_) / size : 0;
       if (slope <= steepest) continue;
       steepest = slope;
       best = k;
     }
-    if (best == columns.size()) break;
-    const bool nearer = add(columns[best]);
+    if (best == all) break;
+    const bool nearer = add_one(columns.col(best));
     failed[best] = !nearer;
     any = any || nearer;
   }
   return any;
 }
 
-bool NearestInCone::add(const Vector& column) {
+bool NearestInCone::add_one(const Vector& column) {
   const Real before = rest_.norm();
   const DenseMatrix columns = G();
   const std::vector<Real> weight = weight_;

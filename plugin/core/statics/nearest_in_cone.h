@@ -13,14 +13,14 @@ class NearestInCone {
 
   /// Takes the columns into the cone that bring it nearer to the target. False where none does: a
   /// column that rounding keeps out is passed over for the next.
-  bool add(const std::vector<Vector>& columns);
+  bool add(const DenseMatrix& columns);
 
  private:
   Index count() const { return static_cast<Index>(weight_.size()); }
   auto G() const { return G_.leftCols(count()); }
   auto Q() const { return Q_.leftCols(count()); }
 
-  bool add(const Vector& column);
+  bool add_one(const Vector& column);
   bool append(Vector unit, Real weight);
   void remove(Index j);
   bool step();

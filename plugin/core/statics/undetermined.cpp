@@ -188,11 +188,8 @@ Vector least_within(const ContactProblem& problem, const Branches& branches, con
       bounds.row(k).transpose().array() / directions.colwise().norm().transpose().array();
   const Real unit = ways.maxCoeff();
   if (!(unit > 0) || !std::isfinite(unit)) return x;
-  std::vector<Vector> columns;
-  for (Index i = 0; i < bounds.cols(); ++i) {
-    columns.emplace_back(k + 1);
-    columns.back() << directions.col(i), bounds(k, i) / unit;
-  }
+  DenseMatrix columns(k + 1, bounds.cols());
+  columns << directions, bounds.row(k) / unit;
   NearestInCone nearest(Vector::Unit(k + 1, k));
   while (nearest.add(columns)) {
   }
