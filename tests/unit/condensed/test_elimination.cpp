@@ -6,7 +6,6 @@
 #include "../statics/bodies.h"
 #include "by_hand.h"
 #include "core/condensed/elimination.h"
-#include "core/condensed/ordering.h"
 
 using namespace frictioncg;
 using namespace frictioncg::test;
