@@ -68,8 +68,8 @@ inline void add_ghost_points(const Domain& domain, Scene& scene) {
 class PatchedMatrix {
  public:
   /// Collective. own: what this process's own matrix holds.
-  PatchedMatrix(const Domain& domain, const Triplets& A, const Dirichlet& own)
-      : owned_(domain.owned()) {
+  PatchedMatrix(const Domain& domain, const Triplets& A, const Dirichlet& own) : triplets_(A) {
+    triplets_.owned = domain.owned();
     Vector held(A.n);
     for (Index i = 0; i < A.n; ++i) held[i] = own.holds(i);
     domain.update(held);
@@ -82,15 +82,11 @@ class PatchedMatrix {
       if (values_.empty()) values_.assign(A.a, A.a + A.size);
       values_[k] = diagonal_[i] = huge * diagonal_[i];
     }
+    if (!values_.empty()) triplets_.a = values_.data();
     held_ = held;
   }
-  /// A being that of the constructor, whose domain stays.
-  Triplets triplets(const Triplets& A) const {
-    Triplets patched = A;
-    if (!values_.empty()) patched.a = values_.data();
-    patched.owned = owned_;
-    return patched;
-  }
+  /// As long as the matrix and the domain of the constructor live.
+  const Triplets& triplets() const { return triplets_; }
   /// b, with the data of ghosts that their owners' b has. Collective.
   Vector load(const Domain& domain, const Vector& b) const {
     Vector data = Vector::Zero(b.size()), patched = b;
@@ -104,9 +100,9 @@ class PatchedMatrix {
 
  private:
   static constexpr Real huge = 1e20;  ///< over the row: what the core takes for a Dirichlet row
-  const char* owned_;                 ///< n
-  std::vector<Real> values_;          ///< empty where A serves as it is
-  Vector diagonal_, held_;            ///< n
+  Triplets triplets_;
+  std::vector<Real> values_;  ///< empty where A serves as it is
+  Vector diagonal_, held_;    ///< n
 };
 
 }  // namespace frictioncg

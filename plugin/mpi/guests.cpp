@@ -30,12 +30,8 @@ struct Growth {
 
   /// Row i goes to the owners of all p that T_ip or W_ip couple it to.
   void exchange_rows(const Triplets& A, const Dirichlet& of_A) {
-    struct Row {
-      std::set<int> readers;
-      std::vector<Entry> entries;
-    };
-    std::vector<Row> rows;              // that are sent
-    std::vector<Index> place(A.n, -1);  // of a row among these
+    std::vector<std::set<int>> readers_of;  // rows that are sent
+    std::vector<Index> place(A.n, -1);      // of a row among these
     for (Index node = 0; node < interface_.count(); ++node) {
       const Number number = interface_.nodes[node].number;
       if (numbers_.owner(number) != part_.rank()) continue;
@@ -48,16 +44,15 @@ struct Growth {
             readers.insert(numbers_.owner(interface_.nodes[e.col()].number));
         readers.erase(part_.rank());
         if (readers.empty() || of_A.holds(dof)) continue;
-        place[dof] = static_cast<Index>(rows.size());
-        rows.push_back({std::move(readers), {}});
+        place[dof] = static_cast<Index>(readers_of.size());
+        readers_of.push_back(std::move(readers));
       }
     }
-    for_each_entry(A, [&](Index i, Index j, Real a) {
-      if (place[i] >= 0) rows[place[i]].entries.push_back({numbers_.of(i), numbers_.of(j), a});
-    });
     Domain::Letters<Entry> out;
-    for (const Row& row : rows)
-      for (int r : row.readers) out[r].insert(out[r].end(), row.entries.begin(), row.entries.end());
+    for_each_entry(A, [&](Index i, Index j, Real a) {
+      if (place[i] < 0) return;
+      for (int r : readers_of[place[i]]) out[r].push_back({numbers_.of(i), numbers_.of(j), a});
+    });
     for (const auto& [rank, entries] : part_.delivered(out))
       received_.insert(received_.end(), entries.begin(), entries.end());
     for (const Entry& e : received_) whole_rows_.push_back(e.i);
@@ -126,10 +121,7 @@ struct Growth {
     for_each_entry(A, [&](Index i, Index j, Real a) { diagonal[i] += i == j ? a : 0; });
     domain.update(held);
     domain.update(diagonal);
-    for (Index i = 0; i < domain.dofs(); ++i) {
-      grown_.held.push_back(held[i] != 0);
-      grown_.own_.push_back(domain.owns(i));
-    }
+    for (Index i = 0; i < domain.dofs(); ++i) grown_.held.push_back(held[i] != 0);
     grown_.dirichlet = std::make_unique<const Dirichlet>(of_A.with_more(grown_.held, diagonal));
     std::vector<char> replaced(domain.dofs(), 0);
     for (const Entry& e : received_) replaced[numbers_.dof(e.i)] = 1;
@@ -213,13 +205,13 @@ Triplets GrownPart::matrix(bool with_addend) const {
   A.i = i_.data();
   A.j = j_.data();
   A.a = a_.data();
-  A.whole = own_.data();
+  A.whole = domain->owned();
   return A;
 }
 
 void GrownPart::multiply_addend(const Vector& u, Vector& f) const {
   for (std::size_t k = plain_; k < a_.size(); ++k)
-    if (own_[i_[k]]) f[i_[k]] += a_[k] * u[j_[k]];
+    if (domain->owns(i_[k])) f[i_[k]] += a_[k] * u[j_[k]];
 }
 
 }  // namespace frictioncg

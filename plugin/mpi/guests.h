@@ -48,7 +48,6 @@ class GrownPart {
   std::vector<Index> i_, j_;
   std::vector<Real> a_;
   std::size_t plain_ = 0;  ///< entries of A; those of the addend follow
-  std::vector<char> own_;
 };
 
 }  // namespace frictioncg

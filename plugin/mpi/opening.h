@@ -89,8 +89,7 @@ class Opening {
   int problem = 0;     ///< the contactproblem's number, or 0
   std::string domain;  ///< its name, or none
   std::vector<long> labels, masters;
-  Real maxgap = 0;  ///< of two bodies
-  bool smooth = true;
+  mortar::Options facing;      ///< of two bodies: maxgap and smooth
   std::unique_ptr<Call> call;  ///< null where a problem is posed
   PointLaws laws;              ///< before their values at nodes
 
@@ -107,8 +106,8 @@ class Opening {
     all.add("the domain", domain);
     all.add("the list of labels", in_brackets(labels));
     all.add("the list of the master's labels", in_brackets(masters));
-    all.add("maxgap", exact(maxgap));
-    all.add("smooth", smooth ? "true" : "false");
+    all.add("maxgap", exact(facing.maxgap));
+    all.add("smooth", facing.smooth ? "true" : "false");
     all.add("tol", call ? exact(call->settings.tol) : "");
     all.add("nbiter", call ? std::to_string(call->settings.nbiter) : "");
     all.add("bilateral", laws.bilateral ? "true" : "false");

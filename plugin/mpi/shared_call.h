@@ -100,12 +100,8 @@ inline LocalIncrement pose(const SharedScene& shared, const Vector& b, const Vec
   Increment& own = problem.increment = local.increment;
   for (Vector* v : {&own.gap, &own.mu, &own.g, &own.cohesion, &own.cap})
     if (v->size() > 0) *v = Vector((*v)(shared.numbering().own_nodes));
-  LocalLoad own_load;
-  own_load.external = shared.A->own_part(load.external);
-  own_load.total = shared.A->own_part(load.total);
-  own_load.F = shared.A->own_part(load.F);
-  own_load.sizes = shared.A->own_part(load.sizes);
-  set_load(own_load, *shared.A, own);
+  for (Vector* v : {&load.external, &load.total, &load.F, &load.sizes}) *v = shared.A->own_part(*v);
+  set_load(load, *shared.A, own);
   if (laws.law != Law::frictionless) return local;
   const Real told =
       told_by_mesh(*shared.scene, shared.mortar ? shared.mortar->told() : 0, *shared.A);
@@ -143,8 +139,8 @@ inline Solution newton_step(Solution s, const Vector& u0, const Call& call, Shar
     const mortar::Change change =
         mortar::change(*shared.mortar, v, mortar::straightened(faces.d, faces.pairs, v));
     PointLaws of_pass = laws;
-    for (std::size_t k = 0; k < shared.in_mortar.size() && !laws.given_gap; ++k)
-      of_pass.gap[static_cast<Index>(k)] += change.gap[shared.in_mortar[k]];
+    if (!laws.given_gap)
+      of_pass.gap.head(Index(shared.in_mortar.size())) += change.gap(shared.in_mortar);
     Vector of_dofs = faces.on_free_dofs(v, b.size());
     domain.update(of_dofs);
     Vector rest = b + faces.on_free_dofs(change.force, b.size());

@@ -105,8 +105,8 @@ inline std::shared_ptr<const Domain> opened(Opening& opening, Stack stack, const
     opening.domain = domain->name();
     opening.labels = site.labels(stack);
     opening.masters = site.masters(stack);
-    opening.maxgap = args.value(stack, p_maxgap, opening.maxgap);
-    opening.smooth = args.value(stack, p_smooth, opening.smooth);
+    opening.facing.maxgap = args.value(stack, p_maxgap, opening.facing.maxgap);
+    opening.facing.smooth = args.value(stack, p_smooth, opening.facing.smooth);
     opening.laws = begun_laws(stack, args);
   });
   return domain;

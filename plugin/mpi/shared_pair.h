@@ -62,22 +62,22 @@ class PartMatrix {
  public:
   /// Collective.
   PartMatrix(Stack stack, const Expression A, const Scene& scene, const Domain& part) {
+    Triplets given;
     std::unique_ptr<Dirichlet> own;
     part.agree([&] {
-      given_ = matrix_of(stack, A, scene.dofs);
-      if (are_exchanged(scene, given_)) refuse_order(scene.dofs);
-      own = std::make_unique<Dirichlet>(given_, scene.pairing->between().dof);
+      given = matrix_of(stack, A, scene.dofs);
+      if (are_exchanged(scene, given)) refuse_order(scene.dofs);
+      own = std::make_unique<Dirichlet>(given, scene.pairing->between().dof);
     });
-    patch_ = std::make_unique<PatchedMatrix>(part, given_, *own);
+    patch_ = std::make_unique<PatchedMatrix>(part, given, *own);
     part.agree([&] {
       dirichlet_ = std::make_unique<Dirichlet>(triplets(), scene.pairing->between().dof);
     });
   }
-  Triplets triplets() const { return patch_->triplets(given_); }
+  const Triplets& triplets() const { return patch_->triplets(); }
   const Dirichlet& dirichlet() const { return *dirichlet_; }
 
  private:
-  Triplets given_;
   std::unique_ptr<PatchedMatrix> patch_;
   std::unique_ptr<Dirichlet> dirichlet_;
 };
@@ -88,9 +88,7 @@ inline std::vector<BoundaryNode> face_whole(const Arguments& args, const Opening
                                             const PartMatrix& A, const Scene& scene,
                                             const Domain& part, SharedScene& shared) {
   const WholeInterface& faces = *shared.interface;
-  mortar::Options options;
-  if (args.has(p_maxgap)) options.maxgap = opening.maxgap;
-  options.smooth = opening.smooth;
+  mortar::Options options = opening.facing;
   for (Index i = 0; i < faces.slaves; ++i) {
     if (args.has(p_normal)) options.normals.push_back(faces.nodes[i].normal);
     if (args.has(p_weight)) options.weight.push_back(faces.nodes[i].weight);
@@ -161,9 +159,7 @@ inline Vector gap_of_all(Stack stack, const Arguments& args, const SharedScene& 
   shared.domain->agree([&] { given = given_gap(stack, args, *scene.pairing); });
   const Vector weighted =
       shared.mortar->weighted(shared.interface->gathered(*shared.domain, given));
-  Vector own(static_cast<Index>(shared.in_mortar.size()));
-  for (Index k = 0; k < own.size(); ++k) own[k] = weighted[shared.in_mortar[k]] + moved[k];
-  return own;
+  return weighted(shared.in_mortar) + moved;
 }
 
 /// Places and bodies of guests, by their owners; each is a node of its own.   Collective.

@@ -79,12 +79,9 @@ inline void set_motions(SharedScene& shared, System& own) {
           posed.system->basis().W * body_modes(bodies, extents_of_all(*shared.domain, bodies),
                                                posed.d, static_cast<Index>(posed.ndof()));
       const std::vector<Index>& rows = shared.numbering().own;
-      const Index count = static_cast<Index>(rows.size());
       EntryList chosen;
-      for (Index r = 0; r < count; ++r)
-        for (Matrix::InnerIterator m(M, rows[r]); m; ++m)
-          chosen.emplace_back(r, m.col(), m.value());
-      return sparse(count, M.cols(), chosen);
+      for (Index row : rows) chosen.emplace_back(static_cast<Index>(chosen.size()), row, 1);
+      return Matrix(sparse(static_cast<Index>(rows.size()), M.rows(), chosen) * M);
     };
 }
 
@@ -127,7 +124,7 @@ inline void share(const Triplets& A, SharedScene& shared) {
   std::unique_ptr<Dirichlet> own;
   domain.agree([&] { own = std::make_unique<Dirichlet>(A, dofs_of(points_of(scene.nodes))); });
   shared.patch = std::make_unique<PatchedMatrix>(domain, A, *own);
-  domain.agree([&] { scene.assemble(shared.patch->triplets(A)); });
+  domain.agree([&] { scene.assemble(shared.patch->triplets()); });
   make_solver(shared);
 }
 
