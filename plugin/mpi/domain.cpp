@@ -81,19 +81,18 @@ void Domain::check_neighbours(const std::vector<Neighbour>& neighbours) const {
 }
 
 void Domain::choose_owners(const std::vector<Neighbour>& neighbours, const Vector& D) {
-  Letters<Real> out, in;
+  Letters<Real> out;
   for (const Neighbour& n : neighbours) {
     std::vector<Real>& shares = out[n.rank];
     for (Index dof : n.shared) shares.push_back(D[dof]);
-    in[n.rank].resize(n.shared.size());
   }
-  exchange(out, in);
+  const Letters<Real> in = delivered(out);
   std::vector<int> owner(dofs(), rank_);
   Vector most = D;
   for (const auto& [rank, shared] : neighbours)
     for (std::size_t s = 0; s < shared.size(); ++s) {
       const Index dof = shared[s];
-      const Real share = in[rank][s];
+      const Real share = in.at(rank)[s];
       if (share < most[dof] || (share == most[dof] && rank > owner[dof])) continue;
       most[dof] = share;
       owner[dof] = rank;
@@ -180,8 +179,7 @@ Bodies join_parts(const Domain& domain, const std::vector<Index>& dofs, const Bo
   const Index first = static_cast<Index>(domain.sum_before(parts.count));
   Vector part = Vector::Constant(domain.dofs(), -1);  // as all processes number them
   for (std::size_t k = 0; k < dofs.size(); ++k) part[dofs[k]] = first + parts.of[k];
-  Vector of_owner = part;
-  domain.update(of_owner);
+  const Vector of_owner = domain.of_owners(part);
   std::vector<std::array<Index, 2>> pairs;
   for (Index i : dofs)
     if (of_owner[i] != part[i])

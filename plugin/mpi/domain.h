@@ -47,6 +47,11 @@ class Domain final : public Processes {
   /// What owners have for shared dofs goes to all others.
   void update(Eigen::Ref<Eigen::MatrixXd> values) const;  ///< a column each dof
   void update(Vector& values) const;                      ///< one value a dof
+  template <class Values>
+  Values of_owners(Values values) const {  ///< the same, as a copy
+    update(values);
+    return values;
+  }
   /// Items by rank: for some processes, or from them. Of any type whose bytes say all.
   template <class T>
   using Letters = std::map<int, std::vector<T>>;

@@ -17,8 +17,7 @@ inline void refuse_other_domain(const Domain& domain, const std::vector<NodePlac
   for (const NodePlace& n : places)
     for (Index dof : n.dof)
       if (dof >= 0) at.col(dof) = n.x;
-  Eigen::MatrixXd theirs = at;
-  domain.update(theirs);
+  const Eigen::MatrixXd theirs = domain.of_owners(at);
   const Real size = at.size() > 0 ? at.cwiseAbs().maxCoeff() : 0;
   const bool together = ((at - theirs).cwiseAbs().array() <= elsewhere * size).all();
   if (domain.largest(!together) > 0)

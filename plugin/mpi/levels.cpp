@@ -34,9 +34,10 @@ Mat retained(Mat matrix) {
 }
 
 /// The rigid motions as vectors of slots, orthonormal; those that depend on others are left out.
-std::vector<VecHandle> orthonormal(const SharedMatrix& A, const Eigen::MatrixXd& modes) {
+void set_near_kernel(const SharedMatrix& A, const Eigen::MatrixXd& modes) {
   constexpr Real dependent = 1e-8;
   std::vector<VecHandle> basis;
+  std::vector<Vec> vectors;  // the same
   for (Index k = 0; k < modes.cols(); ++k) {
     VecHandle v;
     check(MatCreateVecs(A.matrix(), v.fill(), nullptr));
@@ -45,22 +46,16 @@ std::vector<VecHandle> orthonormal(const SharedMatrix& A, const Eigen::MatrixXd&
     Real before, after;
     check(VecNorm(v.get(), NORM_2, &before));
     for (int pass = 0; pass < 2; ++pass)
-      for (const VecHandle& b : basis) {
+      for (Vec b : vectors) {
         Real along;
-        check(VecDot(v.get(), b.get(), &along));
-        check(VecAXPY(v.get(), -along, b.get()));
+        check(VecDot(v.get(), b, &along));
+        check(VecAXPY(v.get(), -along, b));
       }
     check(VecNormalize(v.get(), &after));
     if (!(after > dependent * before)) continue;
+    vectors.push_back(v.get());
     basis.push_back(std::move(v));
   }
-  return basis;
-}
-
-void set_near_kernel(const SharedMatrix& A, const Eigen::MatrixXd& modes) {
-  const std::vector<VecHandle> basis = orthonormal(A, modes);
-  std::vector<Vec> vectors;
-  for (const VecHandle& v : basis) vectors.push_back(v.get());
   MatNullSpace space;
   check(MatNullSpaceCreate(A.domain().communicator(), PETSC_FALSE,
                            static_cast<PetscInt>(vectors.size()), vectors.data(), &space));

@@ -234,9 +234,7 @@ void Comparison::refuse(MPI_Comm communicator, const Item& item, int a, int b) c
 void Comparison::compare(const char* name, Meeting& meeting, const Attempt& own_part,
                          bool patient) const {
   const MPI_Comm communicator = meeting.communicator();
-  int rank;
-  MPI_Comm_rank(communicator, &rank);
-  std::vector<Extreme> all = extremes(rank, own_part);
+  std::vector<Extreme> all = extremes(meeting.rank(), own_part);
   MPI_Request request;
   MPI_Iallreduce(MPI_IN_PLACE, all.data(), static_cast<int>(all.size()), MPI_DOUBLE_INT, MPI_MINLOC,
                  communicator, &request);
@@ -266,13 +264,11 @@ void meet_at_end(const char* name) {
   last.add("the call", "the end of the script");
   last.mark();
   const auto meeting = Meeting::of(MPI_COMM_WORLD);
-  int rank;
-  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   for (bool together = false; !together;) try {
       last.compare(name, *meeting, {}, true);
       together = true;
     } catch (const IllegalInput& e) {
-      if (rank == 0) std::fprintf(stderr, "%s: %s\n", name, e.what());
+      if (meeting->rank() == 0) std::fprintf(stderr, "%s: %s\n", name, e.what());
     }
   meeting->end_answers();
 }

@@ -37,6 +37,7 @@ class Meeting {
   /// The one of a communicator.   Collective the first time.
   static std::shared_ptr<Meeting> of(MPI_Comm parent);
   MPI_Comm communicator() const { return communicator_; }
+  int rank() const { return rank_; }
   /// For what all of them make together: the same on all.
   int next_number() { return ++made_; }
 

@@ -203,11 +203,8 @@ inline Vector solve_together(Stack stack, const Call& call, SharedScene& shared,
   update(shared, out.state);
   update(shared, out.normals);
   update(shared, out.distance);
-  const long n = shared.scene->ndof();
   if (speaks) warn_of_large_displacements(shared, field, verb);
-  Vector u = field.head(n);
-  shared.domain->update(u);
-  return u.head(shared.script.count);
+  return shared.domain->of_owners(field).head(shared.script.count);
 }
 
 }  // namespace frictioncg

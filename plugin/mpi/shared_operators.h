@@ -39,6 +39,7 @@ inline std::shared_ptr<SharedScene> read_shared(Stack stack, const Arguments& ar
   Stage stage;
   shared->domain->agree([&] { stage = read_stage(stack, args); });
   shared->scene = part_of(site, stack, opening, *shared->domain, stage);
+  shared->extent = extents_of_all(*shared->domain, {shared->scene->places()}).front();
   if (site.two_bodies()) {
     read_pair(stack, args, A, everywhere, opening, *shared, laws);
     return shared;

@@ -21,7 +21,7 @@ inline std::vector<InterfaceNode> interface_nodes(Stack stack, const Arguments& 
         throw std::logic_error("the dofs of a node do not follow each other");
     nodes.push_back({-1, faces.X[i], held[i], body[i], faces.groups[i]});
   }
-  const auto set = [&](Vec3 InterfaceNode::*value, const std::vector<Vec3>& of_node) {
+  const auto set = [&](auto InterfaceNode::*value, const auto& of_node) {
     for (std::size_t i = 0; i < of_node.size(); ++i) nodes[i].*value = of_node[i];
   };
   const auto given = [&](Parameter p) -> std::vector<Vec3> {
@@ -34,8 +34,7 @@ inline std::vector<InterfaceNode> interface_nodes(Stack stack, const Arguments& 
     set(&InterfaceNode::force, given(p_forceold));
   }
   if (args.has(p_normal)) set(&InterfaceNode::normal, slave_normals(stack, args, scene));
-  const std::vector<Real> weight = slave_weights(stack, args, scene);
-  for (std::size_t i = 0; i < weight.size(); ++i) nodes[i].weight = weight[i];
+  set(&InterfaceNode::weight, slave_weights(stack, args, scene));
   return nodes;
 }
 
@@ -48,9 +47,7 @@ inline void refuse_exchanged_faces(const Domain& domain, const Interface& part) 
       for (const mortar::Facet& f : (side == 0 ? pair.slave : pair.master).facets)
         for (Index i : f.node)
           if (i >= 0) sides(side, part.dof[i][0]) = 1;
-  Eigen::MatrixXd of_owners = sides;
-  domain.update(of_owners);
-  if (domain.largest((sides.array() > of_owners.array()).any()) > 0)
+  if (domain.largest((sides.array() > domain.of_owners(sides).array()).any()) > 0)
     throw IllegalInput(
         "the domain takes nodes of slave and master for each other, which lie at the same places; "
         "decompose the mesh while the faces are apart, and move them together by movemesh after "

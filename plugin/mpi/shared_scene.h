@@ -58,14 +58,12 @@ inline std::vector<Extent> extents_of_all(const Domain& domain,
   return extents;
 }
 
-/// Gives the own system the motions of the bodies; finds the extent.   Collective.
+/// Gives the own system the motions of the bodies.
 inline void set_motions(SharedScene& shared, System& own) {
-  const std::vector<NodePlace> places = shared.scene->places();
-  shared.extent = extents_of_all(*shared.domain, {places}).front();
   const Scene& scene = *shared.scene;
   const Eigen::MatrixXd local =
       scene.system->basis().W *
-      rigid_modes(places, scene.d, static_cast<Index>(scene.ndof()), shared.extent);
+      rigid_modes(scene.places(), scene.d, static_cast<Index>(scene.ndof()), shared.extent);
   const Eigen::MatrixXd modes = local(shared.numbering().own, Eigen::all);
   own.rigid_modes = [modes] { return modes; };
   if (shared.interface)  // of many bodies they take much memory
@@ -116,10 +114,8 @@ inline void share(const Triplets& A, SharedScene& shared) {
   Scene& scene = *shared.scene;
   shared.own_points = scene.nodes.size();
   shared.script = scene.dofs;
-  if (domain.largest(has_curved_obstacle(scene)) > 0) {
-    const std::vector<NodePlace> places = scene.places();
-    follow_free_motions(A, places, extents_of_all(domain, {places}).front(), scene, domain);
-  }
+  if (domain.largest(has_curved_obstacle(scene)) > 0)
+    follow_free_motions(A, scene.places(), shared.extent, scene, domain);
   add_ghost_points(domain, scene);
   std::unique_ptr<Dirichlet> own;
   domain.agree([&] { own = std::make_unique<Dirichlet>(A, dofs_of(points_of(scene.nodes))); });

@@ -38,14 +38,10 @@ inline void check_size(const Domain& domain, const DofCount& dofs) {
 /// As owners of nodes have it.   Collective.
 inline Stage with_ghosts(const Stage& stage, const DofCount& dofs, const Domain& domain) {
   domain.agree([&] { check_stage(stage, dofs); });
-  const auto of_owners = [&](const Displacement& u) -> Displacement {
-    if (!u) return u;
-    Vector updated = *u;
-    domain.update(updated);
-    return std::make_shared<const Vector>(std::move(updated));
+  const auto of_owners = [&](const Displacement& u) {
+    return u ? std::make_shared<const Vector>(domain.of_owners(*u)) : u;
   };
-  const Displacement at = of_owners(stage.at);
-  return {at, of_owners(stage.begun)};
+  return {of_owners(stage.at), of_owners(stage.begun)};  // in this order
 }
 
 /// Adds the contact points of own nodes on an obstacle. surface: with the labels that are here;
