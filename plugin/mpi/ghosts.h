@@ -67,22 +67,20 @@ inline void add_ghost_points(const Domain& domain, Scene& scene) {
 class PatchedMatrix {
  public:
   /// Collective. own: what this process's own matrix holds.
-  PatchedMatrix(const Domain& domain, const Triplets& A, const Dirichlet& own) : triplets_(A) {
+  PatchedMatrix(const Domain& domain, const Triplets& A, const Dirichlet& own)
+      : triplets_(A), diagonal_(Vector::Zero(A.n)), held_(A.n) {
     triplets_.owned = domain.owned();
-    Vector held(A.n);
-    for (Index i = 0; i < A.n; ++i) held[i] = own.holds(i);
-    domain.update(held);
-    diagonal_ = Vector::Zero(A.n);
+    for (Index i = 0; i < A.n; ++i) held_[i] = own.holds(i);
+    domain.update(held_);
     for (std::size_t k = 0; k < A.size; ++k)
       if (A.row(k) == A.col(k)) diagonal_[A.row(k)] += A.a[k];
     for (std::size_t k = 0; k < A.size; ++k) {
       const Index i = A.row(k);
-      if (i != A.col(k) || held[i] == 0 || own.holds(i)) continue;
+      if (i != A.col(k) || held_[i] == 0 || own.holds(i)) continue;
       if (values_.empty()) values_.assign(A.a, A.a + A.size);
       values_[k] = diagonal_[i] = huge * diagonal_[i];
     }
     if (!values_.empty()) triplets_.a = values_.data();
-    held_ = held;
   }
   /// As long as the matrix and the domain of the constructor live.
   const Triplets& triplets() const { return triplets_; }

@@ -29,22 +29,23 @@ inline void refuse_obstacles(const Arguments& args) {
               "search over gap");
 }
 
-/// What several processes do not do is refused by name.
-inline void refuse_options(const Arguments& args, bool two_bodies) {
+/// What a call says. What several processes do not do is refused by name; multigrid is what
+/// method="auto" stands for.
+inline std::unique_ptr<Call> read_call(Stack stack, const Arguments& args, const Expression b,
+                                       bool two_bodies) {
   args.refuse({p_newton, p_reg, p_regeps, p_precon, p_omega, p_step, p_memory, p_threads},
               "belongs to methods of one process; with domain= there is multigrid alone");
   if (!two_bodies)
     args.refuse({p_distance}, "is that of two bodies; there is one, and an obstacle");
   args.refuse({p_times}, "is of one process; measure around the call, by mpiWtime()");
-}
-
-/// Multigrid is what method="auto" stands for.
-inline void set_method(Settings& settings) {
-  if (settings.method != Method::automatic && settings.method != Method::multigrid)
-    refuse("method=\"", name_of(settings.method, methods),
+  auto call = std::make_unique<Call>(stack, args, b);
+  Method& method = call->settings.method;
+  if (method != Method::automatic && method != Method::multigrid)
+    refuse("method=\"", name_of(method, methods),
            "\" is of one process; with domain= there is method=\"multigrid\" alone: "
            "leave it out");
-  settings.method = Method::multigrid;
+  method = Method::multigrid;
+  return call;
 }
 
 /// A call of one process, without a domain.

@@ -122,11 +122,7 @@ class SharedSolveOnce : public SolveOnce {
     const auto domain = opened(opening, stack, arguments_, site_);
     if (!domain && !opening.failed())
       return solved_alone([&] { return SolveOnce::operator()(stack); });
-    opening.alone([&] {
-      refuse_options(arguments_, site_.two_bodies());
-      opening.call = std::make_unique<Call>(Call{stack, arguments_, b_});
-      set_method(opening.call->settings);
-    });
+    opening.alone([&] { opening.call = read_call(stack, arguments_, b_, site_.two_bodies()); });
     return opening.together_with(domain.get(), [&] {
       PointLaws laws;
       const auto shared = read_shared(stack, arguments_, A_, site_, domain, false, opening, laws);
@@ -171,10 +167,8 @@ class SharedSolveIncrement : public SolveIncrement {
     opening.alone([&] {
       opening.problem = posed.shared->number;
       refuse_obstacles(arguments_);
-      refuse_options(arguments_, posed.shared->interface != nullptr);
       refuse_friction_of_none("P", arguments_, *posed.scene);
-      opening.call = std::make_unique<Call>(Call{stack, arguments_, b_});
-      set_method(opening.call->settings);
+      opening.call = read_call(stack, arguments_, b_, posed.shared->interface != nullptr);
       opening.laws = begun_laws(stack, arguments_, posed.laws);
     });
     const Domain* domain = posed.shared ? posed.shared->domain.get() : nullptr;

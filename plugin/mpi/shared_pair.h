@@ -194,24 +194,23 @@ inline void assemble_grown(const GrownPart& grown, bool stiffened, SharedScene& 
   make_solver(shared);
 }
 
-/// As assemble() in one process: the matrix is less the stiffness of forceold, or the plain one
-/// where the former has no answer.   Collective.
-inline void assemble_grown(std::shared_ptr<const GrownPart> grown, long verb, SharedScene& shared) {
-  if (!grown->has_addend) return assemble_grown(*grown, false, shared);
-  try {
-    assemble_grown(*grown, true, shared);
-    shared.stiffened = std::move(grown);
-  } catch (const IllegalInput&) {
-    report_plain(verb);
-    assemble_grown(*grown, false, shared);
-  }
-}
-
 /// A itself in place of what is stiffened.   Collective.
 inline void assemble_plain(SharedScene& shared, long verb) {
   report_plain(verb);
   const std::shared_ptr<const GrownPart> grown = std::move(shared.stiffened);
   assemble_grown(*grown, false, shared);
+}
+
+/// As assemble() in one process: the matrix is less the stiffness of forceold, or the plain one
+/// where the former has no answer.   Collective.
+inline void assemble_grown(std::shared_ptr<const GrownPart> grown, long verb, SharedScene& shared) {
+  if (!grown->has_addend) return assemble_grown(*grown, false, shared);
+  shared.stiffened = std::move(grown);
+  try {
+    assemble_grown(*shared.stiffened, true, shared);
+  } catch (const IllegalInput&) {
+    assemble_plain(shared, verb);
+  }
 }
 
 /// T'AT x against T'(A(T x)), A by the own rows of the script's matrix: a certificate cannot see
