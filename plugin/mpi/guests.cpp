@@ -75,20 +75,17 @@ struct Growth {
         in_T.push_back(e.j);
         guests_.push_back(numbers_.node(e.j));
       }
-    std::vector<char> wanted(interface_.count(), 0);
-    const auto add_columns = [&](std::vector<Number>& dofs, const std::vector<Matrix>& M) {
-      sort_once(dofs);
+    const auto add_columns = [&](const std::vector<Number>& dofs, const std::vector<Matrix>& M) {
       for (Number j : dofs) {
         const auto found = interface_.at.find(numbers_.node(j));
         if (found == interface_.at.end()) continue;
         for (Matrix::InnerIterator e(M[numbers_.component(j)], found->second); e; ++e)
-          wanted[e.col()] = 1;
+          guests_.push_back(interface_.nodes[e.col()].number);
       }
     };
+    sort_once(in_T);
     add_columns(in_T, basis_.T);
     add_columns(whole_rows_, basis_.W);
-    for (Index i = 0; i < interface_.count(); ++i)
-      if (wanted[i]) guests_.push_back(interface_.nodes[i].number);
     sort_once(guests_);
     guests_.erase(std::remove_if(guests_.begin(), guests_.end(),
                                  [&](Number node) { return numbers_.is_here(node); }),

@@ -71,14 +71,10 @@ class Opening {
   bool failed() const { return own_part_.failed; }
 
   /// Runs the rest of the call where it is the same on all processes, each of which has done its
-  /// part of it. A process without a domain meets the others where they all are.
+  /// part of it. A process without a domain, which has failed, meets the others where they all are.
   template <class Body>
   AnyType together_with(const Domain* of_all, Body body) const {
-    if (!of_all && mpisize <= 1)
-      return translated(name_, [&] {
-        if (failed()) throw IllegalInput(own_part_.message);
-        return AnyType(Nothing);
-      });
+    if (!of_all && mpisize <= 1) ExecError(std::string(name_) + ": " + own_part_.message);
     const auto world = of_all ? nullptr : Meeting::of(MPI_COMM_WORLD);
     Meeting& here = of_all ? of_all->meeting() : *world;
     return together(name_, here.communicator(), [&] {

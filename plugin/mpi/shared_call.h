@@ -3,7 +3,6 @@
 
 #include "../core/answer.h"
 #include "../core/statics/undetermined.h"
-#include "../freefem/motions.h"
 #include "../freefem/outputs.h"
 #include "shared_pair.h"
 #include "shared_report.h"
