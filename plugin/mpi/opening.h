@@ -68,23 +68,24 @@ class Opening {
   void alone(const std::function<void()>& body) {
     if (!own_part_.failed) own_part_ = attempt(body);
   }
-  bool failed() const { return own_part_.failed; }
+  /// Whether the call is this process's own.
+  bool is_alone() const { return !domain && !own_part_.failed; }
 
   /// Runs the rest of the call where it is the same on all processes, each of which has done its
   /// part of it. A process without a domain, which has failed, meets the others where they all are.
   template <class Body>
-  AnyType together_with(const Domain* of_all, Body body) const {
-    if (!of_all && mpisize <= 1) ExecError(std::string(name_) + ": " + own_part_.message);
-    const auto world = of_all ? nullptr : Meeting::of(MPI_COMM_WORLD);
-    Meeting& here = of_all ? of_all->meeting() : *world;
+  AnyType with_others(Body body) const {
+    if (!domain && mpisize <= 1) ExecError(std::string(name_) + ": " + own_part_.message);
+    const auto world = domain ? nullptr : Meeting::of(MPI_COMM_WORLD);
+    Meeting& here = domain ? domain->meeting() : *world;
     return together(name_, here.communicator(), [&] {
-      items().compare(name_, here, own_part_, of_all != nullptr);
+      items().compare(name_, here, own_part_, domain != nullptr);
       return body();
     });
   }
 
-  int problem = 0;     ///< the contactproblem's number, or 0
-  std::string domain;  ///< its name, or none
+  int problem = 0;   ///< the contactproblem's number, or 0
+  DomainPtr domain;  ///< null where this process has none
   std::vector<long> labels, masters;
   mortar::Options facing;      ///< of two bodies: maxgap and smooth
   std::unique_ptr<Call> call;  ///< null where a problem is posed
@@ -100,7 +101,7 @@ class Opening {
       if (p != p_verb) all.add(name_of(Parameter(p)), args_.has(Parameter(p)) ? "given" : "");
     all.mark();
     all.add("the contactproblem", problem > 0 ? "no. " + std::to_string(problem) : "");
-    all.add("the domain", domain);
+    all.add("the domain", domain ? domain->name() : "");
     all.add("the list of labels", in_brackets(labels));
     all.add("the list of the master's labels", in_brackets(masters));
     all.add("maxgap", exact(facing.maxgap));

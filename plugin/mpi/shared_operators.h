@@ -29,16 +29,15 @@ inline std::shared_ptr<const Domain> domain_of(Stack stack, const Arguments& arg
 /// Reads the problem of all processes: geometry, laws, the matrix.   Collective.
 inline std::shared_ptr<SharedScene> read_shared(Stack stack, const Arguments& args,
                                                 const Expression A, const Site& site,
-                                                std::shared_ptr<const Domain> domain,
                                                 bool everywhere, const Opening& opening,
                                                 PointLaws& laws) {
   const Timed timed(Phase::pose);
   auto shared = std::make_shared<SharedScene>();
-  shared->domain = std::move(domain);
+  shared->domain = opening.domain;
   shared->number = shared->domain->meeting().next_number();
   Stage stage;
   shared->domain->agree([&] { stage = read_stage(stack, args); });
-  shared->scene = part_of(site, stack, opening, *shared->domain, stage);
+  shared->scene = part_of(site, stack, opening, stage);
   shared->extent = extents_of_all(*shared->domain, {shared->scene->places()}).front();
   if (site.two_bodies()) {
     read_pair(stack, args, A, everywhere, opening, *shared, laws);
@@ -96,21 +95,17 @@ inline std::string form_of(const char* name, const Site& site) {
 }
 
 /// Begins a call on a space: its domain, or null, its labels, and what its laws are.
-inline std::shared_ptr<const Domain> opened(Opening& opening, Stack stack, const Arguments& args,
-                                            const Site& site) {
-  std::shared_ptr<const Domain> domain;
+inline void open_on_site(Opening& opening, Stack stack, const Arguments& args, const Site& site) {
   opening.alone([&] {
-    domain = domain_of(stack, args, site);
-    if (!domain) return;
+    opening.domain = domain_of(stack, args, site);
+    if (!opening.domain) return;
     refuse_obstacles(args);
-    opening.domain = domain->name();
     opening.labels = site.labels(stack);
     opening.masters = site.masters(stack);
     opening.facing.maxgap = args.value(stack, p_maxgap, opening.facing.maxgap);
     opening.facing.smooth = args.value(stack, p_smooth, opening.facing.smooth);
     opening.laws = begun_laws(stack, args);
   });
-  return domain;
 }
 
 /// u[] = frictionalContactCG(A, b, Vh, labels, ..., domain=C).
@@ -119,13 +114,12 @@ class SharedSolveOnce : public SolveOnce {
   using SolveOnce::SolveOnce;
   AnyType operator()(Stack stack) const override {
     Opening opening(operator_name, form_of(operator_name, site_), arguments_);
-    const auto domain = opened(opening, stack, arguments_, site_);
-    if (!domain && !opening.failed())
-      return solved_alone([&] { return SolveOnce::operator()(stack); });
+    open_on_site(opening, stack, arguments_, site_);
+    if (opening.is_alone()) return solved_alone([&] { return SolveOnce::operator()(stack); });
     opening.alone([&] { opening.call = read_call(stack, arguments_, b_, site_.two_bodies()); });
-    return opening.together_with(domain.get(), [&] {
+    return opening.with_others([&] {
       PointLaws laws;
-      const auto shared = read_shared(stack, arguments_, A_, site_, domain, false, opening, laws);
+      const auto shared = read_shared(stack, arguments_, A_, site_, false, opening, laws);
       return result(stack,
                     solve_together(stack, *opening.call, *shared, with_ghosts(laws, *shared)));
     });
@@ -138,12 +132,11 @@ class SharedConstruct : public Construct {
   using Construct::Construct;
   AnyType operator()(Stack stack) const override {
     Opening opening(constructor_name, form_of(constructor_name, site_), arguments_);
-    const auto domain = opened(opening, stack, arguments_, site_);
-    if (!domain && !opening.failed())
-      return solved_alone([&] { return Construct::operator()(stack); });
-    return opening.together_with(domain.get(), [&] {
+    open_on_site(opening, stack, arguments_, site_);
+    if (opening.is_alone()) return solved_alone([&] { return Construct::operator()(stack); });
+    return opening.with_others([&] {
       PosedProblem posed;
-      posed.shared = read_shared(stack, arguments_, A_, site_, domain, true, opening, posed.laws);
+      posed.shared = read_shared(stack, arguments_, A_, site_, true, opening, posed.laws);
       posed.scene = posed.shared->scene;
       posed.laws = with_ghosts(posed.laws, *posed.shared);
       return variable(stack, std::move(posed));
@@ -161,9 +154,9 @@ class SharedSolveIncrement : public SolveIncrement {
     opening.alone([&] {
       posed = posed_by(evaluated("the contactproblem",
                                  [&] { return GetAny<ContactProblemVariable*>((*C_)(stack)); }));
+      if (posed.shared) opening.domain = posed.shared->domain;
     });
-    if (!posed.shared && !opening.failed())
-      return solved_alone([&] { return SolveIncrement::operator()(stack); });
+    if (opening.is_alone()) return solved_alone([&] { return SolveIncrement::operator()(stack); });
     opening.alone([&] {
       opening.problem = posed.shared->number;
       refuse_obstacles(arguments_);
@@ -171,8 +164,7 @@ class SharedSolveIncrement : public SolveIncrement {
       opening.call = read_call(stack, arguments_, b_, posed.shared->interface != nullptr);
       opening.laws = begun_laws(stack, arguments_, posed.laws);
     });
-    const Domain* domain = posed.shared ? posed.shared->domain.get() : nullptr;
-    return opening.together_with(domain, [&] {
+    return opening.with_others([&] {
       SharedScene& shared = *posed.shared;
       PointLaws laws = opening.laws;
       if (shared.interface && arguments_.has(p_gap))

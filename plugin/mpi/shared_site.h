@@ -202,7 +202,8 @@ inline void add_own_points(const Domain& domain, Boundary surface, Boundary begu
 /// The part of this process, where the stage says, of whose labels it may have none; those of the
 /// opening are the same on all.   Collective.
 inline std::shared_ptr<Scene> part_of(const Site& site, Stack stack, const Opening& opening,
-                                      const Domain& domain, const Stage& given) {
+                                      const Stage& given) {
+  const Domain& domain = *opening.domain;
   Spaces spaces;
   DofCount dofs;
   domain.agree([&] {
