@@ -38,7 +38,7 @@ inline std::unique_ptr<Call> read_call(Stack stack, const Arguments& args, const
   if (!two_bodies)
     args.refuse({p_distance}, "is that of two bodies; there is one, and an obstacle");
   args.refuse({p_times}, "is of one process; measure around the call, by mpiWtime()");
-  auto call = std::make_unique<Call>(stack, args, b);
+  auto call = std::make_unique<Call>(Call{stack, args, b});
   Method& method = call->settings.method;
   if (method != Method::automatic && method != Method::multigrid)
     refuse("method=\"", name_of(method, methods),
