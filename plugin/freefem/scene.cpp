@@ -200,16 +200,13 @@ std::shared_ptr<Scene> scene_at(const Stage& stage, const Spaces& any_stage, con
   return scene;
 }
 
-std::vector<Index> body_of_points(const Scene& scene, const std::vector<NodePlace>& places) {
-  return body_of_nodes(dofs_of(points_of(scene.nodes)), places, scene.d, scene.ndof());
-}
-
 void follow_free_motions(const Triplets& A, const std::vector<NodePlace>& places,
                          const Extent& extent, Scene& scene, const Processes& all) {
-  const std::vector<Index> body = body_of_points(scene, places);
+  const NodeDofs at_points = dofs_of(points_of(scene.nodes));
+  const std::vector<Index> body = body_of_nodes(at_points, places, scene.d, scene.ndof());
   const Index bodies = static_cast<Index>(all.largest(count_bodies(places)));
   std::unique_ptr<const Dirichlet> dirichlet;
-  all.agree([&] { dirichlet = std::make_unique<Dirichlet>(A, dofs_of(points_of(scene.nodes))); });
+  all.agree([&] { dirichlet = std::make_unique<Dirichlet>(A, at_points); });
   const mortar::Freedom freedom =
       freedom_of(A, *dirichlet, places, scene.d, extent, body, bodies, all);
   const RigidGenerators& generators = freedom.generators;

@@ -131,9 +131,6 @@ struct Scene : Geometry {
   }
 };
 
-/// The body of each contact point.
-std::vector<Index> body_of_points(const Scene& scene, const std::vector<NodePlace>& places);
-
 /// S of the scene's force, where it has one that turns; or null.
 std::unique_ptr<Stiffened> stiffened_by_force(const Triplets& A, const Scene& scene);
 

@@ -194,9 +194,10 @@ inline void add_own_points(const Domain& domain, Boundary surface, Boundary begu
          contact_points(scene.d, std::move(surface), has_begun ? &begun : nullptr, own))
       if (domain.owns(n.point.dof[0])) scene.nodes.push_back(n);
   });
-  if (domain.largest(any_curved(scene.nodes)) > 0)
-    follow_motions(scene.d, body_of_points(scene, scene.places()), bodies, has_begun, scene.nodes,
-                   domain);
+  if (domain.largest(any_curved(scene.nodes)) == 0) return;
+  const NodeDofs at_points = dofs_of(points_of(scene.nodes));
+  follow_motions(scene.d, body_of_nodes(at_points, scene.places(), scene.d, scene.ndof()), bodies,
+                 has_begun, scene.nodes, domain);
 }
 
 /// The part of this process, where the stage says, of whose labels it may have none; those of the
