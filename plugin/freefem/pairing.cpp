@@ -201,6 +201,7 @@ mortar::Freedom freedom_of(const Triplets& A, const Dirichlet& dirichlet,
 void FacedPart::add(const mortar::SlaveNode& m) {
   gap.push_back(m.gap);
   distance.push_back(m.distance);
+  own.push_back(m.own);
 }
 
 void FacedPart::add(const mortar::Pair& pair, const mortar::Statistics& found, int d,

@@ -50,6 +50,7 @@ struct FacingPair {
 /// What a mortar says of the slave's nodes.
 struct FacedPart {
   std::vector<Real> gap, distance;     ///< of each contact point [length]
+  std::vector<Real> own;               ///< SlaveNode::own of each
   std::vector<mortar::MidEdge> edges;  ///< by the nodes of the Interface
   std::vector<FacingPair> pairs;
   /// 0 at the points of other processes and of an obstacle, which follow.

@@ -248,16 +248,12 @@ void warn_of_far_slips(const Scene& scene, const Solution& solution, const Vecto
         largest =
             std::max(largest, (faces.X[f.node[v]] - faces.X[f.node[(v + 1) % faces.d]]).norm());
   const System& system = *scene.system->system();
-  const Matrix& W = scene.system->basis().W;
   const Vector w = scene.system->to_local(moved);
   for (Index k = 0; k < system.nodes(); ++k) {
-    const Index T = system.first[k] + 1;
     if (scene.on_obstacle(k) || solution.state[k] == NodeState::separated) continue;
-    if (system.tangents(k) == 0) continue;
-    Real own = 0;  // of a row beside removed nodes, which sees more than its node slip
-    for (Index i : scene.contact_point(k).point.dof) own += i < 0 ? 0 : std::abs(W.coeff(T, i));
-    const Real slip = w.segment(T, system.tangents(k)).norm();
-    farthest = std::max(farthest, slip * 2 * own / W.row(T).cwiseAbs().sum());
+    const Real own = scene.pairing->faced().own[scene.system->node(k).point];
+    const Real slip = w.segment(system.first[k] + 1, system.tangents(k)).norm();
+    farthest = std::max(farthest, slip / std::max(1., own));
   }
   if (farthest > largest)
     line() << "warning: bodies in contact slip by up to " << farthest << ", past facets of size "

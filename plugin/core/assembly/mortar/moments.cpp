@@ -214,7 +214,7 @@ Crossings crossings(const Matrix& G, const std::vector<SlaveNode>& nodes, const 
   for (const SlaveNode& node : nodes) pair_of[node.node] = node.pair;
   Crossings found(nodes.size());
   for (std::size_t k = 0; k < nodes.size(); ++k) {
-    const auto& [i, pair, label, n, D, g, distance] = nodes[k];
+    const auto& [i, pair, label, n, D, g, distance, own] = nodes[k];
     const Vec3 arm = Arm(G, k, nodes[k], all.where_forces_act()).sum;
     const auto later = [&, of = pair](Index l) { return pair_of[l] >= of; };
     const auto by = [&, i = i](const Facet& facet, Index behind) {

@@ -215,7 +215,7 @@ class Assembly {
       node.gap = node.normal.dot(offset_[node.node] / node.weight - way);
       bool leans = takes_removed_[node.node] != 0;  // on others, before which it has a part
       for (Matrix::InnerIterator it(mortar.N_, node.node); it; ++it)
-        leans = leans || !is_mid_edge(it.col());
+        if (!is_mid_edge(it.col())) node.own += it.value(), leans = true;
       if (!leans) node.gap = std::max(node.gap, least_[node.node]);
     }
   }

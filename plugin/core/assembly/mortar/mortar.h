@@ -63,6 +63,7 @@ struct SlaveNode {
   Real weight = 0;             ///< D_i, its share of the covered boundary, weighted
   Real gap = 0;                ///< [length]
   Real distance = 0;           ///< the gap as a distance: differs where a neighbour is removed
+  Real own = 1;                ///< the weights of the slave in its law, removed nodes' with its own
 };
 
 /// A mid-edge of a P2 slave that something faces, between the vertices a and b.

@@ -58,7 +58,7 @@ struct Half {
 
   Half(const Encounter& all, const Side& side, const OwnSurface& own, const Vec3& outward) {
     for (Index f : all.facets) {
-      if (side.planes[f].normal.dot(outward) <= -facing) continue;
+      if (side.planes[f].normal.dot(outward) <= -hardly) continue;
       facets.push_back(f);
       size += own.planes[f].size;
       place += centre_of(side.d, side.facet(f), own.X);

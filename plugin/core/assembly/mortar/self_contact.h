@@ -52,7 +52,8 @@ struct Roles {
 ///
 /// Slave is the side with the smaller facets, or with equal ones that whose mean place comes first
 /// along the axes, both in the reference: however a body lies, moves and is numbered, they are the
-/// same. A facet that faces nothing is on the side of the nearest one that does.
+/// same. A facet that faces nothing, or hardly looks along a, is on the side of the nearest other
+/// one.
 void find_roles(const Nodes& nodes, const std::vector<Pair>& pairs, Real maxgap,
                 std::vector<Roles>& decided);
 
