@@ -72,7 +72,7 @@ Vector resistances(const Surfaces& s, Index first = 0,
   const Mortar mortar = s.mortar();
   Eigen::MatrixXd work = Eigen::MatrixXd::Zero(mortar.nodes().size(), 6);
   for (std::size_t k = 0; k < mortar.nodes().size(); ++k) {
-    const auto& [i, pair, label, n, weight, gap, distance] = mortar.nodes()[k];
+    const auto& [i, pair, label, n, weight, gap, distance, own] = mortar.nodes()[k];
     if (i >= first && i < last)
       work.row(Index(k)) << n.transpose(), s.nodes.X[i].cross(n).transpose();
   }
