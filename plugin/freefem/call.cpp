@@ -364,9 +364,11 @@ Vector solve(Stack stack, const Call& call, Scene& scene, const PointLaws& laws)
     refuse_unconverged(solution, call.settings, blamed);
   write_outputs(scene, solution, laws, progress, out);
   if (scene.moving) write_motions(scene, solution, moved, call.motions);
-  if (call.verb > 0) warn_of_large_displacements(scene, field);
-  if (call.verb > 0) warn_of_far_slips(scene, solution, moved);
-  if (call.verb > 0 && scene.moving) warn_of_turns(scene, moved);
+  if (call.verb > 0) {
+    warn_of_large_displacements(scene, field);
+    warn_of_far_slips(scene, solution, moved);
+    if (scene.moving) warn_of_turns(scene, moved);
+  }
   const Times& t = solution.times;
   Vector seconds(8);
   seconds << scene.copy_seconds, t.order, t.factor, t.condense, t.contact, t.back_substitution,

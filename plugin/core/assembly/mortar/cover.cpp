@@ -59,10 +59,7 @@ class Covering {
         own_(slave, nodes, itself),
         earlier_(earlier),
         moved_(earlier ? moved_since(*earlier, X_) : 0),
-        tree_(d_, master.surface.facets, master.planes, X_) {
-    for (Index f = 0; f < slave.facets(); ++f)
-      for (int v = 0; v < d_; ++v) at_vertex_[slave.facet(f).node[v]].push_back(f);
-  }
+        tree_(d_, master.surface.facets, master.planes, X_) {}
 
   Cover run() {
     Cover result;
@@ -133,7 +130,7 @@ class Covering {
   }
   /// A corner that overlaps a face does so with both of its sides: it is before the one that looks
   /// at the face, not before one that hardly does and would be pushed along it.
-  bool looks_better_beyond_edge(Index f, Index m) const {
+  bool looks_better_beyond_edge(Index f, Index m) {
     const Side& slave = earlier_ ? earlier_->slave : slave_;
     const Vec3& normal = (earlier_ ? earlier_->master : master_).planes[m].normal;
     const Real own = normal.dot(slave.planes[f].normal);
@@ -142,11 +139,18 @@ class Covering {
              slave.planes[f].normal.dot(slave.planes[g].normal) < sharp;
     };
     const auto at_vertex = [&](Index i) {
-      const std::vector<Index>& facets = at_vertex_.at(i);
+      const std::vector<Index>& facets = facets_at(i);
       return std::any_of(facets.begin(), facets.end(), does);
     };
     const auto& node = slave_.facet(f).node;
     return own > hardly && std::any_of(node.begin(), node.begin() + d_, at_vertex);
+  }
+  /// Of the slave, at a node; found when a corner first overlaps.
+  const std::vector<Index>& facets_at(Index i) {
+    if (facets_at_.empty())
+      for (Index f = 0; f < slave_.facets(); ++f)
+        for (int v = 0; v < d_; ++v) facets_at_[slave_.facet(f).node[v]].push_back(f);
+    return facets_at_.at(i);
   }
   /// A master's facet, where it was decided what faces what.
   struct Begun {
@@ -270,7 +274,7 @@ class Covering {
   const std::optional<Earlier>& earlier_;
   const Real moved_;
   FacetTree tree_;
-  std::map<Index, std::vector<Index>> at_vertex_;  ///< facets of the slave, by nodes
+  std::map<Index, std::vector<Index>> facets_at_;
   std::vector<Index> found_;
   std::vector<Candidate> candidates_;
   std::vector<std::vector<std::size_t>> nearer_;  ///< per candidate: those that hide parts of it
